@@ -1,0 +1,41 @@
+// The program's commands, one file each. Adding one is one file, its declaration here and its name in main.cpp.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace polhode {
+
+/// Adds a command to the program. Its callback runs when the command is given, and sets `exit_code`: 0 done, 1 the run
+/// ended in a named failure. Bad usage or input is thrown: UsageError, InputError.
+using AddCommand = void (*)(CLI::App& program, int& exit_code);
+
+void add_solve(CLI::App& program, int& exit_code);
+void add_describe(CLI::App& program, int& exit_code);
+void add_run(CLI::App& program, int& exit_code);
+void add_truth(CLI::App& program, int& exit_code);
+void add_list(CLI::App& program, int& exit_code);
+
+/// Bad usage: one line on stderr, exit code 2.
+class UsageError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Parses the command line, runs the command given and turns every exception into one line on stderr and an exit code:
+/// 2 for bad usage or input, 1 for whatever else went wrong.
+int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands);
+
+/// Writes data to stdout, or atomically to `path` where it is not empty. Throws std::runtime_error.
+void write_output(const std::string& path, std::string_view text);
+
+/// Throws UsageError unless `value` is finite and positive; `option` is named in the message.
+void require_positive(const char* option, double value);
+
+/// Throws UsageError unless 1 <= count <= most.
+void require_count(const char* option, long count, long most);
+
+}  // namespace polhode

@@ -1,0 +1,17 @@
+// What `polhode describe` prints.
+#pragma once
+
+#include <string>
+
+#include "integrators/method.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// Mass properties, start, loads, the system posed, what was left out and why, invariants, conditioning at T.
+std::string describe_scene(const Scene& scene);
+
+/// Name, documentation, control, order, what it conserves, source.
+std::string describe_method(const Method& method);
+
+}  // namespace polhode

@@ -1,0 +1,141 @@
+// polhode list: what there is, a line each.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/lookup.h"
+#include "integrators/method.h"
+#include "scene/builtin.h"
+#include "scene/json_document.h"
+#include "scene/scene_file.h"
+#include "table/table.h"
+
+namespace polhode {
+namespace {
+
+struct Entry {
+    std::string name, about;
+};
+
+// up to the first full stop that ends a sentence
+std::string first_sentence(std::string_view text) {
+    const std::size_t stop = text.find(". ");
+    std::string sentence(text.substr(0, stop == text.npos ? text.size() : stop));
+    while (!sentence.empty() && (sentence.back() == '.' || sentence.back() == '\n')) sentence.pop_back();
+    std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+    return sentence;
+}
+
+std::vector<Entry> texts(std::span<const BuiltinText> all) {
+    std::vector<Entry> entries;
+    for (const BuiltinText& one : all) {
+        const JsonDocument document(one.text, std::string(one.name));
+        const JsonNode* about = document.root().find("about");
+        entries.push_back({std::string(one.name), about ? about->string() : ""});
+    }
+    return entries;
+}
+
+std::vector<Entry> scenes() { return texts(builtin_scenes()); }
+std::vector<Entry> experiments() { return texts(builtin_experiments()); }
+
+std::vector<Entry> methods_with_auto() {
+    std::vector<Entry> entries{{"auto", "The most accurate of these for the scene"}};
+    for (const Method* method : methods())
+        entries.push_back({std::string(method->name), first_sentence(method->documentation)});
+    return entries;
+}
+
+// the columns of the result table that measure something
+std::vector<Entry> metrics() {
+    return {
+        {"attitude_error_final", "Angle between the attitude and the truth at T, rad"},
+        {"attitude_error_max", "The same, the largest over all samples, rad"},
+        {"omega_error_max", "|w_B - w_B,truth| over the run's largest |w|, the largest over all samples"},
+        {"energy_error_max", "|E - E_truth| over the run's largest of |E| and the kinetic energy"},
+        {"momentum_error_max", "|L_W - L_W,truth| as a vector, over the run's largest |L|"},
+        {"norm_error_max", "| |q| - 1 |; of a matrix method the Frobenius norm of A^T A - 1"},
+        {"seconds_min", "Wall clock of the integration alone, the shortest of the repeats, s"},
+        {"seconds_median", "The same, the median of the repeats, s"},
+        {"steps", "Steps taken"},
+        {"rhs_evaluations", "Evaluations of the right-hand side"},
+    };
+}
+
+std::string as_text(const std::vector<Entry>& entries) {
+    std::size_t width = 0;
+    for (const Entry& entry : entries) width = std::max(width, entry.name.size());
+    std::string text;
+    for (const Entry& entry : entries)
+        text += entry.about.empty() ? entry.name + "\n" : fmt::format("{:{}}  {}\n", entry.name, width, entry.about);
+    return text;
+}
+
+std::string as_json(const std::vector<Entry>& entries) {
+    std::string text;
+    for (const Entry& entry : entries)
+        text += fmt::format("{}\n  {{\"name\": {}, \"about\": {}}}", text.empty() ? "" : ",", json_string(entry.name),
+                            json_string(entry.about));
+    return "[" + text + "\n]\n";
+}
+
+const char* name_of(Control control) {
+    switch (control) {
+        case Control::none:
+            return "none";
+        case Control::fixed_step:
+            return "step";
+        case Control::tolerance:
+            return "tolerance";
+        case Control::fixed_step_or_tolerance:
+            break;
+    }
+    return "step or tolerance";
+}
+
+// README's table of methods; the others have no more than name and about
+std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
+    Table table{{"name", "about"}, {}};
+    if (what == "methods") {
+        table.columns = {"method", "setting", "order", "conserves", "about"};
+        for (const Method* method : methods()) {
+            table.rows.push_back({std::string(method->name), std::string(name_of(method->control)),
+                                  method->order > 0 ? Cell(long(method->order)) : Cell(),
+                                  std::string(method->conserves), first_sentence(method->documentation)});
+        }
+    } else {
+        for (const Entry& entry : entries) table.rows.push_back({entry.name, entry.about});
+    }
+    return markdown(table);
+}
+
+}  // namespace
+
+void add_list(CLI::App& program, int&) {
+    struct Options {
+        std::string what, format = "text";
+    };
+    CLI::App* command = program.add_subcommand("list", "Lists what there is, a line each.");
+    const auto options = std::make_shared<Options>();
+    command->add_option("WHAT", options->what, "scenes, methods, experiments or metrics")
+        ->required()
+        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics"}));
+    command->add_option("--format", options->format, "text, json or markdown")
+        ->check(CLI::IsMember({"text", "json", "markdown"}))
+        ->capture_default_str();
+    command->callback([options] {
+        const std::vector<Entry> entries = options->what == "scenes"        ? scenes()
+                                           : options->what == "methods"     ? methods_with_auto()
+                                           : options->what == "experiments" ? experiments()
+                                                                            : metrics();
+        write_output("", options->format == "json"       ? as_json(entries)
+                         : options->format == "markdown" ? as_markdown(options->what, entries)
+                                                         : as_text(entries));
+    });
+}
+
+}  // namespace polhode

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "app/commands.h"
+#include "integrators/versions.h"
+#include "scene/message.h"
+#include "scene/scene.h"
+#include "table/atomic_file.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr int bad_usage = 2, failed = 1;
+
+int complain(int exit_code, std::string_view message) {
+    std::fputs(("polhode: " + one_line(message, 1500) + "\n").c_str(), stderr);
+    return exit_code;
+}
+
+std::string versions() {
+    std::string text = "polhode " POLHODE_VERSION;
+    for (const auto& [name, version] : library_versions()) text += fmt::format("\n{} {}", name, version);
+    return text + "\nCLI11 " CLI11_VERSION;
+}
+
+// CLI11 would only say that some command is required.
+void require_command(const CLI::App& program, int argc, const char* const* argv) {
+    if (argc < 2 || argv[1][0] == '-') return;
+    std::vector<std::string> names;
+    for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
+    if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+    const std::string meant = did_you_mean(argv[1], names);
+    throw UsageError(
+        fmt::format("there is no command {}; {}", argv[1], meant.empty() ? "commands: " + listed(names) : meant));
+}
+
+}  // namespace
+
+void require_positive(const char* option, double value) {
+    if (!(std::isfinite(value) && value > 0))
+        throw UsageError(fmt::format("{} is {}; give a finite number > 0", option, shortest_decimal(value)));
+}
+
+void require_count(const char* option, long count, long most) {
+    if (count < 1 || count > most) throw UsageError(fmt::format("{} is {}; give 1 to {}", option, count, most));
+}
+
+void write_output(const std::string& path, std::string_view text) {
+    if (!path.empty()) {
+        write_atomically(path, text);
+        return;
+    }
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw std::runtime_error(fmt::format("stdout cannot be written: {}", std::strerror(errno)));
+}
+
+int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands) {
+    CLI::App program{
+        "polhode: poses a rigid body's motion as a differential equation, solves it and measures how "
+        "wrong each method is for how much time.",
+        "polhode"};
+    program.set_version_flag("--version", versions, "Versions of the program and of the libraries in use");
+    program.require_subcommand(1);
+    program.failure_message(CLI::FailureMessage::simple);
+    int exit_code = 0;
+    for (const AddCommand add : commands) add(program, exit_code);
+    try {
+        require_command(program, argc, argv);
+        program.parse(argc, argv);
+        return exit_code;
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return program.exit(error);
+        return complain(bad_usage, fmt::format("{}; see polhode --help", error.what()));
+    } catch (const UsageError& error) {
+        return complain(bad_usage, error.what());
+    } catch (const InputError& error) {
+        return complain(bad_usage, error.what());
+    } catch (const std::bad_alloc&) {
+        return complain(failed, "out of memory");
+    } catch (const std::exception& error) {
+        return complain(failed, error.what());
+    }
+}
+
+}  // namespace polhode

@@ -1,0 +1,137 @@
+// polhode solve: one trajectory.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "app/commands.h"
+#include "app/lookup.h"
+#include "integrators/method.h"
+#include "motion/trajectory_csv.h"
+#include "scene/message.h"
+#include "scene/scene_file.h"
+#include "table/atomic_file.h"
+
+namespace polhode {
+namespace {
+
+constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000;
+
+struct Options {
+    std::string scene, method = "auto", output;
+    std::optional<double> step, tolerance, duration;
+    std::optional<long> steps;
+    long samples = 100, max_steps = Settings{}.max_steps;
+    bool full = false;
+};
+
+void check(const Options& options) {
+    if (options.step) require_positive("--step", *options.step);
+    if (options.tolerance) require_positive("--tolerance", *options.tolerance);
+    if (options.duration) require_positive("--duration", *options.duration);
+    if (options.steps) require_count("--steps", *options.steps, most_steps);
+    require_count("--samples", options.samples, most_samples);
+    require_count("--max-steps", options.max_steps, most_steps);
+    if (!options.output.empty()) {
+        try {
+            require_writable(options.output);
+        } catch (const std::runtime_error& error) {
+            throw UsageError(error.what());
+        }
+    }
+}
+
+Choice chosen(const Options& options, const Problem& problem) {
+    const Choice choice = options.method == "auto" ? choose_method(problem) : Choice{&method_named(options.method), ""};
+    const std::string name(choice.method->name);
+    if ((options.step || options.steps) && !takes_step(*choice.method))
+        throw UsageError(fmt::format("{} takes no step; leave out {}", name, options.step ? "--step" : "--steps"));
+    if (options.tolerance && !takes_tolerance(*choice.method))
+        throw UsageError(fmt::format("{} takes no tolerance; leave out --tolerance", name));
+    return choice;
+}
+
+std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+
+// What the run did, for people: a line each.
+std::string summary(const Options& options, const Problem& problem, const Choice& choice, const Settings& settings,
+                    const Trajectory& trajectory) {
+    const double T = problem.scene.duration;
+    std::string text = fmt::format("scene    {}: {}, {} variables, {} s\n", one_line(problem.scene.name, 100),
+                                   name_of(problem.needs.system), problem.needs.dimension, T);
+    text += fmt::format("method   {}", choice.method->name);
+    if (!choice.why.empty()) text += fmt::format(" (auto: {})", choice.why);
+    if (settings.tolerance) text += fmt::format(", tolerance {}", *settings.tolerance);
+    text += '\n';
+    if (trajectory.step > 0) {
+        text += fmt::format("step     {} s", trajectory.step);
+        const double asked = settings.step ? *settings.step : trajectory.step;
+        if (trajectory.step < asked * (1 - 1e-9))
+            text +=
+                fmt::format(", rounded down from {} s so that whole steps meet all {} samples", asked, options.samples);
+        text += '\n';
+    }
+    text += fmt::format("status   {}{}{}\n", name_of(trajectory.status), trajectory.message.empty() ? "" : ": ",
+                        one_line(trajectory.message, 500));
+    text += fmt::format("cost     {}, {}, {:.6f} s\n", plural(trajectory.steps, "step"),
+                        plural(trajectory.rhs_evaluations, "right-hand side"), trajectory.seconds);
+    return text;
+}
+
+int run(const Options& options) {
+    check(options);
+    if (options.method != "auto") method_named(options.method);
+    Scene scene = find_scene(options.scene);
+    if (options.duration) scene.duration = *options.duration;
+    Settings settings;
+    settings.samples = options.samples;
+    settings.max_steps = options.max_steps;
+    settings.formulation = options.full ? Formulation::full : Formulation::reduced;
+    settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
+    settings.tolerance = options.tolerance;
+    if (settings.step) require_positive("the step", *settings.step);
+    const Problem problem = pose(scene, settings.formulation);
+    const Choice choice = chosen(options, problem);
+    settings = with_defaults(problem, *choice.method, settings);
+    const Trajectory trajectory = solve(problem, *choice.method, settings);
+    // what was reached is kept: it tells how far the method came
+    if (!trajectory.samples.empty()) write_output(options.output, trajectory_csv(trajectory));
+    std::fputs(summary(options, problem, choice, settings, trajectory).c_str(), stderr);
+    return trajectory.status == Status::ok ? 0 : 1;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand(
+        "solve", "Solves a scene: one trajectory (CSV) to stdout or a file, a summary to stderr.");
+    const auto options = std::make_shared<Options>();
+    command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    command
+        ->add_option("--method", options->method,
+                     "A method (polhode list methods); auto: the most accurate for the scene")
+        ->capture_default_str();
+    CLI::Option* step = command->add_option(
+        "--step", options->step, "Step in s, rounded down so that whole steps meet every sample (default T/10^4)");
+    CLI::Option* steps = command->add_option("--steps", options->steps, "The same as a number of steps");
+    CLI::Option* tolerance =
+        command->add_option("--tolerance", options->tolerance,
+                            "Relative tolerance; the absolute one is this times the component's scale (default 1e-10)");
+    step->excludes(steps)->excludes(tolerance);
+    steps->excludes(tolerance);
+    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
+    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
+    command->add_option("--max-steps", options->max_steps, "A run that needs more steps ends as failed")
+        ->capture_default_str();
+    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
+    // an empty value is a slip of a script's, not a wish for the default
+    for (CLI::Option* option : command->get_options())
+        if (option->get_expected_max() > 0)
+            option->check([](const std::string& value) { return value.empty() ? "is empty" : std::string(); }, "");
+    command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace polhode

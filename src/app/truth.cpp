@@ -1,0 +1,108 @@
+// polhode truth: the reference trajectory, in decimals.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/commands.h"
+#include "integrators/truth/reference.h"
+#include "scene/json_document.h"
+#include "scene/message.h"
+#include "scene/scene_file.h"
+#include "table/atomic_file.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr long most_samples = 1'000'000;
+constexpr const char* names[] = {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
+
+struct Options {
+    std::string scene, format = "csv", output;
+    std::optional<double> duration;
+    long samples = 100;
+    int digits = 17;
+    bool certified = false;
+};
+
+std::string csv(const Scene& scene, const DecimalReference& truth) {
+    std::string text = fmt::format("# {}: {}\nt", one_line(scene.name, 100), truth.message);
+    for (const char* name : names) text.append(",").append(name);
+    text += ",bound\n";
+    const std::string bound = fmt::format(",{:.2e}\n", truth.bound);
+    for (std::size_t i = 0; i < truth.times.size(); ++i) {
+        text += shortest_decimal(truth.times[i]);
+        for (const std::string& value : truth.columns[i]) text.append(",").append(value);
+        text += bound;
+    }
+    return text;
+}
+
+std::string json(const Scene& scene, const Options& options, const DecimalReference& truth) {
+    std::string text = fmt::format(
+        "{{\"scene\": {}, \"scene_hash\": \"{}\", \"method\": {}, \"digits\": {}, \"bound\": {:.2e},\n \"columns\": "
+        "[\"t\"",
+        json_string(scene.name), truth.scene_hash, json_string(truth.message), options.digits, truth.bound);
+    for (const char* name : names) text += fmt::format(", \"{}\"", name);
+    text += "],\n \"samples\": [";
+    for (std::size_t i = 0; i < truth.times.size(); ++i) {
+        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i]));
+        for (const std::string& value : truth.columns[i]) text += fmt::format(", \"{}\"", value);
+        text += ']';
+    }
+    return text + "\n]}\n";
+}
+
+int run(const Options& options) {
+    if (options.certified) throw UsageError("--certified is not available yet; leave it out");
+    require_count("--samples", options.samples, most_samples);
+    require_count("--digits", options.digits, 1'000'000);
+    if (options.duration) require_positive("--duration", *options.duration);
+    if (!options.output.empty()) {
+        try {
+            require_writable(options.output);
+        } catch (const std::runtime_error& error) {
+            throw UsageError(error.what());
+        }
+    }
+    Scene scene = find_scene(options.scene);
+    if (options.duration) scene.duration = *options.duration;
+    const DecimalReference truth = decimal_reference(scene, options.samples, options.digits);
+    if (!truth.available) {
+        std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
+        return 1;
+    }
+    write_output(options.output, options.format == "json" ? json(scene, options, truth) : csv(scene, truth));
+    std::fputs(fmt::format("scene    {}\ntruth    {}\nbound    {:.2e}\n", one_line(scene.name, 100), truth.message,
+                           truth.bound)
+                   .c_str(),
+               stderr);
+    return 0;
+}
+
+}  // namespace
+
+void add_truth(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand(
+        "truth", "The reference trajectory of a scene in decimals, with its bound and where it came from.");
+    const auto options = std::make_shared<Options>();
+    command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
+    command
+        ->add_option(
+            "--digits", options->digits,
+            fmt::format("Correct digits, relative to the largest length of q, w, p, v (at most {})", most_truth_digits))
+        ->capture_default_str();
+    command->add_flag("--certified", options->certified, "Digits that are proven (not available yet)");
+    command->add_option("--format", options->format, "csv or json")
+        ->check(CLI::IsMember({"csv", "json"}))
+        ->capture_default_str();
+    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
+    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace polhode

@@ -1,0 +1,32 @@
+// Mass properties as the equations of motion need them, over any scalar.
+#pragma once
+
+#include "body/algebra.h"
+
+namespace polhode {
+
+/// Parallel axis theorem: what the tensor about the centre of mass gains at a point `arm` away from it,
+/// m (|a|^2 1 - a a^T).
+template <class S>
+Matrix3<S> parallel_axis(const S& mass, const Vector3<S>& arm) {
+    const S square = dot(arm, arm);
+    Matrix3<S> m;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[i][j] = mass * ((i == j ? square : S(0)) - arm[i] * arm[j]);
+    return m;
+}
+
+/// Principal moments (kg m^2) and the unit quaternion that maps principal components to body components:
+/// I_B = R(q_BP) diag(moments) R(q_BP)^T. A diagonal tensor keeps its axes and their order, with q_BP = 1 exactly.
+struct PrincipalFrame {
+    Vector3<double> moments;
+    Quaternion<double> q_BP;
+    Vector3<double> gyroscopic;       ///< (I2 - I3)/I1, (I3 - I1)/I2, (I1 - I2)/I3, each rounded once
+    Vector3<double> inverse_moments;  ///< 1/I_i, rounded once
+};
+
+/// The principal frame of a symmetric tensor, worked out in 128-bit arithmetic (Jacobi rotations) and rounded once.
+/// `tensor` = `about_center` plus the parallel-axis term of `mass` and `arm`, formed in that arithmetic as well.
+PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm);
+
+}  // namespace polhode

@@ -1,0 +1,60 @@
+#include "experiment/case_store.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "table/atomic_file.h"
+#include "table/content_hash.h"
+
+namespace polhode {
+namespace {
+
+std::filesystem::path path_of(const std::string& directory, const std::string& key, const char* ending) {
+    return std::filesystem::path(directory) / ".cases" / (key + ending);
+}
+
+std::optional<Table> load_table(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return {};
+    try {
+        return parse_csv(std::string(std::istreambuf_iterator<char>(file), {}));
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
+}
+
+}  // namespace
+
+std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting) {
+    const Experiment& e = plan.experiment;
+    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {}\n{} {} {} {}\n", program_key(), e.name, scene.label,
+                                    scene.canonical, curve.method->name, name_of(curve.kind), setting, e.samples,
+                                    e.repeats, e.seconds_per_run, e.max_steps));
+}
+
+std::optional<Result> load_case(const std::string& directory, const std::string& key) {
+    const auto row = load_table(path_of(directory, key, ".csv"));
+    if (!row || row->rows.size() != 1) return {};
+    try {
+        Result result = result_of(*row, 0);
+        if (const auto series = load_table(path_of(directory, key, ".series.csv"))) result.series = series_of(*series);
+        return result;
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
+}
+
+void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
+               const Result& result) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    // the series first: a row is there only once all of the case is
+    if (!result.series.t.empty())
+        write_atomically(path_of(directory, key, ".series.csv").string(), csv(series_table(result.series)));
+    write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
+}
+
+}  // namespace polhode

@@ -1,0 +1,43 @@
+// A loop shared by threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace polhode {
+
+/// Calls work(i) for i = 0..count-1 on at most `jobs` threads, each index once. The first exception is thrown again
+/// here after all threads have stopped. What work(i) writes must belong to i alone.
+template <class Work>
+void parallel_for(std::size_t count, int jobs, const Work& work) {
+    const std::size_t threads = std::min<std::size_t>(count, jobs < 1 ? 1 : static_cast<std::size_t>(jobs));
+    if (threads <= 1) {
+        for (std::size_t i = 0; i < count; ++i) work(i);
+        return;
+    }
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr failure;
+    std::mutex failure_mutex;
+    {
+        std::vector<std::jthread> pool;
+        for (std::size_t k = 0; k < threads; ++k)
+            pool.emplace_back([&] {
+                for (std::size_t i = next++; i < count; i = next++) {
+                    try {
+                        work(i);
+                    } catch (...) {
+                        const std::lock_guard lock(failure_mutex);
+                        if (!failure) failure = std::current_exception();
+                        next = count;
+                    }
+                }
+            });
+    }
+    if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace polhode

@@ -1,0 +1,228 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "experiment/experiment.h"
+#include "experiment/pattern.h"
+#include "scene/builtin.h"
+#include "scene/json_document.h"
+#include "scene/message.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::ordered_json;
+
+double positive(const JsonNode& node, const char* what) {
+    const double value = node.number();
+    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
+    return value;
+}
+
+long positive_count(const JsonNode& node) {
+    const long value = node.whole_number();
+    if (value < 1) node.fail(node.described(), "must be at least 1");
+    return value;
+}
+
+std::vector<std::string> strings(const JsonNode& node) {
+    std::vector<std::string> result;
+    for (const JsonNode* element : node.elements()) result.push_back(element->string());
+    if (result.empty()) node.fail("is empty", "at least one name");
+    return result;
+}
+
+// A list, or {"from", "to", "count"} with logarithmic spacing; from coarse to fine either way.
+std::vector<double> settings_list(const JsonNode& node, const char* what) {
+    std::vector<double> values;
+    if (node.is_object()) {
+        node.only({"from", "to", "count"});
+        const double from = positive(node.required("from", "the first value"), what);
+        const double to = positive(node.required("to", "the last value"), what);
+        const long count = positive_count(node.required("count", "how many values"));
+        if (count > 10000) node.fail("has more than 10000 values", "a smaller count");
+        // to 12 digits, so that decades are decades
+        const auto tidy = [](double value) { return std::stod(fmt::format("{:.12g}", value)); };
+        for (long i = 0; i < count; ++i) {
+            const double along = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
+            const bool end = i == 0 || i == count - 1;
+            values.push_back(end ? (i == 0 ? from : to) : tidy(from * std::pow(to / from, along)));
+        }
+    } else {
+        for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
+        if (values.empty()) node.fail("is empty", "at least one value, or leave the key out");
+    }
+    std::sort(values.begin(), values.end(), std::greater<>());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    return values;
+}
+
+Kind kind_named(const JsonNode& node) {
+    if (node.string() == "sweep") return Kind::sweep;
+    if (node.string() == "convergence") return Kind::convergence;
+    if (node.string() == "drift") return Kind::drift;
+    node.fail(node.described(), "one of sweep, convergence, drift");
+}
+
+std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
+    if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
+    try {
+        return Pattern(entry.substr(1, entry.size() - 2));
+    } catch (const std::invalid_argument& error) {
+        throw InputError(file, place, "is no regular expression: " + one_line(error.what(), 100),
+                         "a POSIX extended regular expression between slashes");
+    }
+}
+
+std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
+                                  const std::string& file, const char* key, bool paths) {
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const std::string place = fmt::format("/{}/{}", key, i);
+        // a path may begin and end with a slash only if it is a directory, which no scene is
+        if (const auto pattern = pattern_of(entries[i], file, place)) {
+            const std::size_t before = names.size();
+            bool any = false;
+            for (const std::string& name : known)
+                if (pattern->matches(name)) add(name), any = true;
+            if (!any && names.size() == before)
+                throw InputError(file, place, one_line(entries[i], 80) + " matches nothing", "one of " + listed(known));
+        } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
+            add(entries[i]);
+        } else {
+            throw InputError(file, place, "there is no " + one_line(entries[i], 80),
+                             did_you_mean(entries[i], known) + " `polhode list " + key + "` names them all");
+        }
+    }
+    return names;
+}
+
+PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
+                    const std::string& file) {
+    if (changes.empty()) return base;
+    ordered_json json = ordered_json::parse(base.canonical);
+    std::string label;
+    for (const auto& [pointer, value] : changes) {
+        try {
+            json[ordered_json::json_pointer(pointer)] = ordered_json::parse(value);
+        } catch (const nlohmann::json::exception& error) {
+            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point into " + base.label,
+                             one_line(error.what(), 160));
+        }
+        label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
+    }
+    PlannedScene scene;
+    scene.label = base.label + "{" + label + "}";
+    scene.scene = parse_scene(json.dump(), scene.label);
+    scene.canonical = write_scene(scene.scene);
+    return scene;
+}
+
+std::vector<double> thinned(const std::vector<double>& values) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < values.size(); i += 3) kept.push_back(values[i]);
+    return kept;
+}
+
+}  // namespace
+
+const char* name_of(SettingKind kind) {
+    return kind == SettingKind::step ? "step" : kind == SettingKind::tolerance ? "tolerance" : "none";
+}
+
+Experiment parse_experiment(std::string_view text, const std::string& file) {
+    const JsonDocument document(text, file);
+    const JsonNode& root = document.root();
+    root.only({"name", "about", "kind", "scenes", "methods", "settings", "vary", "samples", "repeats",
+               "seconds_per_run", "max_steps"});
+    Experiment e;
+    e.name = root.required("name", "the experiment's name").string();
+    // it names files
+    if (!Pattern("^[A-Za-z0-9_-]{1,64}$").matches(e.name))
+        root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
+    if (const JsonNode* node = root.find("about")) e.about = node->string();
+    if (const JsonNode* node = root.find("kind")) e.kind = kind_named(*node);
+    e.scenes = strings(root.required("scenes", "a list of scenes"));
+    e.methods = strings(root.required("methods", "a list of methods"));
+    if (const JsonNode* node = root.find("settings")) {
+        node->only({"steps", "tolerances"});
+        if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
+        if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
+    }
+    if (const JsonNode* node = root.find("vary")) {
+        const ordered_json raw = ordered_json::parse(text, nullptr, true, true).at("vary");
+        for (const JsonNode* member : node->members()) {
+            Variation variation{member->key(), {}};
+            if (member->elements().empty()) member->fail("is empty", "at least one value");
+            for (const ordered_json& value : raw.at(member->key())) variation.values.push_back(value.dump());
+            e.vary.push_back(std::move(variation));
+        }
+    }
+    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node);
+    if (const JsonNode* node = root.find("repeats")) {
+        e.repeats = static_cast<int>(std::min(positive_count(*node), 1000000L));
+    }
+    if (const JsonNode* node = root.find("seconds_per_run")) e.seconds_per_run = positive(*node, "a time");
+    if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node);
+    return e;
+}
+
+Experiment find_experiment(const std::string& name_or_path) {
+    const std::vector<std::string> names = builtin_experiment_names();
+    if (const std::string_view text = builtin_experiment_text(name_or_path); !text.empty())
+        return parse_experiment(text, name_or_path);
+    if (std::filesystem::exists(name_or_path)) return parse_experiment(read_text(name_or_path), name_or_path);
+    throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
+                     did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
+}
+
+Plan make_plan(const Experiment& experiment, const std::string& file, bool quick) {
+    Plan plan{experiment, {}, {}};
+    Experiment& e = plan.experiment;
+    if (quick) {
+        e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);
+        e.repeats = std::min(e.repeats, 3), e.seconds_per_run = std::min(e.seconds_per_run, 0.05);
+    }
+    std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
+    for (const Variation& variation : e.vary) {
+        std::vector<std::vector<std::pair<std::string, std::string>>> next;
+        for (const auto& combination : combinations)
+            for (const std::string& value : variation.values) {
+                next.push_back(combination);
+                next.back().emplace_back(variation.pointer, value);
+            }
+        combinations = std::move(next);
+    }
+    for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
+        const Scene scene = find_scene(name);
+        const PlannedScene base{scene.name, scene, write_scene(scene)};
+        for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
+    }
+    std::vector<std::string> method_names;
+    for (const Method* method : methods()) method_names.emplace_back(method->name);
+    for (const std::string& name : resolved(e.methods, method_names, file, "methods", false)) {
+        const auto place = std::find(method_names.begin(), method_names.end(), name);
+        const int color = static_cast<int>(place - method_names.begin());
+        const Method* method = methods()[static_cast<std::size_t>(color)];
+        const std::size_t before = plan.curves.size();
+        if (takes_step(*method) && !e.steps.empty()) plan.curves.push_back({method, color, SettingKind::step, e.steps});
+        if (takes_tolerance(*method) && !e.tolerances.empty())
+            plan.curves.push_back({method, color, SettingKind::tolerance, e.tolerances});
+        if (method->control == Control::none) plan.curves.push_back({method, color, SettingKind::none, {std::nan("")}});
+        const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
+        if (plan.curves.size() == before && named)
+            throw InputError(file, "/settings", name + " has no setting to run at",
+                             takes_step(*method) ? "give steps" : "give tolerances");
+    }
+    return plan;
+}
+
+}  // namespace polhode

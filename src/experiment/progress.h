@@ -1,0 +1,25 @@
+// A progress bar on a terminal; nothing elsewhere.
+#pragma once
+
+#include <string>
+
+namespace polhode {
+
+class Progress {
+  public:
+    /// `quiet`, or standard error not a terminal: nothing is shown.
+    Progress(long total, bool quiet);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void advance(const std::string& what);
+    void say(const std::string& what);
+
+  private:
+    void show(const std::string& what) const;
+    long total_, done_ = 0;
+    bool shown_;
+};
+
+}  // namespace polhode

@@ -1,0 +1,153 @@
+#include "experiment/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "experiment/provenance.h"
+#include "integrators/versions.h"
+#include "measure/observed_order.h"
+#include "table/atomic_file.h"
+
+namespace polhode {
+namespace {
+
+// What a reader of the page needs of the columns; the csv has them all.
+Table for_people(const Table& table) {
+    return select(table, {{"scene", "scene"},
+                          {"method", "method"},
+                          {"setting_kind", "setting"},
+                          {"setting", "value"},
+                          {"status", "status"},
+                          {"seconds_median", "time (s)"},
+                          {"steps", "steps"},
+                          {"rhs_evaluations", "evaluations"},
+                          {"attitude_error_final", "attitude, end (rad)"},
+                          {"attitude_error_max", "attitude, max (rad)"},
+                          {"momentum_error_max", "momentum"},
+                          {"energy_error_max", "energy"},
+                          {"message", "message"}});
+}
+
+void write_table(const Table& full, const Table& short_form, const std::string& caption, const std::string& path,
+                 const std::string& name) {
+    write_atomically(path + ".csv", csv(full));
+    write_atomically(path + ".json", json(full));
+    write_atomically(path + ".md", markdown(short_form));
+    write_atomically(path + ".tex", latex(short_form, caption, "tab:" + name));
+}
+
+}  // namespace
+
+std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
+                                   const PlannedCurve& curve) {
+    std::vector<const Result*> rows;
+    for (const Result& r : results)
+        if (r.scene == scene.label && r.method == curve.method->name && r.setting_kind == curve.kind)
+            rows.push_back(&r);
+    return rows;
+}
+
+Table order_table(const Plan& plan, const std::vector<Result>& results) {
+    Table table{{"scene", "method", "setting_kind", "claimed_order", "observed_order", "points", "from", "to",
+                 "smallest_error", "largest_error"},
+                {}};
+    for (const PlannedScene& scene : plan.scenes)
+        for (const PlannedCurve& curve : plan.curves) {
+            std::vector<double> setting, error;
+            for (const Result* row : rows_of(results, scene, curve)) {
+                if (row->status != Status::ok || !row->errors.attitude_final) continue;
+                setting.push_back(row->step_taken.value_or(row->setting));
+                error.push_back(*row->errors.attitude_final);
+            }
+            if (error.empty() || curve.kind == SettingKind::none) continue;
+            const auto observed = observed_order(setting, error, 1);
+            const bool step = curve.kind == SettingKind::step;
+            table.rows.push_back(
+                {scene.label, std::string(curve.method->name), std::string(name_of(curve.kind)),
+                 step && curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
+                 observed ? Cell(observed->order) : Cell(), observed ? Cell(long(observed->points)) : Cell(),
+                 observed ? Cell(observed->from) : Cell(), observed ? Cell(observed->to) : Cell(),
+                 *std::min_element(error.begin(), error.end()), *std::max_element(error.begin(), error.end())});
+        }
+    return table;
+}
+
+Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
+    Table table{{"scene", "attitude_error", "method", "setting_kind", "setting", "seconds_median", "rhs_evaluations",
+                 "runner_up", "ratio"},
+                {}};
+    for (const PlannedScene& scene : plan.scenes)
+        for (const double wanted : {1e-3, 1e-6, 1e-9, 1e-12}) {
+            // the fastest run of each method, then the fastest of these
+            std::vector<const Result*> best;
+            for (const Result& r : results) {
+                if (r.scene != scene.label || r.status != Status::ok || !r.seconds_median) continue;
+                if (!r.errors.attitude_max || *r.errors.attitude_max > wanted) continue;
+                const auto same = std::find_if(best.begin(), best.end(),
+                                               [&](const Result* other) { return other->method == r.method; });
+                if (same == best.end())
+                    best.push_back(&r);
+                else if (*r.seconds_median < *(*same)->seconds_median)
+                    *same = &r;
+            }
+            std::sort(best.begin(), best.end(),
+                      [](const Result* a, const Result* b) { return *a->seconds_median < *b->seconds_median; });
+            if (best.empty()) {
+                table.rows.push_back({scene.label, wanted, std::string("none reaches it"), {}, {}, {}, {}, {}, {}});
+                continue;
+            }
+            const Result& first = *best[0];
+            std::vector<Cell> row{scene.label,
+                                  wanted,
+                                  first.method,
+                                  std::string(name_of(first.setting_kind)),
+                                  first.setting_kind == SettingKind::none ? Cell() : Cell(first.setting),
+                                  *first.seconds_median,
+                                  first.rhs_evaluations ? Cell(*first.rhs_evaluations) : Cell(),
+                                  {},
+                                  {}};
+            if (best.size() > 1) {
+                row[7] = best[1]->method;
+                row[8] = *best[1]->seconds_median / *first.seconds_median;
+            }
+            table.rows.push_back(std::move(row));
+        }
+    return table;
+}
+
+std::vector<std::string> write_report(const Plan& plan, const std::vector<Result>& results,
+                                      const std::string& directory, const std::string& command_line, bool quick) {
+    const std::string& name = plan.experiment.name;
+    std::filesystem::create_directories(directory);
+    const std::string base = (std::filesystem::path(directory) / name).string();
+    const std::string caption = plan.experiment.about + (sundials_unoptimised() ? " (SUNDIALS unoptimised)" : "");
+
+    Table full{result_columns(), {}};
+    for (const Result& r : results) full.rows.push_back(row_of(name, r));
+    write_table(full, for_people(full), caption, base, name);
+
+    std::vector<NamedFigure> figures;
+    if (plan.experiment.kind == Kind::drift) {
+        write_atomically((std::filesystem::path(directory) / "drift.csv").string(), csv(drift_table(results)));
+        figures = drift_figures(plan, results);
+    } else if (plan.experiment.kind == Kind::convergence) {
+        const Table orders = order_table(plan, results);
+        write_table(orders, orders, "Observed orders: " + caption, base + "_orders", name + "_orders");
+        figures = convergence_figures(plan, results);
+    } else {
+        const Table fastest = fastest_table(plan, results);
+        write_table(fastest, fastest, "Fastest at each accuracy: " + caption, base + "_fastest", name + "_fastest");
+        figures = work_precision_figures(plan, results);
+    }
+    std::vector<std::string> remarks;
+    for (const NamedFigure& named : figures) {
+        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / named.name).string());
+        if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
+    }
+    record_provenance(directory, name, command_line, quick);
+    return remarks;
+}
+
+}  // namespace polhode

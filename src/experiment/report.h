@@ -1,0 +1,45 @@
+// Tables and pictures of a finished experiment.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/result.h"
+#include "table/figure.h"
+
+namespace polhode {
+
+/// A picture and the name of its file, without extension.
+struct NamedFigure {
+    std::string name;
+    Figure figure;
+};
+
+/// The rows of one curve on one scene, from coarse to fine.
+std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
+                                   const PlannedCurve& curve);
+
+/// Error against run time, a panel a scene, a curve a method and kind of setting.
+std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results);
+
+/// Error against step, and against tolerance.
+std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector<Result>& results);
+
+/// Attitude, momentum and energy error against time, a picture a scene.
+std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Result>& results);
+
+/// NAME_orders: for each scene, method and kind of setting the claimed order and the observed one, the range it was
+/// fitted to, the smallest and largest error; of the attitude error at the end. For tolerances the slope of log error
+/// over log tolerance.
+Table order_table(const Plan& plan, const std::vector<Result>& results);
+
+/// NAME_fastest: for each scene and each of the errors 1e-6, 1e-9, 1e-12 rad the fastest run that stays below it over
+/// all samples, and the runners-up by their ratio in time.
+Table fastest_table(const Plan& plan, const std::vector<Result>& results);
+
+/// Writes NAME.csv, .md, .tex, .json, the tables above as the kind asks, the pictures, and this experiment's entry in
+/// provenance.json. Returns remarks for the user (a picture that could not be drawn). Throws std::runtime_error.
+std::vector<std::string> write_report(const Plan& plan, const std::vector<Result>& results,
+                                      const std::string& directory, const std::string& command_line, bool quick);
+
+}  // namespace polhode

@@ -1,0 +1,44 @@
+// What one case of a sweep gives: a row of the result table.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.h"
+#include "measure/errors.h"
+#include "motion/trajectory.h"
+#include "table/table.h"
+
+namespace polhode {
+
+struct Result {
+    std::string scene, method;
+    SettingKind setting_kind = SettingKind::none;
+    double setting = 0;  ///< as asked for; without meaning where the kind is `none`
+    Status status = Status::ok;
+    std::optional<double> seconds_min, seconds_median;
+    long repeats = 0;
+    std::optional<long> steps, rhs_evaluations;
+    Errors errors;
+    std::string message;
+    std::optional<double> step_taken;  ///< s, of a fixed-step run
+    bool cut = false;                  ///< not reached, or stopped, by the limit on a run's time or steps
+    ErrorSeries series;                ///< only of a `drift` experiment
+};
+
+/// The contract's columns, then step_taken and cut.
+std::vector<std::string> result_columns();
+std::vector<Cell> row_of(const std::string& experiment, const Result& result);
+
+/// The result that row_of() wrote. Throws std::invalid_argument where a cell cannot be read.
+Result result_of(const Table& table, std::size_t row);
+
+/// drift.csv: scene, method, setting, t and the five errors.
+Table drift_table(const std::vector<Result>& results);
+
+/// The series of one case, without its scene, method and setting; and back.
+Table series_table(const ErrorSeries& series);
+ErrorSeries series_of(const Table& table);
+
+}  // namespace polhode

@@ -1,0 +1,250 @@
+#include "experiment/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "experiment/case_store.h"
+#include "experiment/parallel.h"
+#include "experiment/pattern.h"
+#include "experiment/progress.h"
+#include "experiment/timing.h"
+#include "integrators/truth/reference.h"
+
+namespace polhode {
+namespace {
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// One case on its way: where it stands in the plan, its key, and its result once there is one.
+struct Case {
+    const PlannedScene* scene;
+    const PlannedCurve* curve;
+    std::size_t rank;  // of the setting on its curve
+    std::string key;
+    std::optional<Result> result;
+
+    double setting() const { return curve->settings[rank]; }
+};
+
+std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
+    std::vector<Case> cases;
+    const Pattern filter(options.filter);
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
+        if (static_cast<int>(s % static_cast<std::size_t>(options.shards)) != options.shard - 1) continue;
+        for (const PlannedCurve& curve : plan.curves) {
+            const std::string name = plan.scenes[s].label + "/" + std::string(curve.method->name);
+            if (!filter.matches(name)) continue;
+            for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
+                Case c{&plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}};
+                c.result = load_case(options.directory, c.key);
+                cases.push_back(std::move(c));
+            }
+        }
+    }
+    return cases;
+}
+
+Result blank(const Case& c) {
+    Result result;
+    result.scene = c.scene->label;
+    result.method = c.curve->method->name;
+    result.setting_kind = c.curve->kind;
+    result.setting = c.curve->kind == SettingKind::none ? 0 : c.setting();
+    return result;
+}
+
+Settings settings_of(const Experiment& experiment, const Case& c) {
+    Settings settings;
+    if (c.curve->kind == SettingKind::step) settings.step = c.setting();
+    if (c.curve->kind == SettingKind::tolerance) settings.tolerance = c.setting();
+    settings.samples = experiment.samples;
+    settings.max_steps = experiment.max_steps;
+    settings.seconds_limit = experiment.seconds_per_run;
+    return settings;
+}
+
+// The untimed run: it takes the steps of the timed one and looks at every sample.
+void measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c) {
+    Result result = blank(c);
+    Settings settings = settings_of(experiment, c);
+    // looking sideways for samples costs more than the run that is limited
+    settings.seconds_limit *= 4;
+    const Trajectory trajectory = solve(problem, *c.curve->method, settings);
+    result.status = trajectory.status, result.message = trajectory.message;
+    if (trajectory.step > 0) result.step_taken = trajectory.step;
+    if (trajectory.status != Status::unsupported) {
+        result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
+        const ErrorSeries series = error_series(problem.scene, trajectory, reference);
+        result.errors = errors(series, trajectory, reference);
+        if (experiment.kind == Kind::drift) result.series = series;
+    }
+    if (result.status == Status::ok && !reference.available)
+        result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);
+    if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
+        result.errors.attitude_final.value_or(0) > 1) {
+        result.status = Status::tolerance_not_met;
+        result.message = fmt::format("ends {:.3g} rad off", *result.errors.attitude_final);
+    }
+    result.cut = trajectory.limit_reached;
+    result.seconds_min = trajectory.seconds;  // of this run; timing replaces it
+    c.result = std::move(result);
+}
+
+// The rows of a curve beyond the setting at which it was cut.
+void cut_curve(const Case& at, Case& beyond) {
+    beyond.result = blank(beyond);
+    beyond.result->status = Status::failed;
+    beyond.result->cut = true;
+    beyond.result->message =
+        fmt::format("not run: the curve was cut at {} {:g}", name_of(at.curve->kind), at.setting());
+}
+
+// All cases of one scene: truth, then setting by setting all methods side by side.
+class SceneSweep {
+  public:
+    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, Progress& progress)
+        : plan_(plan), options_(options), cases_(std::move(cases)), progress_(progress) {}
+
+    long run() {
+        const Experiment& experiment = plan_.experiment;
+        const Scene& scene = cases_.front()->scene->scene;
+        std::size_t ranks = 0;
+        for (const Case* c : cases_) ranks = std::max(ranks, c->rank + 1);
+        if (std::all_of(cases_.begin(), cases_.end(), [](const Case* c) { return c->result.has_value(); })) return 0;
+        progress_.say(fmt::format("{}: truth of {}", experiment.name, cases_.front()->scene->label));
+        const Reference reference = polhode::reference(scene, experiment.samples);
+        const Problem problem = pose(scene);
+        long run = 0;
+        for (std::size_t rank = 0; rank < ranks && !interrupted; ++rank) {
+            std::vector<Case*> now;
+            for (Case* c : cases_)
+                if (c->rank == rank && !c->result) now.push_back(c);
+            run += run_rank(problem, reference, now);
+        }
+        return run;
+    }
+
+  private:
+    // the coarser case at which this one's curve was cut, if it was
+    const Case* cut_before(const Case& c) const {
+        for (const Case* other : cases_)
+            if (other->curve == c.curve && other->rank < c.rank && other->result && other->result->cut) return other;
+        return nullptr;
+    }
+
+    long run_rank(const Problem& problem, const Reference& reference, const std::vector<Case*>& all) {
+        std::vector<Case*> now;
+        for (Case* c : all) {
+            if (const Case* at = cut_before(*c)) {
+                cut_curve(*at, *c);
+                store(*c);
+            } else {
+                now.push_back(c);
+            }
+        }
+        parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
+            if (!interrupted) measure_errors(plan_.experiment, problem, reference, *now[i]);
+        });
+        if (interrupted) {
+            // errors without timings are no finished cases
+            for (Case* c : now) c->result.reset();
+            return 0;
+        }
+        std::vector<TimedRun> runs;
+        for (Case* c : now) {
+            if (c->result->status == Status::ok || c->result->status == Status::tolerance_not_met)
+                runs.push_back({c->curve->method, settings_of(plan_.experiment, *c), *c->result->seconds_min});
+        }
+        time_interleaved(problem, runs, plan_.experiment.repeats, interrupted);
+        if (interrupted) {
+            for (Case* c : now) c->result.reset();
+            return 0;
+        }
+        auto timed = runs.begin();
+        for (Case* c : now) {
+            Result& result = *c->result;
+            result.seconds_min.reset();
+            if (result.status == Status::ok || result.status == Status::tolerance_not_met) {
+                const TimedRun& run = *timed++;
+                if (run.failure.empty()) {
+                    result.seconds_min = run.minimum(), result.seconds_median = run.median();
+                    result.repeats = static_cast<long>(run.seconds.size());
+                } else {
+                    result.status = Status::failed, result.message = run.failure;
+                    result.cut = run.limit_reached;
+                    result.errors = {};
+                }
+            }
+            store(*c);
+        }
+        return static_cast<long>(now.size());
+    }
+
+    void store(const Case& c) {
+        save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
+        progress_.advance(fmt::format("{} {} {}", plan_.experiment.name, c.result->scene, c.result->method));
+    }
+
+    const Plan& plan_;
+    const RunOptions& options_;
+    std::vector<Case*> cases_;
+    Progress& progress_;
+};
+
+std::string line_of(const Plan& plan, const Case& c) {
+    const std::string setting =
+        c.curve->kind == SettingKind::none ? "" : fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
+    return fmt::format("{} {} {}{}", plan.experiment.name, c.scene->label, c.curve->method->name, setting);
+}
+
+}  // namespace
+
+void interrupt_sweep() { interrupted = true; }
+bool sweep_interrupted() { return interrupted; }
+
+std::vector<std::string> pending_cases(const Plan& plan, const RunOptions& options) {
+    std::vector<std::string> lines;
+    for (const Case& c : cases_of(plan, options))
+        if (!c.result) lines.push_back(line_of(plan, c));
+    return lines;
+}
+
+SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
+    std::vector<Case> cases = cases_of(plan, options);
+    SweepCount sweep;
+    sweep.cases = static_cast<long>(cases.size());
+    Progress progress(
+        static_cast<long>(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.result; })),
+        options.quiet);
+    // truths take the longest and are cached: all of them first, side by side
+    std::vector<const PlannedScene*> scenes;
+    for (const Case& c : cases)
+        if (!c.result && (scenes.empty() || scenes.back() != c.scene)) scenes.push_back(c.scene);
+    progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
+    parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
+        if (!interrupted) reference(scenes[i]->scene, plan.experiment.samples);
+    });
+    for (auto begin = cases.begin(); begin != cases.end() && !interrupted;) {
+        const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
+        std::vector<Case*> of_scene;
+        for (auto c = begin; c != end; ++c) of_scene.push_back(&*c);
+        sweep.run += SceneSweep(plan, options, std::move(of_scene), progress).run();
+        begin = end;
+    }
+    return sweep;
+}
+
+std::vector<Result> finished_results(const Plan& plan, const std::string& directory) {
+    RunOptions everything;
+    everything.directory = directory;
+    std::vector<Result> results;
+    for (Case& c : cases_of(plan, everything))
+        if (c.result) results.push_back(std::move(*c.result));
+    return results;
+}
+
+}  // namespace polhode

@@ -1,0 +1,64 @@
+#include "measure/observed_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace polhode {
+namespace {
+
+using Point = std::pair<double, double>;  // log step, log error
+
+double slope(const std::vector<Point>& points, std::size_t begin, std::size_t end) {
+    const double n = static_cast<double>(end - begin);
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t i = begin; i < end; ++i) x += points[i].first / n, y += points[i].second / n;
+    for (std::size_t i = begin; i < end; ++i) {
+        xx += (points[i].first - x) * (points[i].first - x);
+        xy += (points[i].first - x) * (points[i].second - y);
+    }
+    return xy / xx;
+}
+
+// converging before saturated, then long before short, then steep before flat
+std::tuple<bool, int, double> rank(const ObservedOrder& window) {
+    return {window.order > 0.5, window.points, window.order};
+}
+
+}  // namespace
+
+std::optional<ObservedOrder> observed_order(const std::vector<double>& step, const std::vector<double>& error,
+                                            double saturation) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < std::min(step.size(), error.size()); ++i)
+        if (step[i] > 0 && error[i] > 0 && std::isfinite(step[i]) && std::isfinite(error[i]))
+            points.emplace_back(std::log(step[i]), std::log(error[i]));
+    std::sort(points.begin(), points.end());
+    points.erase(
+        std::unique(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.first == b.first; }),
+        points.end());
+    const auto saturated = [&](const Point& point) { return point.second > std::log(saturation); };
+    if (std::count_if(points.begin(), points.end(), saturated) + 3 <= static_cast<long>(points.size()))
+        points.erase(std::remove_if(points.begin(), points.end(), saturated), points.end());
+    if (points.size() < 3) return {};
+
+    std::optional<ObservedOrder> best, steadiest;
+    double least_spread = std::numeric_limits<double>::infinity();
+    for (std::size_t begin = 0; begin + 3 <= points.size(); ++begin) {
+        double low = slope(points, begin, begin + 2), high = low;
+        for (std::size_t end = begin + 3; end <= points.size(); ++end) {
+            const double local = slope(points, end - 2, end);
+            low = std::min(low, local), high = std::max(high, local);
+            const ObservedOrder window{slope(points, begin, end), static_cast<int>(end - begin),
+                                       std::exp(points[begin].first), std::exp(points[end - 1].first)};
+            if (high - low < least_spread) least_spread = high - low, steadiest = window;
+            if (high - low > 0.03 * std::max(1.0, std::abs(high))) break;
+            if (!best || rank(window) > rank(*best)) best = window;
+        }
+    }
+    return best ? best : steadiest;
+}
+
+}  // namespace polhode

@@ -1,0 +1,325 @@
+#include "motion/conserved.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace polhode {
+namespace {
+
+using VectorD = Vector3<double>;
+
+constexpr double tolerance = 1e-12;
+
+double length(const VectorD& v) { return std::hypot(v[0], v[1], v[2]); }
+bool parallel(const VectorD& a, const VectorD& b) { return length(cross(a, b)) <= tolerance * length(a) * length(b); }
+std::vector<double> listed(const VectorD& v) { return {v[0], v[1], v[2]}; }
+
+// World directions u for which u . X stays: every kick to X must be across u.
+// `along`: kicks are across these vectors whatever the attitude, so u must be parallel to each of them.
+// `across`: kicks are along these, so u must be perpendicular to each.
+struct Kicks {
+    bool anything = false;  ///< kicks of no fixed direction: no u stays
+    std::vector<VectorD> along, across;
+
+    bool none() const { return !anything && along.empty() && across.empty(); }
+    std::vector<VectorD> kept_directions() const {
+        if (anything) return {};
+        if (!along.empty()) {
+            const VectorD u = (1 / length(along.front())) * along.front();
+            for (const VectorD& v : along)
+                if (!parallel(u, v)) return {};
+            for (const VectorD& v : across)
+                if (std::abs(dot(u, v)) > tolerance * length(v)) return {};
+            return {u};
+        }
+        // across one direction there are two, across two there is one, across three none
+        const VectorD first = (1 / length(across.front())) * across.front();
+        std::optional<VectorD> normal;
+        for (const VectorD& v : across) {
+            if (parallel(first, v)) continue;
+            const VectorD n = cross(first, v);
+            if (normal && !parallel(*normal, n)) return {};
+            if (!normal) normal = (1 / length(n)) * n;
+        }
+        if (normal) return {*normal};
+        VectorD axis;
+        const VectorD magnitude(std::abs(first[0]), std::abs(first[1]), std::abs(first[2]));
+        const int smallest = magnitude[0] <= magnitude[1] && magnitude[0] <= magnitude[2] ? 0
+                             : magnitude[1] <= magnitude[2]                               ? 1
+                                                                                          : 2;
+        axis[smallest] = 1;
+        const VectorD u = cross(first, axis);
+        const VectorD unit = (1 / length(u)) * u;
+        return {unit, cross(first, unit)};
+    }
+};
+
+// Forces of one direction u in the world: together they are one force u at the arm m, torque m x R^T u.
+struct UniformField {
+    VectorD moment;       // posed axes, N m
+    VectorD direction_W;  // unit
+};
+
+bool has_field(const Forcing<double>& forcing) {
+    return std::any_of(forcing.field.moment.begin(), forcing.field.moment.end(),
+                       [](const VectorD& moment) { return !(moment == VectorD()); });
+}
+
+// Nothing where the forces have more than one direction.
+std::optional<UniformField> uniform(const FieldMoments<double>& field) {
+    int largest = 0;
+    for (int b = 1; b < 3; ++b)
+        if (length(field.moment[b]) > length(field.moment[largest])) largest = b;
+    const VectorD& m = field.moment[largest];
+    VectorD u;
+    for (int b = 0; b < 3; ++b) {
+        if (length(cross(field.moment[b], m)) > tolerance * dot(m, m)) return std::nullopt;
+        u[b] = dot(field.moment[b], m) / dot(m, m);
+    }
+    return UniformField{length(u) * m, (1 / length(u)) * u};
+}
+
+void add(std::vector<VectorD>& list, const VectorD& v) {
+    if (!(v == VectorD())) list.push_back(v);
+}
+
+Kicks angular_kicks(const Problem& problem) {
+    Kicks kicks;
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        const Forcing<double>& f = problem.segments[i].forcing;
+        kicks.anything =
+            kicks.anything || f.has_torque || f.has_damping || !f.springs.empty() || !f.user_torques.empty();
+        if (f.has_world_torque) add(kicks.across, f.torque_W);
+        if (has_field(f)) {
+            if (const auto field = uniform(f.field))
+                add(kicks.along, field->direction_W);
+            else
+                kicks.anything = true;
+        }
+        for (const auto& load : f.world_points) {
+            if (load.frame == Frame::world)
+                add(kicks.along, load.force);
+            else
+                kicks.anything = true;
+        }
+        for (const auto& impulse : problem.segments[i].impulses) {
+            if (i == 0 || impulse.vector == VectorD()) continue;  // those at t = 0 come before the first sample
+            const bool world_point = impulse.point_frame == Frame::world;
+            if (!world_point && cross(impulse.point, impulse.vector) == VectorD() && impulse.frame == Frame::body)
+                continue;
+            if (!world_point && impulse.point == VectorD()) continue;
+            if (impulse.frame == Frame::body)
+                kicks.anything = true;
+            else if (world_point && problem.body.pivoted)
+                add(kicks.across, cross(impulse.point, impulse.vector));
+            else
+                add(kicks.along, impulse.vector);
+        }
+    }
+    return kicks;
+}
+
+Kicks linear_kicks(const Problem& problem) {
+    Kicks kicks;
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        const Forcing<double>& f = problem.segments[i].forcing;
+        kicks.anything = kicks.anything || f.has_translational_drag || f.has_body_force;
+        add(kicks.across, f.acceleration_W);
+        for (const auto& impulse : problem.segments[i].impulses) {
+            if (i == 0 || impulse.vector == VectorD()) continue;
+            if (impulse.frame == Frame::body)
+                kicks.anything = true;
+            else
+                add(kicks.across, impulse.vector);
+        }
+    }
+    return kicks;
+}
+
+bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool pivoted) {
+    if (a.field.moment != b.field.moment || a.springs.size() != b.springs.size()) return false;
+    for (std::size_t i = 0; i < a.springs.size(); ++i)
+        if (!(a.springs[i].stiffness == b.springs[i].stiffness && a.springs[i].rest == b.springs[i].rest)) return false;
+    return pivoted || a.acceleration_W == b.acceleration_W;
+}
+
+bool keeps_energy(const Problem& problem) {
+    const bool pivoted = problem.body.pivoted;
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        const Forcing<double>& f = problem.segments[i].forcing;
+        if (f.has_torque || f.has_world_torque || f.has_damping || !f.world_points.empty() || !f.user_torques.empty())
+            return false;
+        if (!pivoted && (f.has_body_force || f.has_translational_drag)) return false;
+        if (!same_potential(problem.segments.front().forcing, f, pivoted)) return false;
+        for (const auto& impulse : problem.segments[i].impulses)
+            if (i > 0 && !(impulse.vector == VectorD())) return false;
+    }
+    return true;
+}
+
+// w in posed axes
+VectorD posed_rate(const Problem& problem, const Sample& sample) {
+    return rotate_back(problem.q_BP, sample.angular_velocity_B);
+}
+
+// The world vector v in posed axes.
+VectorD posed(const Problem& problem, const Sample& sample, const VectorD& v_W) {
+    const VectorD v_B = (1 / squared_norm(sample.q)) * rotate_back(sample.q, v_W);
+    return rotate_back(problem.q_BP, v_B);
+}
+
+Invariants<double> invariants_of(const Problem& problem, const Sample& s) {
+    return invariants(problem.scene, problem.body, s.t, normalized(s.q), s.angular_velocity_B, s.position_W,
+                      s.velocity_W);
+}
+
+std::vector<double> energy(const Problem& problem, const Conserved&, const Sample& s) {
+    return {invariants_of(problem, s).energy};
+}
+std::vector<double> angular_momentum(const Problem& problem, const Conserved&, const Sample& s) {
+    return listed(invariants_of(problem, s).angular_momentum_W);
+}
+std::vector<double> angular_momentum_along(const Problem& problem, const Conserved& which, const Sample& s) {
+    return {dot(which.direction, invariants_of(problem, s).angular_momentum_W)};
+}
+std::vector<double> linear_momentum(const Problem& problem, const Conserved&, const Sample& s) {
+    return listed(problem.body.mass * s.velocity_W);
+}
+std::vector<double> linear_momentum_along(const Problem& problem, const Conserved& which, const Sample& s) {
+    return {problem.body.mass * dot(which.direction, s.velocity_W)};
+}
+std::vector<double> spin(const Problem& problem, const Conserved& which, const Sample& s) {
+    const VectorD w = posed_rate(problem, s);
+    const VectorD& I = problem.principal.moments;
+    return {dot(which.direction, VectorD(I[0] * w[0], I[1] * w[1], I[2] * w[2]))};
+}
+
+// The posed axis about which the body is symmetric: the odd principal axis; of an isotropic body any, so the one
+// along the arm of the load.
+std::optional<VectorD> symmetry_axis(const Problem& problem) {
+    const VectorD& I = problem.principal.moments;
+    const double largest = std::max({I[0], I[1], I[2]});
+    const auto equal = [&](int i, int j) { return std::abs(I[i] - I[j]) <= tolerance * largest; };
+    if (equal(0, 1) && equal(1, 2)) {
+        for (const Segment& segment : problem.segments)
+            for (const VectorD& moment : segment.forcing.field.moment)
+                if (!(moment == VectorD())) return (1 / length(moment)) * moment;
+        return std::nullopt;
+    }
+    for (int i = 0; i < 3; ++i) {
+        VectorD axis;
+        axis[i] = 1;
+        if (equal((i + 1) % 3, (i + 2) % 3)) return axis;
+    }
+    return std::nullopt;
+}
+
+bool keeps_spin(const Problem& problem, const VectorD& e) {
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        const Forcing<double>& f = problem.segments[i].forcing;
+        if (f.has_world_torque || !f.world_points.empty() || !f.springs.empty() || !f.user_torques.empty())
+            return false;
+        if (f.has_torque && std::abs(dot(e, f.torque)) > tolerance * length(f.torque)) return false;
+        if (f.has_damping && !(transposed(f.damping) * e == VectorD())) return false;
+        for (const VectorD& moment : f.field.moment)
+            if (!parallel(moment, e)) return false;
+        for (const auto& impulse : problem.segments[i].impulses) {
+            if (i == 0 || impulse.vector == VectorD()) continue;
+            if (impulse.point_frame == Frame::world || !parallel(impulse.point, e)) return false;
+        }
+    }
+    return true;
+}
+
+// Where energy is kept: the uniform field that acts throughout, if nothing else does.
+std::optional<UniformField> only_field(const Problem& problem) {
+    const Forcing<double>& forcing = problem.segments.front().forcing;
+    if (!has_field(forcing) || !forcing.springs.empty()) return std::nullopt;
+    return uniform(forcing.field);
+}
+
+struct KovalevskayaAxes {
+    int x, y, z;  // the centre of mass on x; I_x = I_y = 2 I_z
+};
+std::optional<KovalevskayaAxes> kovalevskaya_axes(const Problem& problem, const VectorD& arm) {
+    const VectorD& I = problem.principal.moments;
+    for (int z = 0; z < 3; ++z) {
+        const int x = (z + 1) % 3, y = (z + 2) % 3;
+        const bool shape =
+            std::abs(I[x] - 2 * I[z]) <= tolerance * I[x] && std::abs(I[y] - 2 * I[z]) <= tolerance * I[y];
+        if (shape && std::abs(arm[z]) <= tolerance * length(arm)) return KovalevskayaAxes{x, y, z};
+    }
+    return std::nullopt;
+}
+
+// |(p + i q)^2 - c (g1 + i g2)|^2 with p, q the rates along and across the arm on the equator, g the direction against
+// the force, c = m g l / I_z (Kowalevski 1889): that complex number turns at the rate r and keeps its length.
+std::vector<double> kovalevskaya_integral(const Problem& problem, const Conserved&, const Sample& s) {
+    const UniformField field = *only_field(problem);
+    const KovalevskayaAxes axes = *kovalevskaya_axes(problem, field.moment);
+    const VectorD w = posed_rate(problem, s), against = posed(problem, s, -field.direction_W);
+    const double mgl = length(field.moment), cosine = field.moment[axes.x] / mgl, sine = field.moment[axes.y] / mgl;
+    const auto along = [&](const VectorD& v) { return cosine * v[axes.x] + sine * v[axes.y]; };
+    const auto beside = [&](const VectorD& v) { return cosine * v[axes.y] - sine * v[axes.x]; };
+    const double p = along(w), q = beside(w), c = mgl / problem.principal.moments[axes.z];
+    const double real = p * p - q * q - c * along(against), imaginary = 2 * p * q - c * beside(against);
+    return {real * real + imaginary * imaginary};
+}
+
+// The motion at t = 0, impulses there included.
+Sample first_sample(const Problem& problem) {
+    Sample first;
+    with_system(problem, [&]<class SystemType>() {
+        double y[SystemType::dimension];
+        initial_state<SystemType>(problem, y);
+        enter<SystemType>(problem, problem.segments.front(), y);
+        first = sample_of<SystemType>(problem, 0, y);
+        return Trajectory{};
+    });
+    return first;
+}
+
+}  // namespace
+
+std::vector<Conserved> conserved(const Problem& problem) {
+    std::vector<Conserved> found;
+    const Sample start = first_sample(problem);
+    const auto keep = [&](const char* name, const char* formula, decltype(Conserved::of) of,
+                          const VectorD& direction = VectorD()) {
+        Conserved one{name, formula, {}, of, direction};
+        one.value = of(problem, one, start);
+        found.push_back(std::move(one));
+    };
+    const bool pivoted = problem.body.pivoted, has_energy = keeps_energy(problem);
+    if (has_energy) keep("energy", "E, kinetic and potential, J", energy);
+
+    const Kicks angular = angular_kicks(problem);
+    if (angular.none()) {
+        keep("angular momentum",
+             pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
+             angular_momentum);
+    } else {
+        for (const VectorD& u : angular.kept_directions())
+            keep("angular momentum along u",
+                 pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
+                 angular_momentum_along, u);
+    }
+    if (!pivoted) {
+        const Kicks linear = linear_kicks(problem);
+        if (linear.none()) {
+            keep("linear momentum", "m v, world axes, kg m/s", linear_momentum);
+        } else {
+            for (const VectorD& u : linear.kept_directions())
+                keep("linear momentum along u", "m v . u, kg m/s", linear_momentum_along, u);
+        }
+    }
+    if (const auto axis = symmetry_axis(problem); axis && keeps_spin(problem, *axis))
+        keep("spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
+    if (has_energy && pivoted)
+        if (const auto field = only_field(problem); field && kovalevskaya_axes(problem, field->moment))
+            keep("Kovalevskaya's integral", "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
+    return found;
+}
+
+}  // namespace polhode

@@ -1,0 +1,26 @@
+// What a scene's motion keeps, found from its loads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "motion/problem.h"
+
+namespace polhode {
+
+/// A quantity that stays what it is at t = 0+ (after any impulse there) until the end.
+struct Conserved {
+    std::string name;           ///< "E", "L . u along gravity", ..
+    std::string formula;        ///< what it is, with units
+    std::vector<double> value;  ///< one number, or three of a vector in world axes
+    /// The same quantity on another sample of the same scene, in the same order.
+    std::vector<double> (*of)(const Problem&, const Conserved&, const Sample&);
+    Vector3<double> direction;  ///< unit vector that some quantities are taken along: world or posed axes
+};
+
+/// Energy, the vectors of angular and linear momentum or as many of their components as stay, the spin about an axis
+/// of symmetry, Kovalevskaya's integral. `problem` must be posed as Formulation::reduced. Each is kept by the exact
+/// motion: no other kind of integral is looked for. Directions and moments count as equal within 1e-12.
+std::vector<Conserved> conserved(const Problem& problem);
+
+}  // namespace polhode

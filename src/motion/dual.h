@@ -1,0 +1,64 @@
+// Forward differentiation: a value with its derivatives in N directions. The Jacobian of the one right-hand side is
+// got by running it on these, so no load needs a second derivation.
+#pragma once
+
+#include <array>
+
+namespace polhode {
+
+template <int N>
+struct Dual {
+    double value = 0;
+    std::array<double, N> slope{};
+
+    Dual() = default;
+    explicit Dual(double v) : value(v) {}
+
+    friend Dual operator+(const Dual& a, const Dual& b) {
+        Dual c(a.value + b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] + b.slope[i];
+        return c;
+    }
+    friend Dual operator-(const Dual& a, const Dual& b) {
+        Dual c(a.value - b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] - b.slope[i];
+        return c;
+    }
+    friend Dual operator-(const Dual& a) {
+        Dual c(-a.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = -a.slope[i];
+        return c;
+    }
+    friend Dual operator*(const Dual& a, const Dual& b) {
+        Dual c(a.value * b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = a.value * b.slope[i] + a.slope[i] * b.value;
+        return c;
+    }
+    friend Dual operator*(double a, const Dual& b) {
+        Dual c(a * b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = a * b.slope[i];
+        return c;
+    }
+    friend Dual operator*(const Dual& a, double b) { return b * a; }
+    friend Dual operator+(const Dual& a, double b) {
+        Dual c = a;
+        c.value += b;
+        return c;
+    }
+    friend Dual operator+(double a, const Dual& b) { return b + a; }
+    friend Dual operator-(const Dual& a, double b) { return a + (-b); }
+    friend Dual operator-(double a, const Dual& b) { return -b + a; }
+};
+
+/// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
+template <class System>
+void jacobian(const System& system, double t, const double* y, double* J) {
+    constexpr int N = System::dimension;
+    std::array<Dual<N>, N> state, rate;
+    for (int i = 0; i < N; ++i) state[i] = Dual<N>(y[i]), state[i].slope[i] = 1;
+    system.derivative(t, state.data(), rate.data());
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j) J[i * N + j] = rate[i].slope[j];
+}
+
+}  // namespace polhode

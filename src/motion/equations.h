@@ -1,0 +1,197 @@
+// Euler's rigid-body equations with quaternion kinematics, once, for every scalar.
+//
+//   I dw/dt + w x I w = tau(q, w, p)      (axes fixed in the body, about the centre of mass or a fixed pivot)
+//   dq/dt = 1/2 q (0, w)
+//   dp/dt = v,  dv/dt = a + R(q) f_B - k v
+//
+// P is the scalar of the parameters, S that of the state: both double for an integrator; S a dual number for the
+// Jacobian; both multiprecision, traced Taylor coefficients or balls for the truth. The right-hand side is polynomial
+// in (w, q, p, v): rotations enter by the homogeneous form |q|^2 R(q).
+//
+// "Posed axes" are the axes fixed in the body in which w and the torque are written: the principal ones, or the
+// body's own (`FullInertia`). q maps posed axes to world axes.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <type_traits>
+#include <vector>
+
+#include "body/algebra.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// Force constant in world axes at a body point; `arm` from the centre of mass or the pivot, posed axes.
+template <class P>
+struct ForceAtBodyPoint {
+    Vector3<P> arm, force_W;
+};
+
+/// All forces F_n constant in world axes at body points r_n (from the centre of mass or the pivot, posed axes), by
+/// their first moments: one m_b = sum of F_n,b r_n for each world axis b. Their torque is the sum of m_b x R(q)^T e_b.
+template <class P>
+struct FieldMoments {
+    std::array<Vector3<P>, 3> moment;                  ///< N m
+    std::array<bool, 3> present{false, false, false};  ///< not zero
+
+    void add(const ForceAtBodyPoint<P>& force) {
+        for (int b = 0; b < 3; ++b) {
+            moment[b] = moment[b] + force.force_W[b] * force.arm;
+            present[b] = !(moment[b] == Vector3<P>());
+        }
+    }
+};
+
+/// Force constant in world or posed axes at a world point: in flight its torque depends on where the body is.
+template <class P>
+struct ForceAtWorldPoint {
+    Vector3<P> point_W, force;
+    Frame frame;
+};
+
+template <class P>
+struct SpringTorque {
+    P stiffness;
+    Quaternion<P> rest;  ///< maps posed axes at rest to world axes
+};
+
+/// Torque of the user's own in posed axes; given t, q, w, p, v.
+using PosedUserTorque = std::function<Vector3<double>(double, const Quaternion<double>&, const Vector3<double>&,
+                                                      const Vector3<double>&, const Vector3<double>&)>;
+
+/// What acts between two events, in posed axes. A term that is absent is skipped, not multiplied by zero.
+template <class P>
+struct Forcing {
+    bool has_torque = false, has_world_torque = false, has_damping = false, has_translational_drag = false;
+    bool has_body_force = false;
+    Vector3<P> torque;    ///< constant in posed axes, N m
+    Vector3<P> torque_W;  ///< constant in world axes, N m
+    Matrix3<P> damping;   ///< torque -D w, N m s
+    std::vector<ForceAtBodyPoint<P>> body_points;
+    FieldMoments<P> field;  ///< of `body_points`: what the right-hand side reads
+    std::vector<ForceAtWorldPoint<P>> world_points;
+    std::vector<SpringTorque<P>> springs;
+    std::vector<PosedUserTorque> user_torques;
+
+    Vector3<P> acceleration_W;  ///< gravity and world-fixed forces over the mass, m/s^2
+    Vector3<P> specific_force;  ///< forces constant in posed axes over the mass, m/s^2
+    P specific_drag = P(0);     ///< c/m, 1/s
+    bool pivoted = false;       ///< p and v follow the rotation: p = R arm
+    Vector3<P> arm;             ///< pivot to centre of mass, posed axes
+
+    bool any_torque() const {
+        return has_torque || has_world_torque || has_damping || !body_points.empty() || !world_points.empty() ||
+               !springs.empty() || !user_torques.empty();
+    }
+};
+
+/// The torque in posed axes. p is read only by forces at world points and by the user's own torques.
+template <class S, class P>
+Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w, const Quaternion<S>& q,
+                              const Vector3<S>& p, const Vector3<S>& v) {
+    using R = Product<P, S>;
+    Vector3<R> sum = f.has_torque ? cast<R>(f.torque) : Vector3<R>();
+    for (int b = 0; b < 3; ++b)
+        if (f.field.present[b]) sum = sum + cross(f.field.moment[b], world_axis(q, b));
+    if (f.has_world_torque) sum = sum + rotate_back(q, f.torque_W);
+    if (f.has_damping) sum = sum - f.damping * w;
+    for (const SpringTorque<P>& spring : f.springs) {
+        const Quaternion<R> r = conjugate(spring.rest) * q;
+        const R factor = spring.stiffness * (r.w + r.w);
+        sum = sum - factor * vector_part(r);
+    }
+    for (const ForceAtWorldPoint<P>& load : f.world_points) {
+        // the pivot is the world's origin
+        const Vector3<R> arm_W = f.pivoted ? cast<R>(load.point_W) : load.point_W - p;
+        if (load.frame == Frame::body)
+            sum = sum + cross(rotate_back(q, arm_W), load.force);
+        else
+            sum = sum + rotate_back(q, cross(arm_W, load.force));
+    }
+    if constexpr (std::is_same_v<S, double>) {
+        for (const PosedUserTorque& user : f.user_torques) sum = sum + user(t, q, w, p, v);
+    } else {
+        (void)t, (void)v;
+    }
+    return sum;
+}
+
+/// dq/dt = 1/2 q (0, w); `half` is one half in the scalar of the parameters.
+template <class S, class P>
+Quaternion<Product<P, S>> attitude_rate(const P& half, const Quaternion<S>& q, const Vector3<S>& w) {
+    const Vector3<Product<P, S>> h = half * w;
+    return {-q.x * h[0] - q.y * h[1] - q.z * h[2], q.w * h[0] + q.y * h[2] - q.z * h[1],
+            q.w * h[1] + q.z * h[0] - q.x * h[2], q.w * h[2] + q.x * h[1] - q.y * h[0]};
+}
+
+/// Inertia in its principal axes: products of inertia vanish and nothing is left but three coefficients.
+template <class P>
+struct PrincipalInertia {
+    Vector3<P> gyroscopic;       ///< (I2 - I3)/I1 and cyclic
+    Vector3<P> inverse_moments;  ///< 1/(kg m^2)
+    bool isotropic = false;      ///< all three moments equal: no gyroscopic term
+
+    /// -I^-1 (w x I w)
+    template <class S>
+    Vector3<Product<P, S>> gyroscopic_acceleration(const Vector3<S>& w) const {
+        return {gyroscopic[0] * (w[1] * w[2]), gyroscopic[1] * (w[2] * w[0]), gyroscopic[2] * (w[0] * w[1])};
+    }
+    /// I^-1 (tau - w x I w)
+    template <class S>
+    Vector3<Product<P, S>> angular_acceleration(const Vector3<S>& w, const Vector3<Product<P, S>>& tau) const {
+        if (isotropic) return response(tau);
+        const Vector3<Product<P, S>> g = gyroscopic_acceleration(w);
+        return {g[0] + inverse_moments[0] * tau[0], g[1] + inverse_moments[1] * tau[1],
+                g[2] + inverse_moments[2] * tau[2]};
+    }
+    /// I^-1 tau
+    template <class T>
+    Vector3<Product<P, T>> response(const Vector3<T>& tau) const {
+        return {inverse_moments[0] * tau[0], inverse_moments[1] * tau[1], inverse_moments[2] * tau[2]};
+    }
+};
+
+/// The full tensor in the axes in which it was given.
+template <class P>
+struct FullInertia {
+    Matrix3<P> tensor, inverse;
+
+    template <class S>
+    Vector3<Product<P, S>> gyroscopic_acceleration(const Vector3<S>& w) const {
+        return inverse * cross(tensor * w, w);
+    }
+    template <class S>
+    Vector3<Product<P, S>> angular_acceleration(const Vector3<S>& w, const Vector3<Product<P, S>>& tau) const {
+        return inverse * (tau + cross(tensor * w, w));
+    }
+    template <class T>
+    Vector3<Product<P, T>> response(const Vector3<T>& tau) const {
+        return inverse * tau;
+    }
+};
+
+/// An impulse in posed axes (N s), about to act. `arm` from the centre of mass or pivot where the point is in the body.
+template <class P>
+struct PosedImpulse {
+    Vector3<P> vector;
+    Frame frame;
+    Vector3<P> point;  ///< arm in posed axes (point_frame body) or point in the world
+    Frame point_frame;
+};
+
+/// Jump of w and v: dw = I^-1 (r x J), dv = J / m (left out at a pivot, where the reaction takes it up).
+template <class P, class Inertia>
+void apply(const PosedImpulse<P>& impulse, const Inertia& inertia, const P& mass, bool pivoted, Vector3<P>& w,
+           const Quaternion<P>& q, const Vector3<P>& p, Vector3<P>& v) {
+    const P scale = P(1) / squared_norm(q);
+    const bool in_world = impulse.frame == Frame::world;
+    const Vector3<P> kick_W = in_world ? impulse.vector : scale * rotate(q, impulse.vector);
+    const Vector3<P> kick = in_world ? scale * rotate_back(q, impulse.vector) : impulse.vector;
+    Vector3<P> arm = impulse.point;
+    if (impulse.point_frame == Frame::world) arm = scale * rotate_back(q, pivoted ? impulse.point : impulse.point - p);
+    w = w + inertia.response(cross(arm, kick));
+    if (!pivoted) v = v + (P(1) / mass) * kick_W;
+}
+
+}  // namespace polhode

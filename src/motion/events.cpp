@@ -1,0 +1,29 @@
+#include <algorithm>
+
+#include "motion/exact_body.h"
+
+namespace polhode {
+
+std::vector<double> event_times(const Scene& scene) {
+    std::vector<double> times{0, scene.duration};
+    bool impulse_at_end = false;
+    const auto note = [&](double t) {
+        if (t > 0 && t < scene.duration) times.push_back(t);
+    };
+    for (const Load& load : scene.loads) {
+        const Window window = window_of(load);
+        note(window.from);
+        note(window.until);
+        if (const auto* impulse = std::get_if<Impulse>(&load)) {
+            note(impulse->at);
+            impulse_at_end = impulse_at_end || impulse->at == scene.duration;
+        }
+    }
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    // an impulse at the very end opens a segment of no length, so that the last sample shows the motion after it
+    if (impulse_at_end) times.push_back(scene.duration);
+    return times;
+}
+
+}  // namespace polhode

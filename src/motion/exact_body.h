@@ -1,0 +1,198 @@
+// A scene's body, start and loads as exact functions of its binary64 numbers, in any scalar P that has / and sqrt:
+// 128-bit floats for what the integrators round once, multiprecision for the truth.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "body/rigid_body.h"
+#include "body/wide.h"
+#include "motion/equations.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
+template <class S>
+S square_root(const S& x) {
+    using std::sqrt;
+    return sqrt(x);
+}
+
+template <class P>
+Quaternion<P> normalized(const Quaternion<P>& q) {
+    const P norm = square_root(squared_norm(q));
+    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+}
+
+/// Everything in body axes; inertia about the pivot where there is one, else about the centre of mass.
+template <class P>
+struct ExactBody {
+    P mass = P(0);
+    Matrix3<P> inertia_B;
+    bool pivoted = false;
+    Vector3<P> origin;  ///< body point about which the equations are written: pivot or centre of mass
+    Vector3<P> arm;     ///< from there to the centre of mass (zero in flight)
+    Quaternion<P> q;    ///< at t = 0, normalised
+    Vector3<P> angular_velocity_B, position_W, velocity_W;  ///< at t = 0; p, v of the centre of mass
+};
+
+/// p and v of the centre of mass of a body that turns about a fixed pivot.
+template <class P>
+void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P>& arm, Vector3<P>& p, Vector3<P>& v) {
+    const P scale = P(1) / squared_norm(q);
+    p = scale * rotate(q, arm);
+    v = scale * rotate(q, cross(w, arm));
+}
+
+template <class P>
+ExactBody<P> exact_body(const Scene& scene) {
+    ExactBody<P> b;
+    b.mass = P(scene.body.mass);
+    b.pivoted = scene.pivot.has_value();
+    const Vector3<P> center = cast<P>(scene.body.center_of_mass);
+    b.origin = b.pivoted ? cast<P>(*scene.pivot) : center;
+    b.arm = center - b.origin;
+    b.inertia_B = cast<P>(scene.body.inertia_B);
+    // asymmetry within the accepted 1e-12 is rounding of the input: the body has the mean of the two entries
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < i; ++j)
+            b.inertia_B[i][j] = b.inertia_B[j][i] = (b.inertia_B[i][j] + b.inertia_B[j][i]) / P(2);
+    b.inertia_B = b.inertia_B + parallel_axis(b.mass, b.arm);
+    b.q = normalized(cast<P>(scene.initial.orientation));
+    b.angular_velocity_B = cast<P>(scene.initial.angular_velocity);
+    if (scene.initial.angular_velocity_frame == Frame::world)
+        b.angular_velocity_B = rotate_back(b.q, b.angular_velocity_B);
+    if (b.pivoted) {
+        pivoted_center(b.q, b.angular_velocity_B, b.arm, b.position_W, b.velocity_W);
+    } else {
+        b.position_W = cast<P>(scene.initial.position_W);
+        b.velocity_W = cast<P>(scene.initial.velocity_W);
+    }
+    return b;
+}
+
+/// The times at which the motion is not smooth, with 0 first and the scene's duration last.
+std::vector<double> event_times(const Scene& scene);
+
+/// True for a load (not an impulse) that acts on the segment beginning at `begin`.
+inline bool acts(const Window& window, double begin) { return window.from <= begin && begin < window.until; }
+
+/// The loads that act from `begin` on, in axes that q_BP maps to the body's (1: the body's own). User torques are
+/// left to the caller.
+template <class P>
+Forcing<P> forcing_at(const Scene& scene, const ExactBody<P>& body, double begin, const Quaternion<P>& q_BP) {
+    Forcing<P> f;
+    f.pivoted = body.pivoted;
+    f.arm = rotate_back(q_BP, body.arm);
+    const auto posed = [&](const Vector3<P>& v_B) { return rotate_back(q_BP, v_B); };
+    const auto field = [&](const Vector3<P>& arm_B, const Vector3<P>& force_W) {
+        f.body_points.push_back({posed(arm_B), force_W});
+        f.field.add(f.body_points.back());
+    };
+    Matrix3<P> damping_B;
+    for (const Load& load : scene.loads) {
+        if (!acts(window_of(load), begin)) continue;
+        if (const auto* gravity = std::get_if<Gravity>(&load)) {
+            const Vector3<P> g = cast<P>(gravity->acceleration_W);
+            f.acceleration_W = f.acceleration_W + g;
+            if (body.pivoted && !(body.arm == Vector3<P>())) field(body.arm, body.mass * g);
+        } else if (const auto* couple = std::get_if<Torque>(&load)) {
+            const Vector3<P> v = cast<P>(couple->vector);
+            if (couple->frame == Frame::body)
+                f.torque = f.torque + posed(v), f.has_torque = true;
+            else
+                f.torque_W = f.torque_W + v, f.has_world_torque = true;
+        } else if (const auto* force = std::get_if<Force>(&load)) {
+            const Vector3<P> F = cast<P>(force->vector), point = cast<P>(force->point);
+            if (force->frame == Frame::world)
+                f.acceleration_W = f.acceleration_W + (P(1) / body.mass) * F;
+            else
+                f.specific_force = f.specific_force + (P(1) / body.mass) * posed(F), f.has_body_force = true;
+            if (force->point_frame == Frame::body) {
+                const Vector3<P> arm = point - body.origin;
+                if (arm == Vector3<P>()) continue;
+                if (force->frame == Frame::world)
+                    field(arm, F);
+                else
+                    f.torque = f.torque + posed(cross(arm, F)), f.has_torque = true;
+            } else if (body.pivoted && force->frame == Frame::world) {
+                f.torque_W = f.torque_W + cross(point, F), f.has_world_torque = true;
+            } else {
+                f.world_points.push_back({point, force->frame == Frame::world ? F : posed(F), force->frame});
+            }
+        } else if (const auto* drag = std::get_if<Drag>(&load)) {
+            const P c = P(drag->translational);
+            damping_B = damping_B + diagonal(cast<P>(drag->rotational));
+            // at a pivot v = w x r: r x (-c (w x r)) = -c (r.r 1 - r r^T) w
+            if (body.pivoted) damping_B = damping_B + parallel_axis(c, body.arm);
+            f.specific_drag = f.specific_drag + c / body.mass;
+            f.has_translational_drag = f.has_translational_drag || drag->translational != 0;
+        } else if (const auto* spring = std::get_if<Spring>(&load)) {
+            if (spring->stiffness != 0)
+                f.springs.push_back({P(spring->stiffness), normalized(cast<P>(spring->rest_orientation)) * q_BP});
+        }
+    }
+    const Matrix3<P> axes = rotation_matrix(q_BP);
+    f.damping = transposed(axes) * damping_B * axes;
+    f.has_damping = !(damping_B == Matrix3<P>());
+    // loads whose sum vanishes exactly are no loads
+    f.has_torque = f.has_torque && !(f.torque == Vector3<P>());
+    f.has_world_torque = f.has_world_torque && !(f.torque_W == Vector3<P>());
+    return f;
+}
+
+/// The impulses at time `at`, in file order; axes as above.
+template <class P>
+std::vector<PosedImpulse<P>> impulses_at(const Scene& scene, const ExactBody<P>& body, double at,
+                                         const Quaternion<P>& q_BP) {
+    std::vector<PosedImpulse<P>> found;
+    for (const Load& load : scene.loads)
+        if (const auto* impulse = std::get_if<Impulse>(&load); impulse && impulse->at == at) {
+            const Vector3<P> J = cast<P>(impulse->vector), point = cast<P>(impulse->point);
+            const bool in_body = impulse->point_frame == Frame::body;
+            found.push_back({impulse->frame == Frame::body ? rotate_back(q_BP, J) : J, impulse->frame,
+                             in_body ? rotate_back(q_BP, point - body.origin) : point, impulse->point_frame});
+        }
+    return found;
+}
+
+/// Energy (J): kinetic, and the potentials of the loads that act at time t (gravity, springs, forces constant in the
+/// world at a body point); angular momentum (kg m^2/s, world axes) about the pivot or the centre of mass. `q` maps
+/// body to world, of unit length.
+template <class P>
+struct Invariants {
+    P kinetic = P(0), energy = P(0);
+    Vector3<P> angular_momentum_W;
+};
+
+template <class P>
+Invariants<P> invariants(const Scene& scene, const ExactBody<P>& body, double t, const Quaternion<P>& q,
+                         const Vector3<P>& w_B, const Vector3<P>& p_W, const Vector3<P>& v_W) {
+    Invariants<P> result;
+    const Vector3<P> L_B = body.inertia_B * w_B;
+    result.kinetic = dot(w_B, L_B) / P(2);
+    if (!body.pivoted) result.kinetic += body.mass * dot(v_W, v_W) / P(2);
+    result.angular_momentum_W = rotate(q, L_B);
+    result.energy = result.kinetic;
+    // where the centre of mass is: at a pivot the attitude says it
+    const Vector3<P> center_W = body.pivoted ? rotate(q, body.arm) : p_W;
+    for (const Load& load : scene.loads) {
+        if (!acts(window_of(load), t)) continue;
+        if (const auto* gravity = std::get_if<Gravity>(&load)) {
+            result.energy -= body.mass * dot(cast<P>(gravity->acceleration_W), center_W);
+        } else if (const auto* force = std::get_if<Force>(&load)) {
+            if (force->frame == Frame::world && force->point_frame == Frame::body) {
+                const Vector3<P> from_center = cast<P>(force->point) - cast<P>(scene.body.center_of_mass);
+                result.energy -= dot(cast<P>(force->vector), center_W + rotate(q, from_center));
+            }
+        } else if (const auto* spring = std::get_if<Spring>(&load)) {
+            const Quaternion<P> r = conjugate(normalized(cast<P>(spring->rest_orientation))) * q;
+            result.energy += P(2) * P(spring->stiffness) * dot(vector_part(r), vector_part(r));
+        }
+    }
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,180 @@
+#include "motion/needs.h"
+
+#include <cmath>
+#include <optional>
+
+namespace polhode {
+namespace {
+
+using VectorW = Vector3<Wide>;
+using QuaternionW = Quaternion<Wide>;
+
+bool vanishes(const VectorW& v) { return v == VectorW(); }
+
+// The part of v across the unit axis e, exactly zero for a vector along a coordinate axis e.
+VectorW across(const VectorW& e, const VectorW& v) { return v - dot(e, v) * e; }
+
+bool translation_couples(const Scene& scene, const std::vector<Forcing<Wide>>& forcings) {
+    for (const Forcing<Wide>& f : forcings)
+        if (f.has_body_force || !f.world_points.empty()) return true;
+    for (const Load& load : scene.loads)
+        if (const auto* impulse = std::get_if<Impulse>(&load))
+            if (impulse->frame == Frame::body || impulse->point_frame == Frame::world) return true;
+    return false;
+}
+
+bool at_rest(const ExactBody<Wide>& body, const Scene& scene, const std::vector<Forcing<Wide>>& forcings) {
+    if (!vanishes(body.position_W) || !vanishes(body.velocity_W)) return false;
+    for (const Forcing<Wide>& f : forcings)
+        if (!vanishes(f.acceleration_W)) return false;
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<Impulse>(load)) return false;
+    return true;
+}
+
+// The torque along and across e for q = q0 (c, s e), w = rate e.
+struct AxisTorque {
+    Wide along;
+    bool across_vanishes;
+};
+AxisTorque axis_torque(const Forcing<Wide>& f, const VectorW& e, const QuaternionW& q0, Wide c, Wide s, Wide rate) {
+    const QuaternionW q = q0 * QuaternionW{c, s * e[0], s * e[1], s * e[2]};
+    const VectorW tau = torque(f, 0, rate * e, q, VectorW(), VectorW());
+    return {dot(e, tau), vanishes(across(e, tau))};
+}
+
+// The scalar system about e, if w stays along e whatever the angle: the torque is a quadratic form in (c, s) and
+// linear in w, so three attitudes and one rate settle it. The test is exact: zero, not small.
+std::optional<PrincipalAxisRotation<double>> about(const Forcing<Wide>& f, const VectorW& e, const QuaternionW& q0,
+                                                   const Matrix3<Wide>& inertia) {
+    const Wide diagonal = square_root(Wide(0.5));
+    const AxisTorque cc = axis_torque(f, e, q0, 1, 0, 0), ss = axis_torque(f, e, q0, 0, 1, 0);
+    const AxisTorque both = axis_torque(f, e, q0, diagonal, diagonal, 0), moving = axis_torque(f, e, q0, 1, 0, 1);
+    if (!cc.across_vanishes || !ss.across_vanishes || !both.across_vanishes || !moving.across_vanishes) return {};
+    PrincipalAxisRotation<double> system;
+    system.inverse_moment = double(1 / dot(e, inertia * e));
+    system.damping = double(cc.along - moving.along);
+    system.cc = double(cc.along), system.ss = double(ss.along);
+    system.cs = double(2 * both.along - cc.along - ss.along);
+    return system;
+}
+
+// An impulse keeps w along e if its angular kick does, at any angle: again a quadratic form in (c, s).
+bool keeps_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0, const ExactBody<Wide>& body,
+                const FullInertia<Wide>& inertia) {
+    const Wide pairs[3][2] = {{1, 0}, {0, 1}, {1, 1}};
+    for (const auto& [c, s] : pairs) {
+        VectorW w, v;
+        const QuaternionW q = q0 * QuaternionW{c, s * e[0], s * e[1], s * e[2]};
+        apply(impulse, inertia, body.mass, body.pivoted, w, q, VectorW(), v);
+        if (!vanishes(across(e, w))) return false;
+    }
+    return true;
+}
+
+bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP, const VectorW& e,
+              const std::vector<Forcing<Wide>>& forcings) {
+    const QuaternionW q0 = body.q * q_BP;
+    const Matrix3<Wide> axes = rotation_matrix(q_BP);
+    const Matrix3<Wide> inertia = transposed(axes) * body.inertia_B * axes;
+    const FullInertia<Wide> full{inertia, inverse(inertia)};
+    std::vector<PrincipalAxisRotation<double>> found;
+    for (std::size_t i = 0; i < forcings.size(); ++i) {
+        const auto system = about(forcings[i], e, q0, inertia);
+        if (!system) return false;
+        found.push_back(*system);
+        for (const auto& impulse : impulses_at(problem.scene, body, problem.segments[i].begin, q_BP))
+            if (!keeps_axis(impulse, e, q0, body, full)) return false;
+    }
+    for (std::size_t i = 0; i < found.size(); ++i) problem.segments[i].about_axis = found[i];
+    problem.axis = cast<double>(e);
+    return true;
+}
+
+bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
+                                const std::vector<Forcing<Wide>>& forcings) {
+    // an axis of a tensor whose principal axes had to be computed is irrational: w0 along it exactly is chance
+    const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
+    const bool own_axes = problem.q_BP == Quaternion<double>{};
+    for (int i = 0; i < 3 && own_axes; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        if (w[j] != 0 || w[k] != 0) continue;
+        VectorW e;
+        e[i] = 1;
+        if (try_axis(problem, body, q_BP, e, forcings)) return true;
+    }
+    // an isotropic body: every axis is principal, and without torque the first stays
+    if (problem.needs.symmetry != Symmetry::spherical || !problem.needs.torque_free || vanishes(w)) return false;
+    for (const Segment& segment : problem.segments)
+        if (!segment.impulses.empty()) return false;
+    const VectorW e = (1 / square_root(dot(w, w))) * w;
+    for (std::size_t i = 0; i < forcings.size(); ++i)
+        problem.segments[i].about_axis.inverse_moment = problem.principal.inverse_moments[0];
+    problem.axis = cast<double>(e);
+    return true;
+}
+
+}  // namespace
+
+void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
+                const std::vector<Forcing<Wide>>& forcings) {
+    Needs& needs = problem.needs;
+    const Vector3<double>& I = problem.principal.moments;
+    const int equal = (I[0] == I[1]) + (I[1] == I[2]) + (I[2] == I[0]);
+    needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
+
+    needs.torque_free = true;
+    bool impulses = false;
+    for (const Segment& segment : problem.segments) {
+        needs.user_torque = needs.user_torque || !segment.forcing.user_torques.empty();
+        needs.torque_free = needs.torque_free && !segment.forcing.any_torque();
+        impulses = impulses || !segment.impulses.empty();
+    }
+    needs.time_dependent = problem.segments.size() > 1 || needs.user_torque;
+
+    if (problem.formulation == Formulation::full) {
+        needs.system = System::full_motion, needs.dimension = 13, needs.translation = Translation::integrated;
+        return;
+    }
+    const auto leave_out = [&](const char* what, const char* why) { needs.left_out.push_back({what, why}); };
+    if (!(problem.principal.q_BP == Quaternion<double>{}))
+        leave_out("products of inertia", "they vanish in the principal frame, in which the system is posed");
+
+    const bool still = !exact.pivoted && at_rest(exact, problem.scene, forcings);
+    if (exact.pivoted) {
+        needs.translation = Translation::fixed;
+        leave_out("p and v", "the pivot holds the body: both follow from q and w");
+    } else if (still && !translation_couples(problem.scene, forcings)) {
+        needs.translation = Translation::fixed;
+        leave_out("p and v", "no force, and the centre of mass starts at rest at the origin");
+    } else if (!translation_couples(problem.scene, forcings) && !needs.user_torque) {
+        needs.translation = Translation::closed_form;
+        leave_out("p and v", "constant acceleration and linear drag at most: a closed form, piecewise");
+    } else {
+        needs.translation = Translation::integrated;
+    }
+
+    const bool couples = needs.translation == Translation::integrated;
+    if (!couples && !needs.user_torque && turns_about_principal_axis(problem, exact, q_BP, forcings)) {
+        needs.system = System::principal_axis_rotation, needs.dimension = 3;
+        leave_out("gyroscopic term w x Iw", "w stays along one principal axis");
+        leave_out("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
+    } else if (!couples && needs.torque_free) {
+        needs.system = System::free_rotation, needs.dimension = 7;
+        leave_out("torque",
+                  impulses ? "none between the impulses: w decouples from q there" : "none: w decouples from q");
+        if (needs.symmetry == Symmetry::symmetric)
+            leave_out("one gyroscopic component", "two moments agree: the rate about the symmetry axis is constant");
+    } else {
+        needs.system = couples ? System::loaded_motion : System::loaded_rotation;
+        needs.dimension = couples ? 13 : 7;
+        if (needs.symmetry == Symmetry::symmetric)
+            leave_out("one gyroscopic component", "two moments agree: its coefficient is zero");
+    }
+    if (needs.symmetry == Symmetry::spherical && needs.system != System::principal_axis_rotation) {
+        leave_out("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
+        problem.principal_inertia.isotropic = true;
+    }
+}
+
+}  // namespace polhode

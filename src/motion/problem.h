@@ -1,0 +1,126 @@
+// A scene made ready to be solved: what it really needs, the system posed, the pieces between its events.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "motion/equations.h"
+#include "motion/exact_body.h"
+#include "motion/systems.h"
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// How much of the motion is integrated.
+enum class Formulation {
+    reduced,  ///< what the scene needs and no more
+    full,     ///< all 13 variables, the tensor as given in body axes
+};
+
+enum class System { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
+enum class Symmetry { spherical, symmetric, asymmetric };
+enum class Translation {
+    fixed,        ///< pivot, or a centre of mass that never moves
+    closed_form,  ///< constant acceleration and linear drag, piecewise
+    integrated,
+};
+
+/// Something that the scene does not have, and why.
+struct LeftOut {
+    std::string what, why;
+};
+
+/// What the scene really has, found once.
+struct Needs {
+    System system = System::full_motion;
+    int dimension = 13;
+    Symmetry symmetry = Symmetry::asymmetric;
+    Translation translation = Translation::integrated;
+    bool torque_free = false;     ///< no torque at any time (impulses apart)
+    bool time_dependent = false;  ///< events inside the duration, or a user's torque
+    bool user_torque = false;
+    std::vector<LeftOut> left_out;
+};
+
+/// The motion between two events.
+struct Segment {
+    double begin = 0, end = 0;                   ///< s
+    std::vector<PosedImpulse<double>> impulses;  ///< at `begin`, before the motion goes on
+    Forcing<double> forcing;                     ///< in posed axes
+    PrincipalAxisRotation<double> about_axis;    ///< where the needs say principal_axis_rotation
+    Vector3<double> position_W, velocity_W;      ///< at `begin`, impulses included, where translation has a closed form
+};
+
+/// Estimates of the largest |w|, |p| and |v| (SI) over the run: what absolute tolerances are multiplied by.
+struct Scales {
+    double angular_velocity = 1, position = 1, velocity = 1;
+};
+
+struct Problem {
+    Scene scene;
+    Formulation formulation = Formulation::reduced;
+    ExactBody<double> body;  ///< rounded once from 128 bits
+    PrincipalFrame principal;
+    Quaternion<double> q_BP;  ///< posed axes to body axes: principal.q_BP, or 1 where `full`
+    PrincipalInertia<double> principal_inertia;
+    FullInertia<double> full_inertia;  ///< body axes
+    Vector3<double> axis;              ///< posed axes, unit: the axis of a principal_axis_rotation
+    Needs needs;
+    std::vector<Segment> segments;
+    Scales scales;
+
+    Vector3<double> initial_angular_velocity;  ///< posed axes
+    Quaternion<double> initial_q;              ///< posed axes to world
+};
+
+/// Poses a valid scene. The scene's duration is the run's.
+Problem pose(const Scene& scene, Formulation formulation = Formulation::reduced);
+
+/// The segment that holds time t: the last whose begin <= t.
+std::size_t segment_at(const Problem& problem, double t);
+
+const char* name_of(System system);
+
+/// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
+double energy_bound(const Problem& problem);
+
+/// Calls visit.template operator()<SystemType>() with the compile-time system that the problem was posed as.
+template <class Visitor>
+Trajectory with_system(const Problem& problem, Visitor&& visit) {
+    switch (problem.needs.system) {
+        case System::principal_axis_rotation:
+            return visit.template operator()<PrincipalAxisRotation<double>>();
+        case System::free_rotation:
+            return visit.template operator()<FreeRotation<double>>();
+        case System::loaded_rotation:
+            return visit.template operator()<LoadedRotation<double>>();
+        case System::loaded_motion:
+            return visit.template operator()<LoadedMotion<double>>();
+        case System::full_motion:
+            break;
+    }
+    return visit.template operator()<FullMotion<double>>();
+}
+
+/// The right-hand side on one segment. The segment must outlive it.
+template <class SystemType>
+SystemType system_on(const Problem& problem, const Segment& segment);
+
+/// y at t = 0, before any impulse there.
+template <class SystemType>
+void initial_state(const Problem& problem, double* y);
+
+/// Applies the impulses at the segment's begin, in place. Returns whether there were any.
+template <class SystemType>
+bool enter(const Problem& problem, const Segment& segment, double* y);
+
+/// The motion that y at time t stands for; closed-form blocks are filled in.
+template <class SystemType>
+Sample sample_of(const Problem& problem, double t, const double* y);
+
+/// One scale for each component of y.
+template <class SystemType>
+void component_scales(const Problem& problem, double* scales);
+
+}  // namespace polhode

@@ -1,0 +1,69 @@
+// What every method returns: states at times, how the run ended and what it cost.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "body/algebra.h"
+
+namespace polhode {
+
+enum class Status { ok, unsupported, diverged, tolerance_not_met, failed };
+
+/// The word of the result table.
+const char* name_of(Status status);
+
+/// The motion at one time, in the body's own axes and the world's.
+struct Sample {
+    double t = 0;                        ///< s
+    Quaternion<double> q;                ///< body to world, as the method left it (not normalised)
+    Vector3<double> angular_velocity_B;  ///< rad/s
+    Vector3<double> position_W;          ///< of the centre of mass, m
+    Vector3<double> velocity_W;          ///< m/s
+};
+
+/// w in world axes, by the sample's own attitude (normalised).
+Vector3<double> angular_velocity_W(const Sample& sample);
+
+struct Trajectory {
+    Status status = Status::ok;
+    std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
+    std::vector<Sample> samples;  ///< those reached; the first at t = 0
+    std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
+    long steps = 0;
+    long rhs_evaluations = 0;
+    double seconds = 0;          ///< wall clock of the integration alone, set-up left out
+    bool limit_reached = false;  ///< `failed` because of Settings::max_steps or seconds_limit
+    double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
+};
+
+/// t_k = k T / N, the k-th of N + 1 sample times: one formula, so that truth and methods mean the same binary64.
+inline double sample_time(double duration, long k, long n) {
+    return k == n ? duration : duration * static_cast<double>(k) / static_cast<double>(n);
+}
+
+/// A value in two parts, high + low, |low| <= ulp(high)/2: about 106 bits.
+struct Pair {
+    double high = 0, low = 0;
+
+    constexpr Pair() = default;
+    constexpr Pair(double high_, double low_ = 0) : high(high_), low(low_) {}
+};
+
+/// The truth at one time, to more digits than a double has.
+struct ReferenceSample {
+    double t = 0;
+    Quaternion<Pair> q;  ///< body to world, |q| = 1, without sign flips between samples
+    Vector3<Pair> angular_velocity_B, angular_momentum_W, position_W, velocity_W;
+    Pair energy;
+};
+
+/// The motion to judge others by.
+struct Reference {
+    bool available = false;
+    std::string message;  ///< why there is none, or how it was made
+    double bound = 0;     ///< largest of the attitude's error (rad) and the other blocks' relative errors
+    std::vector<ReferenceSample> samples;
+};
+
+}  // namespace polhode

@@ -1,0 +1,102 @@
+// A scene as canonical JSON.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "scene/json_document.h"
+#include "scene/scene_file.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+std::string json(const Vector3<double>& v) {
+    return fmt::format("[{}, {}, {}]", shortest_decimal(v[0]), shortest_decimal(v[1]), shortest_decimal(v[2]));
+}
+
+std::string json(const Quaternion<double>& q) {
+    return fmt::format("[{}, {}, {}, {}]", shortest_decimal(q.w), shortest_decimal(q.x), shortest_decimal(q.y),
+                       shortest_decimal(q.z));
+}
+
+std::string json(Frame frame) { return frame == Frame::body ? "\"body\"" : "\"world\""; }
+
+// three moments where nothing stands off the diagonal
+std::string json(const Matrix3<double>& m) {
+    const bool is_diagonal = m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2]));
+    if (is_diagonal) return json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
+    return fmt::format("[{}, {}, {}]", json(m[0]), json(m[1]), json(m[2]));
+}
+
+std::string json(const Window& window) {
+    std::string text;
+    if (std::isfinite(window.from)) text += ", \"from\": " + shortest_decimal(window.from);
+    if (std::isfinite(window.until)) text += ", \"until\": " + shortest_decimal(window.until);
+    return text;
+}
+
+struct LoadWriter {
+    std::string operator()(const Gravity& load) const {
+        return fmt::format(R"({{"type": "gravity", "acceleration": {}{}}})", json(load.acceleration_W),
+                           json(load.window));
+    }
+    std::string operator()(const Torque& load) const {
+        return fmt::format(R"({{"type": "torque", "vector": {}, "frame": {}{}}})", json(load.vector), json(load.frame),
+                           json(load.window));
+    }
+    std::string operator()(const Force& load) const {
+        return fmt::format(R"({{"type": "force", "vector": {}, "frame": {}, "point": {}, "point_frame": {}{}}})",
+                           json(load.vector), json(load.frame), json(load.point), json(load.point_frame),
+                           json(load.window));
+    }
+    std::string operator()(const Impulse& load) const {
+        return fmt::format(
+            R"({{"type": "impulse", "vector": {}, "frame": {}, "point": {}, "point_frame": {}, "at": {}}})",
+            json(load.vector), json(load.frame), json(load.point), json(load.point_frame), shortest_decimal(load.at));
+    }
+    std::string operator()(const Drag& load) const {
+        return fmt::format(R"({{"type": "drag", "rotational": {}, "translational": {}{}}})", json(load.rotational),
+                           shortest_decimal(load.translational), json(load.window));
+    }
+    std::string operator()(const Spring& load) const {
+        return fmt::format(R"({{"type": "spring", "stiffness": {}, "rest_orientation": {}{}}})",
+                           shortest_decimal(load.stiffness), json(load.rest_orientation), json(load.window));
+    }
+    std::string operator()(const UserTorque& load) const {
+        throw std::invalid_argument(fmt::format("the user's torque \"{}\" has no file form", load.name));
+    }
+};
+
+}  // namespace
+
+std::string write_scene(const Scene& scene) {
+    std::string text = "{\n  \"name\": " + json_string(scene.name);
+    const auto member = [&](const char* key, const std::string& value) {
+        text += fmt::format(",\n  \"{}\": {}", key, value);
+    };
+    if (!scene.about.empty()) member("about", json_string(scene.about));
+    if (!scene.source.empty()) member("source", json_string(scene.source));
+    member("duration", shortest_decimal(scene.duration));
+    member("body",
+           fmt::format("{{\n    \"mass\": {},\n    \"inertia\": {},\n    \"center_of_mass\": {}\n  }}",
+                       shortest_decimal(scene.body.mass), json(scene.body.inertia_B), json(scene.body.center_of_mass)));
+    const Initial& initial = scene.initial;
+    std::string start =
+        fmt::format("{{\n    \"orientation\": {},\n    \"angular_velocity\": {},\n    \"angular_velocity_frame\": {}",
+                    json(initial.orientation), json(initial.angular_velocity), json(initial.angular_velocity_frame));
+    if (!scene.pivot)
+        start += fmt::format(",\n    \"position\": {},\n    \"velocity\": {}", json(initial.position_W),
+                             json(initial.velocity_W));
+    member("initial", start + "\n  }");
+    if (scene.pivot) member("pivot", json(*scene.pivot));
+    std::string loads;
+    for (const Load& load : scene.loads)
+        loads += (loads.empty() ? "\n    " : ",\n    ") + std::visit(LoadWriter{}, load);
+    if (!loads.empty()) member("loads", "[" + loads + "\n  ]");
+    if (scene.tolerated_attitude)
+        member("tolerated", fmt::format("{{\"attitude\": {}}}", shortest_decimal(*scene.tolerated_attitude)));
+    return text + "\n}\n";
+}
+
+}  // namespace polhode

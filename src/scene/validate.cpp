@@ -1,0 +1,191 @@
+// The rules that a scene's values keep, however the scene was made.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "body/rigid_body.h"
+#include "scene/message.h"
+#include "scene/scene.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
+constexpr double norm_tolerance = 1e-6;    // of a unit quaternion
+
+// Throws at places inside one scene.
+class Check {
+  public:
+    explicit Check(const std::string& file) : file_(file) {}
+
+    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
+        throw InputError(file_, place, fault, remedy);
+    }
+    void finite(const std::string& place, double value) const {
+        if (!std::isfinite(value)) fail(place, "is " + shortest_decimal(value), "give a finite number");
+    }
+    void finite(const std::string& place, const Vector3<double>& v) const {
+        for (int i = 0; i < 3; ++i) finite(fmt::format("{}/{}", place, i), v[i]);
+    }
+    void positive(const std::string& place, double value, const char* what) const {
+        finite(place, value);
+        if (!(value > 0)) fail(place, "is " + shortest_decimal(value), fmt::format("{} must be > 0", what));
+        if (!std::isfinite(1 / value))
+            fail(place, "is " + shortest_decimal(value), fmt::format("{} needs a finite inverse: >= 1e-307", what));
+    }
+    void unit(const std::string& place, const Quaternion<double>& q) const {
+        const double component[4] = {q.w, q.x, q.y, q.z};
+        for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
+        const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
+        if (!(std::abs(norm - 1) <= norm_tolerance))
+            fail(place, "has norm " + shortest_decimal(norm), "a unit quaternion [w, x, y, z] has norm 1 within 1e-6");
+    }
+    void text(const std::string& place, const std::string& value) const {
+        if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");
+    }
+
+  private:
+    const std::string& file_;
+};
+
+// The three moments of a body exist for some distribution of mass: each positive, none above the sum of the others.
+void check_moments(const Check& check, const Vector3<double>& I, const std::string& place, bool single_places) {
+    const double largest = std::max({I[0], I[1], I[2]});
+    for (int i = 0; i < 3; ++i) {
+        const auto at = [&](int index) { return single_places ? fmt::format("{}/{}", place, index) : place; };
+        const double others = I[(i + 1) % 3] + I[(i + 2) % 3];
+        if (!(I[i] - others <= shape_tolerance * largest))
+            check.fail(at(i),
+                       fmt::format("{} {} is more than the sum {} of the other two",
+                                   single_places ? "moment" : "principal moment", shortest_decimal(I[i]),
+                                   shortest_decimal(others)),
+                       "moments of inertia keep the triangle inequality within 1e-12 of the largest");
+    }
+}
+
+void check_inertia(const Check& check, const Body& body) {
+    const std::string place = "/body/inertia";
+    const Matrix3<double>& J = body.inertia_B;
+    bool is_diagonal = true;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (i != j) is_diagonal = is_diagonal && J[i][j] == 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!is_diagonal) check.finite(fmt::format("{}/{}/{}", place, i, j), J[i][j]);
+    if (is_diagonal) {
+        for (int i = 0; i < 3; ++i) check.positive(fmt::format("{}/{}", place, i), J[i][i], "a moment of inertia");
+        check_moments(check, {J[0][0], J[1][1], J[2][2]}, place, true);
+        return;
+    }
+    const Vector3<double> I = principal_frame(J, 1, Vector3<double>()).moments;
+    const double largest = std::max({I[0], I[1], I[2]});
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < i; ++j)
+            if (!(std::abs(J[i][j] - J[j][i]) <= shape_tolerance * largest))
+                check.fail(fmt::format("{}/{}/{}", place, i, j),
+                           fmt::format("is {} where the entry across is {}", shortest_decimal(J[i][j]),
+                                       shortest_decimal(J[j][i])),
+                           "an inertia tensor is symmetric within 1e-12 of its largest moment");
+    for (int i = 0; i < 3; ++i) {
+        check.finite(place, I[i]);
+        // a moment below 1e-30 of the largest is a zero left over by the diagonalisation's 113 bits
+        if (!(I[i] > 1e-30 * largest) || !std::isfinite(1 / I[i]))
+            check.fail(place, "has the principal moment " + shortest_decimal(I[i]),
+                       "every principal moment must be > 0");
+    }
+    check_moments(check, I, place, false);
+}
+
+void check_body(const Check& check, const Scene& scene) {
+    check.positive("/body/mass", scene.body.mass, "the mass");
+    check.finite("/body/center_of_mass", scene.body.center_of_mass);
+    check_inertia(check, scene.body);
+    if (!scene.pivot) return;
+    check.finite("/pivot", *scene.pivot);
+    const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
+    const Vector3<double> I = principal_frame(scene.body.inertia_B, scene.body.mass, arm).moments;
+    if (!std::isfinite(I[0] + I[1] + I[2]))
+        check.fail("/pivot", "makes the inertia about it infinite as binary64",
+                   "give a nearer pivot or a lighter body");
+}
+
+void check_initial(const Check& check, const Scene& scene) {
+    const Initial& initial = scene.initial;
+    check.unit("/initial/orientation", initial.orientation);
+    check.finite("/initial/angular_velocity", initial.angular_velocity);
+    check.finite("/initial/position", initial.position_W);
+    check.finite("/initial/velocity", initial.velocity_W);
+    if (!scene.pivot) return;
+    const char* remedy = "leave it out: the pivot and the attitude say where the centre of mass is";
+    if (!(initial.position_W == Vector3<double>())) check.fail("/initial/position", "stands beside a pivot", remedy);
+    if (!(initial.velocity_W == Vector3<double>())) check.fail("/initial/velocity", "stands beside a pivot", remedy);
+}
+
+void check_window(const Check& check, const std::string& place, const Window& window) {
+    if (std::isnan(window.from) || window.from == HUGE_VAL)
+        check.fail(place + "/from", "is " + shortest_decimal(window.from), "give a finite time in s");
+    if (std::isnan(window.until) || window.until == -HUGE_VAL)
+        check.fail(place + "/until", "is " + shortest_decimal(window.until), "give a finite time in s");
+    if (!(window.from < window.until))
+        check.fail(place + "/until",
+                   fmt::format("is {}, not after \"from\" = {}", shortest_decimal(window.until),
+                               shortest_decimal(window.from)),
+                   "a load acts for from <= t < until: give until > from");
+}
+
+struct LoadCheck {
+    const Check& check;
+    const std::string& place;
+
+    void operator()(const Gravity& load) const { check.finite(place + "/acceleration", load.acceleration_W); }
+    void operator()(const Torque& load) const { check.finite(place + "/vector", load.vector); }
+    void operator()(const Force& load) const {
+        check.finite(place + "/vector", load.vector);
+        check.finite(place + "/point", load.point);
+    }
+    void operator()(const Impulse& load) const {
+        check.finite(place + "/vector", load.vector);
+        check.finite(place + "/point", load.point);
+        check.finite(place + "/at", load.at);
+        if (load.at < 0)
+            check.fail(place + "/at", "is " + shortest_decimal(load.at), "an impulse acts at a time >= 0 s");
+    }
+    void operator()(const Drag& load) const {
+        check.finite(place + "/rotational", load.rotational);
+        check.finite(place + "/translational", load.translational);
+    }
+    void operator()(const Spring& load) const {
+        check.finite(place + "/stiffness", load.stiffness);
+        check.unit(place + "/rest_orientation", load.rest_orientation);
+    }
+    void operator()(const UserTorque& load) const {
+        if (!load.torque_B) check.fail(place, "is a torque without a function", "give a callable");
+    }
+};
+
+}  // namespace
+
+void validate(const Scene& scene, const std::string& file) {
+    const Check check(file);
+    check.text("/name", scene.name);
+    check.text("/about", scene.about);
+    check.text("/source", scene.source);
+    if (scene.name.empty()) check.fail("/name", "is empty", "give the scene a name");
+    if (one_line(scene.name, scene.name.size()) != scene.name)
+        check.fail("/name", "holds control characters", "give a name of printable characters");
+    check.positive("/duration", scene.duration, "the duration in s");
+    check_body(check, scene);
+    check_initial(check, scene);
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+        const std::string place = fmt::format("/loads/{}", i);
+        std::visit(LoadCheck{check, place}, scene.loads[i]);
+        check_window(check, place, window_of(scene.loads[i]));
+    }
+    if (scene.tolerated_attitude)
+        check.positive("/tolerated/attitude", *scene.tolerated_attitude, "the tolerated attitude error in rad");
+}
+
+}  // namespace polhode

@@ -1,0 +1,19 @@
+// Files that are there whole or not at all.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace polhode {
+
+/// Writes `text` to a temporary file beside `path`, syncs it and renames it to `path`: at any moment `path` is the old
+/// file or the new one, whatever happens to the process or the machine. A symbolic link is followed; what is no
+/// regular file (a terminal, a pipe) is written directly. Throws std::runtime_error (one line, with the path and the
+/// system's reason) and leaves the old file as it was.
+void write_atomically(const std::string& path, std::string_view text);
+
+/// Throws std::runtime_error where write_atomically(path, ..) could not even begin: a missing or read-only directory,
+/// or `path` a directory.
+void require_writable(const std::string& path);
+
+}  // namespace polhode

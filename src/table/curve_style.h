@@ -1,0 +1,20 @@
+// The colours, markers and dashes of curves, in gnuplot's terms.
+#pragma once
+
+#include <string>
+
+#include "table/figure.h"
+
+namespace polhode {
+
+/// "#rrggbb"
+std::string color_of(const Curve& curve);
+
+/// A filled point type; the open one of the same shape is one less. The first sixteen indices differ in colour; the
+/// next sixteen have these colours again, each with the next marker.
+int marker_of(const Curve& curve);
+
+/// A dash type.
+std::string dash_of(const Curve& curve);
+
+}  // namespace polhode

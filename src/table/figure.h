@@ -1,0 +1,46 @@
+// Pictures that a paper could print: panels of curves, drawn by gnuplot as SVG and PDF.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace polhode {
+
+struct Curve {
+    std::string label;   ///< in the legend; curves of one label share one entry over all panels; none if empty
+    int color = 0;       ///< index into a fixed palette of colour and marker: one a method, the same in every picture.
+                         ///< 0 to 47 are told apart, the first 8 by colour alone
+    int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one a setting
+    bool points = true;  ///< with markers (at every n-th point where there are more than 40) or a line only
+    bool cut = false;    ///< the curve was cut short: an open marker and an arrow onward at its last point, explained
+                         ///< in the legend
+    std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and
+                               ///< so are magnitudes beyond 1e300, which no axis can show)
+};
+
+struct Panel {
+    std::string title, x_label, y_label;  ///< labels with units: "time (s)"
+    bool log_x = true, log_y = true;
+    std::vector<Curve> curves;
+};
+
+/// All text shows literally.
+struct Figure {
+    std::string title;
+    int columns = 1;  ///< panels in a row
+    std::vector<Panel> panels;
+    std::string note;  ///< lines below: what the reader must know (why a curve was cut, an unoptimised library)
+};
+
+/// The gnuplot script that draws the figure to `path` (to standard output if empty) by `terminal` ("svg" or "pdf"; else
+/// std::invalid_argument); data inline, no file needed. A panel is about one column of a paper wide, or half a page
+/// where there are several in a row; one legend below all panels.
+std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& path);
+
+/// Draws PATH.svg and PATH.pdf (through temporaries, renamed); the same figure gives the same bytes. Returns an empty
+/// string, or what went wrong, such as gnuplot missing or silent beyond the time limit: tables do not depend on it.
+std::string draw(const Figure& figure, const std::string& path_without_extension,
+                 std::chrono::milliseconds time_limit = std::chrono::seconds(60));
+
+}  // namespace polhode

@@ -1,0 +1,94 @@
+#include "table/figure_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace polhode {
+
+namespace {
+
+// room around a panel's frame: tic labels and axis labels left and below, title above
+constexpr double room_left = 46, room_right = 12, room_above = 20, room_below = 32;
+
+/// Estimated, for a wide sans-serif such as DejaVu Sans, with head-room: fonts differ.
+double text_width(const std::string& text, double size) {
+    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+    return 0.56 * size * static_cast<double>(std::count_if(text.begin(), text.end(), starts_character));
+}
+
+double panel_width(std::size_t columns) { return columns == 1 ? 260 : columns == 2 ? 254 : columns == 3 ? 200 : 180; }
+
+std::vector<LegendEntry> legend_entries(const Figure& figure) {
+    std::vector<LegendEntry> entries;
+    std::set<std::string> seen;
+    bool cut = false;
+    for (const Panel& panel : figure.panels) {
+        for (const Curve& curve : panel.curves) {
+            cut = cut || curve.cut;
+            if (curve.label.empty() || !seen.insert(curve.label).second) continue;
+            entries.push_back({curve.label, &curve});
+        }
+    }
+    if (cut) entries.push_back({"curve cut short", nullptr});
+    return entries;
+}
+
+/// Places the entries in columns as wide as the longest, and returns the height they take.
+double place_legend(std::vector<LegendEntry>& entries, double top, double width) {
+    if (entries.empty()) return 0;
+    double widest = 0;
+    for (const LegendEntry& entry : entries) widest = std::max(widest, text_width(entry.label, text_size));
+    const double cell = legend_sample + 4 + widest + 10;
+    const std::size_t most = std::max<std::size_t>(1, static_cast<std::size_t>((width - 12) / cell));
+    const std::size_t rows = (entries.size() + most - 1) / most;
+    const std::size_t columns = (entries.size() + rows - 1) / rows;
+    const double left = std::max(6.0, (width - cell * static_cast<double>(columns) + 10) / 2);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        entries[i].x = left + cell * static_cast<double>(i / rows);
+        entries[i].y = top + line_height * (static_cast<double>(i % rows) + 0.5);
+    }
+    return line_height * static_cast<double>(rows) + 4;
+}
+
+std::vector<std::string> wrapped(const std::string& text, double width, double size) {
+    std::vector<std::string> lines;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (!lines.empty() && text_width(lines.back() + ' ' + word, size) <= width) {
+            lines.back() += ' ' + word;
+        } else {
+            lines.push_back(word);
+        }
+    }
+    return lines;
+}
+
+}  // namespace
+
+FigureLayout layout_of(const Figure& figure) {
+    FigureLayout layout;
+    const std::size_t panels = std::max<std::size_t>(1, figure.panels.size());
+    const std::size_t columns = std::min(panels, static_cast<std::size_t>(std::max(1, figure.columns)));
+    const std::size_t rows = (panels + columns - 1) / columns;
+    const double cell_width = panel_width(columns);
+    const double plot_height = std::round(0.72 * (cell_width - room_left - room_right));
+    const double cell_height = room_above + plot_height + room_below;
+    const double top = figure.title.empty() ? 2 : 18;
+    layout.width = cell_width * static_cast<double>(columns);
+    for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+        const double left = cell_width * static_cast<double>(i % columns) + room_left;
+        const double upper = top + cell_height * static_cast<double>(i / columns) + room_above;
+        layout.plots.push_back({left, upper, left + cell_width - room_left - room_right, upper + plot_height});
+    }
+    double bottom = top + cell_height * static_cast<double>(rows) + 4;
+    layout.legend = legend_entries(figure);
+    bottom += place_legend(layout.legend, bottom, layout.width);
+    layout.note_lines = wrapped(figure.note, layout.width - 16, text_size);
+    layout.first_note_line = bottom + line_height / 2;
+    layout.height = std::ceil(bottom + line_height * static_cast<double>(layout.note_lines.size()) + 4);
+    return layout;
+}
+
+}  // namespace polhode

@@ -1,0 +1,63 @@
+// A table of named columns, and its writers. Knows nothing of methods or scenes.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace polhode {
+
+/// Empty (a number that does not exist), a word, a real number or a count.
+using Cell = std::variant<std::monostate, std::string, double, long>;
+
+/// Every writer throws std::invalid_argument for a table without columns and for a row that is not as long as the
+/// header; those for machines (csv, json) also for two columns of one name.
+struct Table {
+    std::vector<std::string> columns;
+    std::vector<std::vector<Cell>> rows;  ///< each as long as `columns`
+};
+
+/// A cell as the CSV has it: empty, text (not quoted yet), shortest decimals that read back to the same binary64
+/// ("nan", "inf" and "-inf" where it is not finite).
+std::string text_of(const Cell& cell);
+
+/// RFC 4180: a header line, then one line a row; fields with comma, quote or newline are quoted. Lines end in \n.
+std::string csv(const Table& table);
+
+/// The table that csv() wrote; every non-empty cell a string. Lines may also end in \r\n, the last one in nothing.
+/// Throws std::invalid_argument with line and fault: no header, two columns of one name, a row of another length than
+/// the header, a quote inside a field or never closed, text behind a closing quote.
+Table parse_csv(std::string_view text);
+
+/// Text cells that are exactly what csv() writes for a count or a real number become one, so that a table read from a
+/// file is rounded and aligned like the table it was written from. "007" or "1.50" stay text: text_of never changes.
+Table with_numbers(Table table);
+
+/// For people: real numbers to three significant digits, scientific outside [1e-3, 1e3), counts in full, empty cells
+/// as they are, columns of numbers aligned to the right. Text shows literally: what the format would take as markup is
+/// escaped.
+std::string markdown(const Table& table);
+
+/// Like markdown(), as a `table` environment for a document that uses booktabs. An empty caption or label is left out.
+/// The caption is text, the label stays as it is given. Greek letters and the field's signs become LaTeX commands.
+std::string latex(const Table& table, const std::string& caption, const std::string& label);
+
+/// An array of objects, one a line; real numbers as in the CSV; empty cells and numbers that are not finite are null.
+/// Bytes that are not UTF-8 become U+FFFD.
+std::string json(const Table& table);
+
+/// Only these columns, in this order, under these headings; throws std::invalid_argument if one is missing.
+struct ColumnChoice {
+    std::string column, heading;
+};
+Table select(const Table& table, const std::vector<ColumnChoice>& choices);
+
+/// Index of a column; throws std::invalid_argument if there is none.
+std::size_t column_index(const Table& table, std::string_view name);
+
+/// Throws std::invalid_argument unless the table has a column and every row is as long as the header.
+void require_rectangular(const Table& table);
+
+}  // namespace polhode

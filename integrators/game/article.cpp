@@ -1,0 +1,254 @@
+// The update of the article on rotational dynamics for game programmers, as it is printed and mended.
+//
+// A tick of length h, in the article's order:
+//   1. apply_torque for every load:  r = point - x_com,  w += I_W^-1 (r x F) h;   also v += h F / m
+//   2. update_body_orientation:      w += I_W^-1 (w x I_W w) h   (printed; Euler's equations have the other sign)
+//                                    theta = rotation by |w| h about the new w,  q = theta q,
+//                                    position turned by theta about the centre of mass
+//   3. position += h v
+// The article has no step 3, no gravity and no pivot: these are the usual semi-implicit ones. q is not renormalised.
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "integrators/march.h"
+
+namespace polhode {
+namespace {
+
+enum class Form {
+    as_written,  ///< x_com = position + center_of_mass, not rotated; the printed sign of w x I w
+    mended,      ///< x_com rotated into the world; I dw/dt = tau - w x I w
+    body_frame,  ///< the mended update with w and the tensor in body axes, q = q theta
+};
+
+/// Rotation by `angle` (rad) about `axis`, of any length but zero.
+Quaternion<double> quaternion_angle_axis(double angle, const Vector3<double>& axis) {
+    const double scale = std::sin(angle / 2) / std::sqrt(dot(axis, axis));
+    return {std::cos(angle / 2), scale * axis[0], scale * axis[1], scale * axis[2]};
+}
+
+template <Form form>
+class Article {
+  public:
+    explicit Article(const Problem& problem) : problem_(&problem) {
+        const ExactBody<double>& body = problem.body;
+        held_ = body.pivoted;
+        mass_ = body.mass;
+        inertia_B_ = body.inertia_B;
+        inverse_inertia_B_ = inverse(inertia_B_);
+        mass_center_B_ = problem.scene.body.center_of_mass;
+        // a held body turns about its origin, with the inertia shifted there
+        turning_center_B_ = held_ ? Vector3<double>() : mass_center_B_;
+        loads_.reserve(problem.scene.loads.size());
+        restart();
+    }
+
+    void restart() {
+        const ExactBody<double>& body = problem_->body;
+        orientation_ = body.q;
+        angular_velocity_ = in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B);
+        linear_velocity_ = held_ ? Vector3<double>() : body.velocity_W;
+        // the article's position is that of the body's origin
+        position_ = held_ ? Vector3<double>() : body.position_W - rotate(body.q, mass_center_B_);
+        steps_ = 0;
+        turn_tensor();
+    }
+
+    void enter(const Segment& segment) {
+        turn_tensor();
+        loads_.clear();
+        for (const Load& load : problem_->scene.loads) {
+            const auto* impulse = std::get_if<Impulse>(&load);
+            if (impulse && impulse->at == segment.begin) {
+                const Vector3<double> J = in_world(impulse->vector, impulse->frame);
+                apply_force(J, point_in_world(impulse->point, impulse->point_frame), 1);
+            } else if (!impulse && acts(window_of(load), segment.begin)) {
+                loads_.push_back(&load);
+            }
+        }
+    }
+
+    void step(double t, double h) {
+        turn_tensor();
+        for (const Load* load : loads_) std::visit([&](const auto& l) { apply(l, t, h); }, *load);
+        update_body_orientation(h);
+        if (!held_) position_ = position_ + h * linear_velocity_;
+        ++steps_;
+    }
+
+    Sample sample(double t) const {
+        Sample s;
+        s.t = t, s.q = orientation_;
+        s.angular_velocity_B = in_body
+                                   ? angular_velocity_
+                                   : (1 / squared_norm(orientation_)) * rotate_back(orientation_, angular_velocity_);
+        s.position_W = position_ + rotate(orientation_, mass_center_B_);
+        s.velocity_W = linear_velocity_;
+        if (held_) pivoted_center(s.q, s.angular_velocity_B, mass_center_B_, s.position_W, s.velocity_W);
+        return s;
+    }
+
+    bool finite() const {
+        const Vector3<double> sum = angular_velocity_ + linear_velocity_ + position_;
+        return std::isfinite(dot(sum, sum)) && std::isfinite(squared_norm(orientation_));
+    }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    static constexpr bool in_body = form == Form::body_frame;
+
+    // R I R^-1 and its inverse, by the general matrix inverse as in the article
+    void turn_tensor() {
+        if constexpr (in_body) return;
+        const Matrix3<double> orientation_matrix = rotation_matrix(orientation_);
+        world_inertia_ = orientation_matrix * inertia_B_ * inverse(orientation_matrix);
+        inverse_world_inertia_ = inverse(world_inertia_);
+    }
+
+    Vector3<double> in_world(const Vector3<double>& v, Frame frame) const {
+        return frame == Frame::world ? v : rotate(orientation_, v);
+    }
+    Vector3<double> point_in_world(const Vector3<double>& point, Frame frame) const {
+        return frame == Frame::world ? point : position_ + rotate(orientation_, point);
+    }
+    Vector3<double> angular_velocity_in_body() const {
+        return in_body ? angular_velocity_ : rotate_back(orientation_, angular_velocity_);
+    }
+    Vector3<double> mass_center_velocity_W() const {
+        if (!held_) return linear_velocity_;
+        return rotate(orientation_, cross(angular_velocity_in_body(), mass_center_B_));
+    }
+
+    // J = (I^-1 torque) h
+    void apply_torque(const Vector3<double>& torque_W, double h) {
+        if constexpr (in_body)
+            angular_velocity_ = angular_velocity_ + h * (inverse_inertia_B_ * rotate_back(orientation_, torque_W));
+        else
+            angular_velocity_ = angular_velocity_ + h * (inverse_world_inertia_ * torque_W);
+    }
+    void apply_force(const Vector3<double>& force_W, const Vector3<double>& point_W, double h) {
+        const Vector3<double> offset =
+            form == Form::as_written ? turning_center_B_ : rotate(orientation_, turning_center_B_);
+        const Vector3<double> world_com = position_ + offset;
+        const Vector3<double> r = point_W - world_com;
+        apply_torque(cross(r, force_W), h);
+        push(force_W, h);
+    }
+    void push(const Vector3<double>& force_W, double h) {
+        if (!held_) linear_velocity_ = linear_velocity_ + (h / mass_) * force_W;
+    }
+    // a force at the centre of mass turns the body only where it is held elsewhere
+    void apply_at_mass_center(const Vector3<double>& force_W, double h) {
+        if (held_)
+            apply_force(force_W, point_in_world(mass_center_B_, Frame::body), h);
+        else
+            push(force_W, h);
+    }
+
+    void apply(const Gravity& load, double, double h) { apply_at_mass_center(mass_ * load.acceleration_W, h); }
+    void apply(const Torque& load, double, double h) { apply_torque(in_world(load.vector, load.frame), h); }
+    void apply(const Force& load, double, double h) {
+        apply_force(in_world(load.vector, load.frame), point_in_world(load.point, load.point_frame), h);
+    }
+    void apply(const Drag& load, double, double h) {
+        const Vector3<double> w = angular_velocity_in_body(), &c = load.rotational;
+        apply_torque(rotate(orientation_, Vector3<double>(-c[0] * w[0], -c[1] * w[1], -c[2] * w[2])), h);
+        if (load.translational != 0) apply_at_mass_center(-load.translational * mass_center_velocity_W(), h);
+    }
+    void apply(const Spring& load, double, double h) {
+        const Quaternion<double> r = conjugate(normalized(load.rest_orientation)) * orientation_;
+        apply_torque(rotate(orientation_, (-2 * load.stiffness * r.w) * vector_part(r)), h);
+    }
+    void apply(const UserTorque& load, double t, double h) {
+        const LoadState state{t, orientation_, angular_velocity_in_body(),
+                              position_ + rotate(orientation_, mass_center_B_), mass_center_velocity_W()};
+        apply_torque(rotate(orientation_, load.torque_B(state)), h);
+    }
+    void apply(const Impulse&, double, double) {}
+
+    void update_body_orientation(double h) {
+        Vector3<double>& w = angular_velocity_;
+        if constexpr (form == Form::as_written)
+            w = w + h * (inverse_world_inertia_ * cross(w, world_inertia_ * w));
+        else if constexpr (form == Form::mended)
+            w = w + h * (inverse_world_inertia_ * cross(world_inertia_ * w, w));
+        else
+            w = w + h * (inverse_inertia_B_ * cross(inertia_B_ * w, w));
+        const Vector3<double> world_com = position_ + rotate(orientation_, turning_center_B_);
+        const Vector3<double> com_to_position = position_ - world_com;
+        // without a rate there is no axis
+        const double rate = std::sqrt(dot(w, w));
+        if (rate == 0) return;
+        const Quaternion<double> theta = quaternion_angle_axis(rate * h, w);
+        if constexpr (in_body) {
+            orientation_ = orientation_ * theta;
+            position_ = world_com - rotate(orientation_, turning_center_B_);
+        } else {
+            orientation_ = theta * orientation_;
+            position_ = world_com + rotate(theta, com_to_position);
+        }
+    }
+
+    const Problem* problem_;
+    bool held_ = false;
+    double mass_ = 1;
+    Matrix3<double> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
+    Vector3<double> mass_center_B_, turning_center_B_;  ///< from the body's origin
+    std::vector<const Load*> loads_;                    ///< those that act on this segment, in file order
+
+    Quaternion<double> orientation_;
+    Vector3<double> angular_velocity_;  ///< world axes; body axes in the body-frame form
+    Vector3<double> linear_velocity_;   ///< of the centre of mass
+    Vector3<double> position_;          ///< of the body's origin
+    long steps_ = 0;
+};
+
+template <Form form>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    if (problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>()))
+        return unsupported("the article turns a body about its own origin: a pivot elsewhere has no place in it");
+    return march<Article<form>>(problem, settings);
+}
+
+constexpr std::string_view source =
+    "an article on rotational dynamics for game programmers (apply_torque, "
+    "update_body_orientation); mended after Euler's equations";
+
+const Method family[] = {
+    {.name = "article_as_written",
+     .documentation =
+         "The article's update as it is printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
+         "converges, with order 1, to I dw/dt = tau + w x Iw, which is another motion; and the offset of the centre of "
+         "mass is not turned into the world where forces are applied.",
+     .source = source,
+     .conserves = "|q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Form::as_written>},
+    {.name = "article_mended",
+     .documentation =
+         "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
+         "into the world. Order 1; the tensor is rotated and inverted anew at every step.",
+     .source = source,
+     .conserves = "|q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Form::mended>},
+    {.name = "article_body_frame",
+     .documentation =
+         "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
+         "`article_mended` but for rounding, at less cost.",
+     .source = source,
+     .conserves = "|q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Form::body_frame>},
+};
+
+}  // namespace
+
+extern const std::span<const Method> article_methods;
+const std::span<const Method> article_methods = family;
+
+}  // namespace polhode

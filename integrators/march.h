@@ -1,0 +1,311 @@
+// The drivers that every step-by-step method shares: a fixed step that meets samples and events exactly, and a
+// tolerance-driven one that takes its own steps and looks sideways for the samples.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <concepts>
+#include <string>
+
+#include "integrators/method.h"
+
+namespace polhode {
+
+/// Counts steps against Settings::max_steps, and looks at the clock now and then for Settings::seconds_limit.
+class Budget {
+  public:
+    explicit Budget(const Settings& settings);
+
+    /// Takes one step; false once the run may not go on: `message()` then says why.
+    bool take() {
+        if (++steps_ > max_steps_) return refuse();
+        return (steps_ & 63) != 0 || !timed_ || in_time();
+    }
+    long steps() const { return steps_; }
+    /// The run needs more steps than it may take: `failed` before its first.
+    void forbid(Trajectory& trajectory) const;
+    /// After take() said no: the run is `failed`, by its limit, with the reason.
+    void stop(Trajectory& trajectory) const;
+
+  private:
+    bool refuse();
+    bool in_time();
+
+    long steps_ = 0, max_steps_;
+    int repetitions_;
+    bool timed_;
+    double seconds_limit_;
+    std::chrono::steady_clock::time_point start_;
+    std::string message_;
+};
+
+/// Seconds since construction.
+class Stopwatch {
+  public:
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Whole steps for one sample interval of length `interval`, none longer than `step` (but for rounding).
+long steps_per_sample(double interval, double step);
+
+/// Appends the sample, or tells that the run has diverged: a number that is not finite, or energy beyond all bounds.
+bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
+
+Trajectory unsupported(std::string message);
+
+/// A method that goes step by step and holds its own state. A game update is one directly; a scheme for first-order
+/// systems is one through SystemStepper.
+template <class S>
+concept Stepper = std::constructible_from<S, const Problem&> &&
+    requires(S s, const S c, const Segment& segment, double t, double h) {
+    { s.restart() } -> std::same_as<void>;       // back to t = 0
+    { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then other loads
+    { s.step(t, h) } -> std::same_as<void>;      // from t to t + h
+    { c.sample(t) } -> std::same_as<Sample>;
+    { c.finite() } -> std::same_as<bool>;
+    { c.rhs_evaluations() } -> std::same_as<long>;  // since restart
+};
+
+/// A scheme `step(const System&, double t, double* y, double h)` with `evaluations` per step, on one of the systems.
+template <class Scheme, class SystemType>
+class SystemStepper {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    explicit SystemStepper(const Problem& problem)
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        restart();
+    }
+    void restart() {
+        initial_state<SystemType>(*problem_, y_);
+        steps_ = 0;
+    }
+    void enter(const Segment& segment) {
+        polhode::enter<SystemType>(*problem_, segment, y_);
+        system_ = system_on<SystemType>(*problem_, segment);
+    }
+    void step(double t, double h) {
+        scheme_.step(system_, t, y_, h);
+        ++steps_;
+    }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
+    bool finite() const {
+        double sum = 0;
+        for (double value : y_) sum += value * 0;
+        return sum == 0;
+    }
+    long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
+
+  private:
+    const Problem* problem_;
+    SystemType system_;
+    Scheme scheme_{};
+    alignas(32) double y_[dimension];
+    long steps_ = 0;
+};
+
+/// Fixed steps. Every sample time is met by whole steps; an event inside a step cuts it in two. The steps do not
+/// depend on Settings::record.
+template <Stepper S>
+Trajectory march(const Problem& problem, const Settings& settings) {
+    Trajectory trajectory;
+    const double T = problem.scene.duration;
+    const long N = settings.samples;
+    const long per_sample = steps_per_sample(T / static_cast<double>(N), *settings.step);
+    const double bound = energy_bound(problem);
+    trajectory.step = T / static_cast<double>(N) / static_cast<double>(per_sample);
+    Budget budget(settings);
+    // the number of steps is known beforehand: a run that cannot end within its limit is not begun
+    if (per_sample > settings.max_steps / N) {
+        budget.forbid(trajectory);
+        return trajectory;
+    }
+    S stepper(problem);
+    const auto keep = [&](double t) {
+        const bool fine = record(problem, stepper.sample(t), bound, trajectory);
+        if constexpr (requires { stepper.orthogonality_defect(); })
+            if (fine) trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
+        return fine;
+    };
+    // false when the run ended early
+    const auto run = [&](bool recording) {
+        stepper.restart();
+        std::size_t next = 0;
+        const auto pass_events = [&](double t) {
+            while (next < problem.segments.size() && problem.segments[next].begin <= t)
+                stepper.enter(problem.segments[next++]);
+        };
+        pass_events(0);
+        if (recording && !keep(0)) return false;
+        for (long k = 1; k <= N; ++k) {
+            const double begin = sample_time(T, k - 1, N), end = sample_time(T, k, N);
+            const double h = (end - begin) / static_cast<double>(per_sample);
+            for (long i = 0; i < per_sample; ++i) {
+                if (!budget.take()) {
+                    budget.stop(trajectory);
+                    return false;
+                }
+                double t = begin + static_cast<double>(i) * h;
+                const double stop = i + 1 == per_sample ? end : begin + static_cast<double>(i + 1) * h;
+                if (next == problem.segments.size() || problem.segments[next].begin > stop) {
+                    stepper.step(t, h);
+                    continue;
+                }
+                while (next < problem.segments.size() && problem.segments[next].begin <= stop) {
+                    const double event = problem.segments[next].begin;
+                    if (event > t) stepper.step(t, event - t);
+                    t = event;
+                    pass_events(event);
+                }
+                if (stop > t) stepper.step(t, stop - t);
+            }
+            if (!stepper.finite()) {
+                record(problem, stepper.sample(end), bound, trajectory);
+                return false;
+            }
+            if (recording && !keep(end)) return false;
+        }
+        return true;
+    };
+    const Stopwatch stopwatch;
+    for (int repetition = 0; repetition < settings.repetitions; ++repetition) {
+        const bool last = repetition + 1 == settings.repetitions;
+        if (!run(settings.record && last)) break;
+    }
+    trajectory.seconds = stopwatch.seconds() / settings.repetitions;
+    trajectory.steps = budget.steps() / settings.repetitions;
+    trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    if (!settings.record && trajectory.status == Status::ok) keep(T);
+    return trajectory;
+}
+
+/// march() of a scheme on whichever system the problem was posed as: SchemeOn<SystemType>::type or a plain scheme.
+template <template <class> class Scheme>
+Trajectory march_system(const Problem& problem, const Settings& settings) {
+    return with_system(problem, [&]<class SystemType>() {
+        return march<SystemStepper<Scheme<SystemType>, SystemType>>(problem, settings);
+    });
+}
+
+/// What became of an attempted step of a tolerance-driven stepper.
+enum class Attempt { accepted, rejected, not_finite };
+
+/// A stepper that chooses its own steps. attempt() tries one of size h from t; accepted: t and the state have moved,
+/// h is the next size; otherwise t and the state are as before and h is smaller. Copies go on independently.
+template <class S>
+concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const Segment& segment, double& t, double& h) {
+    { s.restart() } -> std::same_as<void>;
+    { s.enter(segment) } -> std::same_as<void>;
+    { s.first_step(t) } -> std::same_as<double>;  // a guess at t, after enter()
+    { s.attempt(t, h) } -> std::same_as<Attempt>;
+    { c.sample(t) } -> std::same_as<Sample>;
+    { c.rhs_evaluations() } -> std::same_as<long>;
+};
+
+/// Tolerance-driven steps, cut only at events and at the end. A sample inside a step is reached sideways: a copy of
+/// the stepper as it was at the step's start goes there by itself. So the steps do not depend on the sampling.
+template <ControlledStepper S>
+Trajectory march_controlled(const Problem& problem, const Settings& settings, S stepper) {
+    constexpr int attempts_per_step = 1000;
+    constexpr long pace_steps = 1 << 14;
+    Trajectory trajectory;
+    const double T = problem.scene.duration, bound = energy_bound(problem);
+    const long N = settings.samples;
+    Budget budget(settings);
+    const auto fail = [&](Status status, std::string message) {
+        trajectory.status = status, trajectory.message = std::move(message);
+        return false;
+    };
+    // goes from t to at most `stop` by one accepted step; false: the run has ended
+    const auto advance = [&](S& s, double& t, double& h, double stop) {
+        for (int i = 0; i < attempts_per_step; ++i) {
+            const double left = stop - t;
+            // a remainder of a few rounding errors joins the step
+            const bool last = h >= left * (1 - 1e-14);
+            double size = last ? left : h;
+            const double begin = t, tried = size;
+            const Attempt outcome = s.attempt(t, size);
+            if (outcome == Attempt::accepted) {
+                if (last) t = stop;
+                h = last && size < h && tried < h ? h : size;
+                return true;
+            }
+            h = size;
+            if (!(h > 0) || begin + h == begin)
+                return fail(outcome == Attempt::not_finite ? Status::diverged : Status::tolerance_not_met,
+                            outcome == Attempt::not_finite
+                                ? "not finite however small the step, at t = " + std::to_string(t)
+                                : "step size below the spacing of numbers at t = " + std::to_string(t) +
+                                      ": the tolerance is too small for binary64");
+        }
+        return fail(Status::tolerance_not_met,
+                    std::to_string(attempts_per_step) + " rejected attempts at one step, at t = " + std::to_string(t));
+    };
+    // steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit
+    long marked_steps = 0;
+    double marked_time = 0;
+    const auto keeps_pace = [&](double t) {
+        if (budget.steps() - marked_steps < pace_steps) return true;
+        const double needed = static_cast<double>(pace_steps) * (T - t) / (t - marked_time);
+        marked_steps = budget.steps(), marked_time = t;
+        if (needed <= 10 * static_cast<double>(settings.max_steps)) return true;
+        return fail(Status::tolerance_not_met,
+                    "no progress at t = " + std::to_string(t) + ": the tolerance is too small for binary64");
+    };
+    const auto run = [&](bool recording) {
+        stepper.restart();
+        marked_steps = budget.steps(), marked_time = 0;
+        long k = 0;
+        for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+            const Segment& segment = problem.segments[i];
+            stepper.enter(segment);
+            double t = segment.begin, h = segment.end > t ? stepper.first_step(t) : 0;
+            // a sample at the segment's begin shows the motion after its impulses
+            if (recording && sample_time(T, k, N) == t && (i + 1 == problem.segments.size() || segment.end > t)) {
+                if (!record(problem, stepper.sample(t), bound, trajectory)) return false;
+                ++k;
+            }
+            const bool closes = i + 1 < problem.segments.size() && problem.segments[i + 1].begin == segment.end;
+            while (t < segment.end) {
+                if (!budget.take()) {
+                    budget.stop(trajectory);
+                    return false;
+                }
+                const bool looking = recording && k <= N && sample_time(T, k, N) <= t + h * 1.0000001;
+                std::optional<S> before;
+                if (looking) before = stepper;
+                double from = t, side_step = h;
+                if (!advance(stepper, t, h, segment.end) || !keeps_pace(t)) return false;
+                while (recording && k <= N && sample_time(T, k, N) <= t) {
+                    const double at = sample_time(T, k, N);
+                    if (at == t) {
+                        if (closes && t == segment.end) break;  // the next segment shows it
+                        if (!record(problem, stepper.sample(t), bound, trajectory)) return false;
+                    } else {
+                        if (!before) return fail(Status::failed, "a sample was passed unseen");
+                        while (from < at)
+                            if (!advance(*before, from, side_step, at)) return false;
+                        if (!record(problem, before->sample(at), bound, trajectory)) return false;
+                    }
+                    ++k;
+                }
+            }
+        }
+        return true;
+    };
+    const Stopwatch stopwatch;
+    for (int repetition = 0; repetition < settings.repetitions; ++repetition) {
+        const bool last = repetition + 1 == settings.repetitions;
+        if (!run(settings.record && last)) break;
+    }
+    trajectory.seconds = stopwatch.seconds() / settings.repetitions;
+    trajectory.steps = budget.steps() / settings.repetitions;
+    trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    if (!settings.record && trajectory.status == Status::ok) record(problem, stepper.sample(T), bound, trajectory);
+    return trajectory;
+}
+
+}  // namespace polhode

@@ -1,0 +1,71 @@
+// What a method is, and how it is called: once per trajectory, through a function pointer, never once per step.
+//
+// A method of one's own, from outside the tree, is the same descriptor handed to solve().
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "motion/problem.h"
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// How a method is told how accurate to be.
+enum class Control { none, fixed_step, tolerance, fixed_step_or_tolerance };
+
+struct Settings {
+    std::optional<double> step;       ///< s; rounded down so that whole steps meet every sample
+    std::optional<double> tolerance;  ///< relative; absolute = this times the component's scale
+    long samples = 100;               ///< N: samples at k T / N, k = 0..N
+    long max_steps = 1'000'000'000;   ///< a run that needs more is `failed`
+    double seconds_limit = std::numeric_limits<double>::infinity();  ///< likewise, wall clock of one integration
+    /// false: the same steps, but only the last sample is kept (what timings measure).
+    bool record = true;
+    /// The integration is repeated this often inside one call and the time divided: for runs near the clock's grain.
+    int repetitions = 1;
+    Formulation formulation = Formulation::reduced;
+};
+
+struct Method {
+    std::string_view name;
+    std::string_view documentation{};  ///< Markdown, a paragraph; goes into README's table by its first sentence
+    std::string_view source{};         ///< author, year, where
+    std::string_view conserves{};      ///< what it keeps by construction: "nothing", "|q|", ..
+    Control control = Control::none;
+    int order = 0;  ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
+    Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
+};
+
+/// All methods of this build, in the order of the list in integrators/CMakeLists.txt.
+std::span<const Method* const> methods();
+
+/// By name; nullptr if there is none. `auto` is not a method: see choose_method.
+const Method* find_method(std::string_view name);
+
+/// The most accurate method for a scene ("auto"), and in a few words why.
+struct Choice {
+    const Method* method;
+    std::string_view why;
+};
+Choice choose_method(const Problem& problem);
+
+/// Whether the method can be told a step, a tolerance.
+bool takes_step(const Method& method);
+bool takes_tolerance(const Method& method);
+
+/// `settings` with tolerance 1e-10 or step T / 10^4 filled in where it has neither and the method takes one.
+Settings with_defaults(const Problem& problem, const Method& method, Settings settings);
+
+/// Poses the scene and solves it. With neither step nor tolerance in `settings`: tolerance 1e-10 if the method takes
+/// one, else a step of T / 10^4. A step, tolerance, duration or count out of range gives Status::failed with a
+/// message, nothing is thrown for it; an invalid scene throws InputError.
+Trajectory solve(const Scene& scene, const Method& method, const Settings& settings = {});
+
+/// The same on a problem that is posed already, by the formulation it was posed with.
+Trajectory solve(const Problem& problem, const Method& method, const Settings& settings = {});
+
+}  // namespace polhode

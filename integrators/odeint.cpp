@@ -1,0 +1,232 @@
+// The explicit steppers of Boost.Odeint 1.74 on the one right-hand side.
+//
+// A NaN or an infinity goes through Odeint's steppers with a normal return, and a tolerance out of reach never ends:
+// so every attempt is looked at, and undone where it is not finite.
+#include "integrators/odeint.h"
+
+#include <fmt/format.h>
+
+#include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <limits>
+
+namespace polhode {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+template <std::size_t N>
+using State = OdeintArray<N>;
+template <std::size_t N>
+using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra>;
+
+/// The largest error in units of R (scale_i + |y_i|); infinite where an error is not a number.
+template <std::size_t N>
+class ComponentError {
+  public:
+    ComponentError() = default;
+    ComponentError(double tolerance, const State<N>& scales) : tolerance_(tolerance), scales_(scales) {}
+
+    template <class Algebra>
+    double error(Algebra&, const State<N>& y, const State<N>&, const State<N>& difference, double) const {
+        State<N> ratio;
+        for (std::size_t i = 0; i < N; ++i) ratio[i] = difference[i] / (tolerance_ * (scales_[i] + std::abs(y[i])));
+        return OdeintAlgebra::norm_inf(ratio);
+    }
+
+  private:
+    double tolerance_ = 1;
+    State<N> scales_;
+};
+
+/// Odeint's own rule for the next step; an infinite error gives a NaN, which attempt() looks for.
+struct StepRule : odeint::default_step_adjuster<double, double> {
+    double decrease_step(double h, double error, int error_order) const {
+        if (!std::isfinite(error)) return std::numeric_limits<double>::quiet_NaN();
+        return default_step_adjuster::decrease_step(h, error, error_order);
+    }
+};
+
+/// A Runge-Kutta pair with Odeint's step control.
+template <class SystemType, template <std::size_t> class Scheme>
+class ControlledPair : public ControlledOdeintState<SystemType> {
+    using Base = ControlledOdeintState<SystemType>;
+    static constexpr std::size_t N = SystemType::dimension;
+    using Error = ComponentError<N>;
+    using Controlled = odeint::controlled_runge_kutta<Scheme<N>, Error, StepRule>;
+
+  public:
+    static constexpr int order = Scheme<N>::stepper_order_value;
+
+    ControlledPair(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, order), controlled_(Error(tolerance, this->scales_), StepRule()) {}
+
+    void restart() {
+        Base::restart();
+        forget();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        forget();
+    }
+    Attempt attempt(double& t, double& h) {
+        const State<N> before = this->y_;
+        const double begin = t, tried = h;
+        const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
+        const bool accepted = controlled_.try_step(f, this->y_, t, h) == odeint::success;
+        if (accepted && this->finite()) return Attempt::accepted;
+        if (!accepted && h < tried) return Attempt::rejected;
+        this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
+        forget();
+        return Attempt::not_finite;
+    }
+
+  private:
+    void forget() {
+        if constexpr (requires { controlled_.reset(); }) controlled_.reset();
+    }
+
+    Controlled controlled_;
+};
+
+/// Odeint's Bulirsch-Stoer takes two numbers as tolerances: R, and R times the smallest of the components' scales.
+template <class SystemType>
+class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
+    using Base = ControlledOdeintState<SystemType>;
+    static constexpr std::size_t N = SystemType::dimension;
+
+  public:
+    // the order it starts from: columns 2, 4, .., 10 of the midpoint rule
+    ControlledExtrapolation(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, 8), extrapolation_(tolerance * this->smallest_scale(), tolerance, 1.0, 0.0) {}
+
+    void restart() {
+        Base::restart();
+        forget();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        forget();
+    }
+    Attempt attempt(double& t, double& h) {
+        const double tried = h;
+        const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
+        if (!has_rate_) f(this->y_, rate_, t), has_rate_ = true;
+        State<N> next;
+        const bool accepted = extrapolation_.try_step(f, this->y_, rate_, t, next, h) == odeint::success;
+        // the state and the rate are untouched so far
+        const bool finite = all_finite(next) && std::isfinite(h);
+        if (accepted && finite) {
+            this->y_ = next, has_rate_ = false;
+            return Attempt::accepted;
+        }
+        if (accepted) t -= tried;
+        if (!finite) {
+            h = not_finite_shrinkage * tried;
+            extrapolation_.reset();
+            return Attempt::not_finite;
+        }
+        if (!(h < tried)) h = tried / 2;  // a second rejection in a row may leave it as it was
+        return Attempt::rejected;
+    }
+
+  private:
+    void forget() {
+        extrapolation_.reset();
+        has_rate_ = false;
+    }
+
+    BulirschStoer<N> extrapolation_;
+    State<N> rate_;
+    bool has_rate_ = false;
+};
+
+template <template <std::size_t> class Scheme>
+Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
+    if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);
+    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        return march_controlled(problem, settings, ControlledPair<SystemType, Scheme>(problem, *settings.tolerance));
+    });
+}
+
+Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        return march_controlled(problem, settings, ControlledExtrapolation<SystemType>(problem, *settings.tolerance));
+    });
+}
+
+const Method family[] = {
+    {.name = "odeint_rk4",
+     .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
+                      "right-hand sides a step.",
+     .source = "Kutta 1901; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 4,
+     .solve = solve_rk4},
+    {.name = "odeint_dopri5",
+     .documentation =
+         "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), the fifth order carried on. "
+         "Six right-hand sides a step, for the last stage is the next step's first. Controlled by Odeint's own rule, "
+         "each component held to R (scale + |y|), largest error over the components.",
+     .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 5,
+     .solve = fixed_or_controlled<Dopri5>},
+    {.name = "odeint_fehlberg78",
+     .documentation =
+         "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), the eighth order carried on. "
+         "Thirteen right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
+         "largest error over the components.",
+     .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 8,
+     .solve = fixed_or_controlled<Fehlberg78>},
+    {.name = "odeint_bulirsch_stoer",
+     .documentation =
+         "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "
+         "eight columns). Its controller takes one absolute tolerance for all components: R times the smallest of "
+         "their scales, and it weighs the step's change h |f| beside |y|.",
+     .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .order = 0,
+     .solve = extrapolate},
+    {.name = "odeint_rosenbrock4",
+     .documentation =
+         "A linearly implicit method of order 4 for stiff scenes (Boost.Odeint's `rosenbrock4`: Shampine's and "
+         "Kaps-Rentrop's form with the coefficients of RODAS), Jacobian by forward differentiation of the right-hand "
+         "side, dense LU once a step. Six right-hand sides and one Jacobian a step; the count shows the former. Its "
+         "controller takes one absolute tolerance for all components: R times the smallest of their scales. No "
+         "user torques, for they have no derivative.",
+     .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 4,
+     .solve = solve_rosenbrock4},
+};
+
+}  // namespace
+
+Trajectory out_of_reach(double tolerance) {
+    Trajectory trajectory;
+    trajectory.status = Status::tolerance_not_met;
+    trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
+                                     std::numeric_limits<double>::epsilon());
+    return trajectory;
+}
+
+extern const std::span<const Method> odeint_methods;
+const std::span<const Method> odeint_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,163 @@
+// What the wraps of Boost.Odeint's steppers share: the state on one of the systems, and the guards around an attempt.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "integrators/march.h"
+#include "integrators/odeint_algebra.h"
+
+namespace polhode {
+
+/// An attempt that is not finite is tried again with this fraction of the step.
+inline constexpr double not_finite_shrinkage = 0.1;
+
+template <std::size_t N>
+bool all_finite(const std::array<double, N>& y) {
+    double sum = 0;
+    for (double value : y) sum += value * 0;
+    return sum == 0;
+}
+
+/// The state on one segment, and the count of right-hand sides since restart().
+template <class SystemType>
+class OdeintState {
+  public:
+    static constexpr std::size_t dimension = SystemType::dimension;
+
+    explicit OdeintState(const Problem& problem)
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        restart();
+    }
+    void restart() {
+        initial_state<SystemType>(*problem_, y_.data());
+        evaluations_ = 0;
+    }
+    void enter(const Segment& segment) {
+        polhode::enter<SystemType>(*problem_, segment, y_.data());
+        system_ = system_on<SystemType>(*problem_, segment);
+    }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
+    bool finite() const { return all_finite(y_); }
+    long rhs_evaluations() const { return evaluations_; }
+
+  protected:
+    const Problem* problem_;
+    SystemType system_;
+    OdeintArray<dimension> y_;
+    long evaluations_ = 0;
+};
+
+/// The signature that Odeint calls; counts.
+template <class SystemType>
+struct OdeintRightHandSide {
+    const SystemType* system;
+    long* evaluations;
+
+    template <std::size_t N>
+    void operator()(const OdeintArray<N>& y, OdeintArray<N>& dydt, double t) const {
+        ++*evaluations;
+        system->derivative(t, y.data(), dydt.data());
+    }
+};
+
+/// Any stepper of Odeint with do_step(), as a Stepper.
+template <class SystemType, template <std::size_t> class Scheme>
+class OdeintFixedStepper : public OdeintState<SystemType> {
+    using Base = OdeintState<SystemType>;
+    static constexpr std::size_t N = SystemType::dimension;
+
+  public:
+    explicit OdeintFixedStepper(const Problem& problem) : Base(problem) { restart(); }
+    void restart() {
+        Base::restart();
+        forget();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        forget();
+    }
+    void step(double t, double h) {
+        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, t, h);
+    }
+
+  private:
+    // the derivative kept from the last step's end (first same as last)
+    void forget() {
+        if constexpr (requires { scheme_.reset(); }) scheme_.reset();
+    }
+
+    Scheme<N> scheme_;
+};
+
+/// march() of one of Odeint's steppers, whose state is OdeintArray<N>.
+template <template <std::size_t> class Scheme>
+Trajectory march_odeint(const Problem& problem, const Settings& settings) {
+    return with_system(
+        problem, [&]<class SystemType>() { return march<OdeintFixedStepper<SystemType, Scheme>>(problem, settings); });
+}
+
+/// The same state with a tolerance R: component i is held to R (scale_i + |y_i|).
+template <class SystemType>
+class ControlledOdeintState : public OdeintState<SystemType> {
+  public:
+    static constexpr std::size_t N = SystemType::dimension;
+
+    ControlledOdeintState(const Problem& problem, double tolerance, int order)
+        : OdeintState<SystemType>(problem), tolerance_(tolerance), order_(order) {
+        component_scales<SystemType>(problem, scales_.data());
+    }
+
+    /// Hairer, Norsett & Wanner (1993), II.4: the step at which an Euler step, and then the second derivative, would
+    /// change y by a hundredth of its tolerated error to the power the order gives. Two evaluations.
+    double first_step(double t) {
+        OdeintArray<N> f0, f1, z;
+        this->system_.derivative(t, this->y_.data(), f0.data());
+        ++this->evaluations_;
+        const double d0 = norm(this->y_), d1 = norm(f0);
+        const double guess = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
+        for (std::size_t i = 0; i < N; ++i) z[i] = this->y_[i] + guess * f0[i];
+        this->system_.derivative(t + guess, z.data(), f1.data());
+        ++this->evaluations_;
+        for (std::size_t i = 0; i < N; ++i) f1[i] = f1[i] - f0[i];
+        const double steepest = std::max(d1, norm(f1) / guess);
+        const double h =
+            steepest <= 1e-15 ? std::max(1e-6, guess * 1e-3) : std::pow(0.01 / steepest, 1.0 / (order_ + 1));
+        const double step = std::min(100 * guess, h);
+        // a right-hand side that is not finite is met, and named, at the first attempt
+        return step > 0 && std::isfinite(step) ? step : 1e-6 * this->problem_->scene.duration;
+    }
+
+  protected:
+    double smallest_scale() const { return *std::min_element(scales_.begin(), scales_.end()); }
+
+    double tolerance_;
+    int order_;
+    OdeintArray<N> scales_;
+
+  private:
+    // root mean square in units of the tolerated error
+    double norm(const std::array<double, N>& v) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < N; ++i) {
+            const double ratio = v[i] / (tolerance_ * (scales_[i] + std::abs(this->y_[i])));
+            sum += ratio * ratio;
+        }
+        return std::sqrt(sum / static_cast<double>(N));
+    }
+};
+
+/// A relative tolerance below the spacing of binary64 is out of anyone's reach; answers so, by status.
+inline bool reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
+Trajectory out_of_reach(double tolerance);
+
+/// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
+/// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
+Trajectory solve_rk4(const Problem& problem, const Settings& settings);
+
+/// Boost's rosenbrock4 on the problem, fixed or controlled; in a file of its own, for it compiles only as C++17.
+Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);
+
+}  // namespace polhode

@@ -1,0 +1,44 @@
+// One attempt at the truth: the motion computed twice, in two formulations by two orders and steps, and compared.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "integrators/truth/reference.h"
+#include "motion/problem.h"
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode::truth {
+
+/// A reference with its decimals and what it cost.
+struct Truth {
+    Reference reference;
+    long steps = 0;                        ///< of both runs
+    double seconds = 0;                    ///< wall clock, when it was computed
+    std::vector<DecimalColumns> decimals;  ///< one a sample, to more digits than agree
+};
+
+/// The truth from the cache, or else computed and kept there; throws as reference() does.
+Truth find_truth(const Scene& scene, long samples, int digits);
+
+struct Attempt {
+    std::string fault;         ///< why a run did not reach the end; empty if both did
+    double agreed_digits = 0;  ///< -log10 of the largest difference
+    Truth truth;
+};
+
+/// `working`: decimal digits of the arithmetic, of those instantiated: 50, 100. `local_digits`: of each step.
+template <unsigned working>
+Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
+/// The same by collocation, for stiff scenes.
+template <unsigned working>
+Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
+extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_collocation<100>(const Problem&, const std::vector<double>&, double);
+
+}  // namespace polhode::truth

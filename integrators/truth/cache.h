@@ -1,0 +1,27 @@
+// The truth on disk, by content: computed once for a scene, whoever asks.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "integrators/truth/attempt.h"
+#include "scene/scene.h"
+
+namespace polhode::truth {
+
+/// Changes whenever computed digits might: files of another version are left alone.
+constexpr const char* cache_version = "polhode truth 1";
+
+/// The hash of all that the truth depends on: the scene without its name and texts, samples, digits, version.
+std::string cache_key(const Scene& scene, long samples, int digits);
+
+/// The truth kept under `key`; nothing where there is none, or the file is torn, foreign or of another version.
+std::optional<Truth> cached(const std::string& key);
+
+/// Keeps it, atomically. A cache that cannot be written is no fault: the truth is computed again.
+void keep(const std::string& key, const Truth& truth);
+
+/// Where the file of `key` is or would be; empty where there is no place for a cache.
+std::string cache_path(const std::string& key);
+
+}  // namespace polhode::truth

@@ -1,0 +1,125 @@
+#include "integrators/truth/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "integrators/truth/attempt.h"
+#include "integrators/truth/cache.h"
+#include "integrators/truth/decimal.h"
+#include "motion/problem.h"
+#include "scene/scene_file.h"
+#include "table/content_hash.h"
+
+namespace polhode {
+namespace {
+
+using truth::Attempt;
+using truth::Truth;
+
+Truth none(std::string message) {
+    Truth truth;
+    truth.reference.message = std::move(message);
+    return truth;
+}
+
+std::vector<double> times_of(const Scene& scene, long samples) {
+    std::vector<double> times;
+    for (long k = 0; k <= samples; ++k) times.push_back(sample_time(scene.duration, k, samples));
+    return times;
+}
+
+// The fastest decay times the duration: trace(I^-1 D) is at most three times its largest eigenvalue. A Taylor series
+// takes a step each 3 of these.
+double damping_number(const Problem& problem) {
+    double sum = 0;
+    const Vector3<double>& inverse = problem.principal.inverse_moments;
+    for (const Segment& segment : problem.segments) {
+        const Forcing<double>& f = segment.forcing;
+        const double rate = f.has_translational_drag && !problem.body.pivoted ? f.specific_drag : 0;
+        double trace = 0;
+        for (int i = 0; i < 3; ++i) trace += f.has_damping ? inverse[i] * f.damping[i][i] : 0;
+        sum += std::max(rate, trace) * (segment.end - segment.begin);
+    }
+    return sum;
+}
+constexpr int usual_digits = 25;
+constexpr double stiff_damping_number = 3000;
+
+Attempt attempted(const Problem& problem, const std::vector<double>& times, double local_digits) {
+    // the arithmetic carries at least six digits more than a step does
+    const bool narrow = local_digits <= 44;
+    if (damping_number(problem) > stiff_damping_number)
+        return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
+                      : truth::attempt_by_collocation<100>(problem, times, local_digits);
+    return narrow ? truth::attempt_by_taylor<50>(problem, times, local_digits)
+                  : truth::attempt_by_taylor<100>(problem, times, local_digits);
+}
+
+// Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
+Truth computed(const Scene& scene, long samples, int digits) {
+    const Problem problem = pose(scene);
+    const std::vector<double> times = times_of(scene, samples);
+    double local = digits + 8, most_agreed = 0;
+    std::string fault;
+    for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
+        Attempt attempt = attempted(problem, times, local);
+        fault = attempt.fault;
+        if (!fault.empty()) break;
+        most_agreed = std::max(most_agreed, attempt.agreed_digits);
+        if (attempt.agreed_digits >= digits) {
+            attempt.truth.reference.available = true;
+            return attempt.truth;
+        }
+        local = digits + (local - attempt.agreed_digits) + 6;
+    }
+    if (!fault.empty()) return none("no truth: " + fault);
+    return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
+                            static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
+}
+
+}  // namespace
+
+Truth truth::find_truth(const Scene& scene, long samples, int digits) {
+    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
+    validate(scene, scene.name);
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<UserTorque>(load)) return none("no truth: a user's torque has none");
+    if (digits > most_truth_digits)
+        return none(fmt::format("no truth to {} digits: {} at most can be asked for", digits, most_truth_digits));
+    const std::string key = truth::cache_key(scene, samples, digits);
+    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
+    const auto start = std::chrono::steady_clock::now();
+    Truth found = computed(scene, samples, digits);
+    found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    truth::keep(key, found);
+    return found;
+}
+
+Reference reference(const Scene& scene, long samples, int digits) {
+    return truth::find_truth(scene, samples, digits).reference;
+}
+
+DecimalReference decimal_reference(const Scene& scene, long samples, int digits) {
+    const Truth truth = truth::find_truth(scene, samples, std::max(digits, usual_digits));
+    DecimalReference result;
+    result.available = truth.reference.available;
+    result.message = truth.reference.message;
+    // rounding moves each component by at most 5 10^-digits of itself, an attitude by twice that
+    result.bound = truth.reference.bound + std::pow(10.0, 1 - digits);
+    result.scene_hash = content_hash(write_scene(scene));
+    for (std::size_t i = 0; i < truth.decimals.size(); ++i) {
+        result.times.push_back(truth.reference.samples[i].t);
+        result.columns.emplace_back();
+        for (std::size_t c = 0; c < truth.decimals[i].size(); ++c)
+            result.columns.back()[c] = truth::rounded_decimal(truth.decimals[i][c], digits);
+    }
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,40 @@
+// The truth: a scene's motion to digits that two separately written formulations agree on.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// The motion at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
+/// after it. Made twice, in two formulations with two orders and steps; where they differ by more than 10^-digits
+/// (attitude in rad, other blocks relative to their largest length) precision is raised, and in the end
+/// `available` is false and the message says how many digits agreed. A scene with a user's own torque has no truth.
+/// Kept in a cache on disk by the scene's content: $POLHODE_CACHE, else $XDG_CACHE_HOME/polhode, else
+/// ~/.cache/polhode. Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample or digit.
+Reference reference(const Scene& scene, long samples, int digits = 25);
+
+/// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, to the digits asked for.
+using DecimalColumns = std::array<std::string, 13>;
+
+struct DecimalReference {
+    bool available = false;
+    std::string message;     ///< why there is none, or how it was made
+    double bound = 0;        ///< as Reference::bound
+    std::string scene_hash;  ///< of write_scene(scene)
+    std::vector<double> times;
+    std::vector<DecimalColumns> columns;  ///< one a sample
+};
+
+/// The same motion as decimals of `digits` significant digits each; the digits are right relative to the block's
+/// largest length (a component that nearly vanishes has fewer of its own).
+DecimalReference decimal_reference(const Scene& scene, long samples, int digits = 17);
+
+/// The most digits that can be asked for.
+constexpr int most_truth_digits = 80;
+
+}  // namespace polhode

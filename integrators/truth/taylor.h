@@ -1,0 +1,118 @@
+// Taylor series method over any formulation of polynomial form: order fixed by the digits asked for, step from the
+// last coefficients (Jorba & Zou 2005), samples from the polynomial, pieces between events.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "integrators/truth/motion.h"
+#include "integrators/truth/real.h"
+#include "integrators/truth/series.h"
+#include "motion/problem.h"
+
+namespace polhode::truth {
+
+/// What a run came to.
+template <class P>
+struct Run {
+    std::string fault;               ///< why it stopped early; empty if it did not
+    std::vector<Motion<P>> motions;  ///< one a sample
+    long steps = 0;
+};
+
+struct TaylorSettings {
+    int order;
+    double digits;       ///< local error 10^-digits of each block's scale
+    double step_factor;  ///< the step over the one that just meets `digits`
+    long max_steps;
+};
+
+/// log2 of the largest component of a block of y.
+template <class P, class Component>
+double log2_size(const Block& block, Component&& component) {
+    double largest = -std::numeric_limits<double>::infinity();
+    for (int i = block.first; i < block.first + block.size; ++i)
+        largest = std::max(largest, log2_magnitude(component(i)));
+    return largest;
+}
+
+/// Runs through the pieces between events: march(begin, end, y) integrates one, in place; emit(y) takes a sample.
+template <class P, class Form, class March>
+void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&& march) {
+    const std::vector<double> times = event_times(scene);
+    form.initial(y.data());
+    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
+        form.enter(times[i], y.data());
+        const bool last = i + 2 == times.size();
+        if (!march(times[i], times[i + 1], last)) return;
+    }
+}
+
+template <class P, class Form>
+Run<P> taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
+              const Vector3<double>& moments, const TaylorSettings& settings) {
+    Run<P> run;
+    Form form(scene);
+    const int n = form.dimension();
+    std::vector<P> y(n), at_sample(n);
+    std::vector<Block> blocks = form.blocks(scales, moments);
+    std::size_t next = 0;  // the first sample still to come
+
+    through_segments<P>(scene, form, y, [&](double begin, double end, bool last) {
+        Series<P> series(record<P>(form, n), settings.order);
+        // samples at an event belong to the piece that it opens
+        const auto before_end = [&](double t) { return t < end || (last && t == end); };
+        P t(begin);
+        while (next < sample_times.size() && sample_times[next] == begin && before_end(begin)) {
+            run.motions.push_back(form.motion(y.data()));
+            ++next;
+        }
+        while (t < end) {
+            if (run.steps++ >= settings.max_steps) {
+                run.fault = "more steps than are allowed";
+                return false;
+            }
+            for (Block& block : blocks) {
+                const double size = std::exp2(log2_size<P>(block, [&](int i) -> const P& { return y[i]; }));
+                block.scale = std::max(block.scale, size);
+            }
+            series.expand(y.data());
+            // |c_k| h^k <= 10^-digits scale for the last coefficients; of four, since one may vanish by symmetry
+            double log2_step = std::numeric_limits<double>::infinity();
+            for (const Block& block : blocks)
+                for (int k = settings.order - 3; k <= settings.order; ++k) {
+                    const double size =
+                        log2_size<P>(block, [&](int i) -> const P& { return series.coefficient(i, k); });
+                    const double allowed = std::log2(block.scale) - settings.digits * std::log2(10.0);
+                    log2_step = std::min(log2_step, (allowed - size) / k);
+                }
+            const P remaining = P(end) - t;
+            const double step = settings.step_factor * std::exp2(log2_step);
+            if (std::isnan(step)) {
+                run.fault = "the motion is not finite";
+                return false;
+            }
+            const bool to_end = remaining <= step;
+            const P h = to_end ? remaining : P(step);
+            const P reached = to_end ? P(end) : t + h;
+            if (!to_end && reached <= t) {
+                run.fault = "the step vanishes";
+                return false;
+            }
+            for (; next < sample_times.size() && sample_times[next] <= reached && before_end(sample_times[next]);
+                 ++next) {
+                series.evaluate(P(sample_times[next]) - t, at_sample.data());
+                run.motions.push_back(form.motion(at_sample.data()));
+            }
+            series.evaluate(h, y.data());
+            t = reached;
+        }
+        return true;
+    });
+    return run;
+}
+
+}  // namespace polhode::truth

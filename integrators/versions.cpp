@@ -1,0 +1,38 @@
+#include "integrators/versions.h"
+
+#include <fmt/format.h>
+#include <gmp.h>
+#include <mpfr.h>
+#include <sundials/sundials_version.h>
+
+#include <Eigen/Core>
+#include <boost/version.hpp>
+#include <nlohmann/json.hpp>
+
+namespace polhode {
+
+std::string sundials_version() {
+    int major = 0, minor = 0, patch = 0;
+    char label[32] = "";
+    if (SUNDIALSGetVersionNumber(&major, &minor, &patch, label, static_cast<int>(sizeof label)) != 0) return "unknown";
+    return fmt::format("{}.{}.{}{}{}", major, minor, patch, *label ? "-" : "", label);
+}
+
+std::string sundials_build() { return POLHODE_SUNDIALS_BUILD; }
+
+bool sundials_unoptimised() { return POLHODE_SUNDIALS_UNOPTIMISED != 0; }
+
+std::vector<std::pair<std::string, std::string>> library_versions() {
+    return {
+        {"SUNDIALS", sundials_build()},
+        {"Boost", fmt::format("{}.{}.{}", BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100)},
+        {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+        {"MPFR", mpfr_get_version()},
+        {"GMP", gmp_version},
+        {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+        {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                            NLOHMANN_JSON_VERSION_PATCH)},
+    };
+}
+
+}  // namespace polhode

@@ -1,0 +1,61 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2034,SC2154  # names are shared with the scripts that source this
+# What experiments/run and tests/run share: packages and the build. To be sourced by bash, with `top` set to the
+# source tree's root.
+
+# what the program is built from; dpkg-dev unpacks the SUNDIALS source package
+build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
+    libeigen3-dev libboost1.74-dev libmpfr-dev gnuplot-nox)
+test_packages=(libgtest-dev librapidcheck-dev)
+# for tests/run --all
+check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy)
+
+die() {
+    echo "$(basename "$0"): $*" >&2
+    exit 2
+}
+
+is_installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
+
+# install_missing PACKAGE..: those that are missing, without removing any
+install_missing() {
+    local package missing=()
+    if ! command -v dpkg-query >/dev/null; then
+        echo "not a Debian system; needed, by Debian's names: $*" >&2
+        return
+    fi
+    for package in "$@"; do
+        is_installed "$package" || missing+=("$package")
+    done
+    ((${#missing[@]})) || return 0
+    local as_root=()
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || die "neither root nor sudo; please install: ${missing[*]}"
+        as_root=(sudo)
+    fi
+    echo "== installing ${missing[*]}" >&2
+    # one unreachable source among many is no reason to stop: the installation decides
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 update -qq \
+        </dev/null >&2 || true
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y -qq \
+        --no-remove --no-install-recommends "${missing[@]}" </dev/null >&2
+}
+
+# configure PRESET [CMAKE OPTION..]: where the mirror has no sources of SUNDIALS, the packaged library stands in
+configure() {
+    local log=$top/build/configure.log
+    mkdir -p "$top/build"
+    if ! (cd "$top" && cmake --preset "$@") 2>&1 | tee "$log"; then
+        grep -q 'no SUNDIALS: its source package cannot be had' "$log" || return 1
+        install_missing libsundials-dev
+        (cd "$top" && cmake --preset "$@")
+    fi
+}
+
+# build PRESET TARGET [CMAKE OPTION..]
+build() {
+    local preset=$1 target=$2
+    shift 2
+    configure "$preset" "$@"
+    (cd "$top" && cmake --build --preset "$preset" --target "$target")
+}

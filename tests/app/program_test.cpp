@@ -1,0 +1,264 @@
+// The program as a user's script sees it: exit codes, stdout, stderr, files.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "integrators/method.h"
+#include "motion/trajectory_csv.h"
+#include "scene/bad_scenes.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int exit_code;  ///< -1 where a signal ended it
+    std::string out, err;
+    double seconds;
+};
+
+std::string read(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+class Program : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (fs::temp_directory_path() / "polhode-XXXXXX").string();
+        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+        directory = pattern;
+    }
+    void TearDown() override { fs::remove_all(directory); }
+
+    // Runs the program in `directory`; its output goes through files beside it, so that nothing can block.
+    Outcome run(std::vector<std::string> arguments) const {
+        const std::string out = directory.string() + ".out", err = directory.string() + ".err";
+        arguments.insert(arguments.begin(), "polhode");
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        const auto start = std::chrono::steady_clock::now();
+        const pid_t child = ::fork();
+        if (child == 0) {
+            const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+            const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+            if (::chdir(directory.c_str()) != 0) ::_exit(99);
+            ::dup2(o, 1), ::dup2(e, 2);
+            ::execv(POLHODE_PROGRAM, argv.data());
+            ::_exit(98);
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err), seconds};
+        fs::remove(out), fs::remove(err);
+        return outcome;
+    }
+
+    void expect_refused(const std::vector<std::string>& arguments, const std::string& named) const {
+        const Outcome outcome = run(arguments);
+        SCOPED_TRACE(testing::PrintToString(arguments) + "\n" + outcome.err);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(lines(outcome.err), 1);
+        EXPECT_EQ(outcome.err.find("polhode: "), 0u);
+        EXPECT_NE(outcome.err.find(named), std::string::npos) << "wanted: " << named;
+        EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
+    }
+
+    fs::path directory;
+};
+
+TEST_F(Program, RefusesEveryBadSceneInOneLineAndWritesNothing) {
+    const std::vector<BadScene> all = bad_scenes();
+    ASSERT_GE(all.size(), 60u);
+    for (const BadScene& bad : all) {
+        const Outcome outcome = run({"solve", bad.path, "--output", "trajectory.csv"});
+        SCOPED_TRACE(bad.path + "\n" + outcome.err);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(lines(outcome.err), 1);
+        EXPECT_NE(outcome.err.find(fs::path(bad.path).filename().string()), std::string::npos);
+        EXPECT_NE(outcome.err.find(bad.place), std::string::npos) << "wanted: " << bad.place;
+        EXPECT_TRUE(fs::is_empty(directory));
+        EXPECT_LT(outcome.seconds, 1);
+    }
+}
+
+TEST_F(Program, RefusesBadUsage) {
+    const std::string scene = "free_asymmetric";
+    expect_refused({}, "subcommand");
+    expect_refused({"slove", scene}, "did you mean solve?");
+    expect_refused({"solve"}, "SCENE");
+    expect_refused({"solve", "free_asymetric"}, "did you mean free_asymmetric?");
+    expect_refused({"solve", "no/such/file.json"}, "No such file");
+    expect_refused({"solve", "/"}, "Is a directory");
+    expect_refused({"solve", scene, "--method", "odeint_rk5"}, "did you mean odeint_rk4");
+    expect_refused({"solve", scene, "--methd", "odeint_rk4"}, "--methd");
+    for (const char* option : {"--step", "--tolerance", "--duration"})
+        for (const char* value : {"0", "-1", "nan", "inf", "-inf", "x", ""})
+            expect_refused({"solve", scene, option, value}, option);
+    for (const char* option : {"--steps", "--samples", "--max-steps"})
+        for (const char* value : {"0", "-1", "1.5", "x", "", "99999999999999999999"})
+            expect_refused({"solve", scene, option, value}, option);
+    for (const char* option : {"--method", "--output"}) expect_refused({"solve", scene, option, ""}, option);
+    expect_refused({"solve", ""}, "SCENE");
+    expect_refused({"solve", scene, "--samples", "1000000000"}, "--samples");
+    expect_refused({"solve", scene, "--step", "0.1", "--steps", "10"}, "--step");
+    expect_refused({"solve", scene, "--step", "0.1", "--tolerance", "1e-6"}, "--step");
+    expect_refused({"solve", scene, "--method", "odeint_rk4", "--tolerance", "1e-6"}, "takes no tolerance");
+    expect_refused({"solve", scene, "--method", "cvode_adams", "--step", "0.1"}, "takes no step");
+    expect_refused({"solve", scene, "--output", "no/such/directory.csv"}, "No such file");
+    expect_refused({"solve", scene, "--output", "."}, "Is a directory");
+    expect_refused({"describe", "nothing_like_it"}, "nothing_like_it");
+    expect_refused({"describe", "cvode_adam"}, "did you mean cvode_adams");
+    expect_refused({"list", "things"}, "things");
+    expect_refused({"list", "scenes", "--format", "xml"}, "xml");
+}
+
+TEST_F(Program, SolvesToStdoutAndToAFileAlike) {
+    const std::vector<std::string> solve{"solve",  "lagrange_top", "--method",  "odeint_rk4",
+                                         "--step", "1e-3",         "--samples", "10"};
+    const Outcome printed = run(solve);
+    EXPECT_EQ(printed.exit_code, 0) << printed.err;
+    EXPECT_EQ(lines(printed.out), 12);
+    EXPECT_TRUE(printed.out.starts_with("t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n0,"));
+    std::vector<std::string> to_file = solve;
+    to_file.insert(to_file.end(), {"--output", "trajectory.csv"});
+    const Outcome written = run(to_file);
+    EXPECT_EQ(written.exit_code, 0) << written.err;
+    EXPECT_EQ(written.out, "");
+    EXPECT_EQ(read(directory / "trajectory.csv"), printed.out);
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1) << "a temporary is left";
+    // the same bits as the library gives
+    Settings settings;
+    settings.step = 1e-3, settings.samples = 10;
+    EXPECT_EQ(printed.out,
+              trajectory_csv(polhode::solve(find_scene("lagrange_top"), *find_method("odeint_rk4"), settings)));
+}
+
+TEST_F(Program, TellsOfAStepRoundedDown) {
+    const Outcome rounded = run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--step", "0.03"});
+    EXPECT_NE(rounded.err.find("0.029411764705882353 s, rounded down from 0.03 s"), std::string::npos) << rounded.err;
+    const Outcome whole = run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--step", "0.05"});
+    EXPECT_EQ(whole.err.find("rounded"), std::string::npos) << whole.err;
+    EXPECT_NE(whole.err.find("2000 steps"), std::string::npos) << whole.err;
+    const Outcome counted = run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--steps", "2000"});
+    EXPECT_EQ(counted.out, whole.out);
+}
+
+TEST_F(Program, ANamedFailureIsExitCode1) {
+    const Outcome stopped =
+        run({"solve", "free_asymmetric", "--method", "odeint_dopri5", "--tolerance", "1e-8", "--max-steps", "50"});
+    EXPECT_EQ(stopped.exit_code, 1);
+    EXPECT_NE(stopped.err.find("failed"), std::string::npos) << stopped.err;
+    EXPECT_NE(stopped.out.find("\n# failed: "), std::string::npos);
+    const Outcome not_begun =
+        run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--step", "1e-300", "--max-steps", "50"});
+    EXPECT_EQ(not_begun.exit_code, 1);
+    EXPECT_NE(not_begun.err.find("needs more than the limit of 50 steps"), std::string::npos) << not_begun.err;
+    const Outcome full_disk = run({"solve", "free_asymmetric", "--output", "/dev/full"});
+    EXPECT_EQ(full_disk.exit_code, 1);
+    EXPECT_NE(full_disk.err.find("No space left"), std::string::npos) << full_disk.err;
+}
+
+TEST_F(Program, TakesTheDurationGiven) {
+    const Outcome outcome = run({"solve", "free_asymmetric", "--duration", "2.5", "--samples", "1"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out.find("\n2.5,"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Program, ReadsAUsersFile) {
+    std::ofstream(directory / "mine.json")
+        << R"({"name": "mine", "duration": 1, "body": {"mass": 1, "inertia": [1, 2, 3]}}  // at rest)";
+    const Outcome outcome = run({"solve", "mine.json", "--samples", "1"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out,
+              "t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n0,1,0,0,0,0,0,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0,0,0,0,0,0,0\n");
+}
+
+TEST_F(Program, HelpsOnEveryCommand) {
+    EXPECT_EQ(run({"--help"}).exit_code, 0);
+    for (const char* command : {"solve", "describe", "list", "run"}) {
+        const Outcome help = run({command, "--help"});
+        EXPECT_EQ(help.exit_code, 0) << command;
+        EXPECT_NE(help.out.find("--help"), std::string::npos) << command;
+        EXPECT_EQ(help.err, "") << command;
+    }
+}
+
+TEST_F(Program, NamesTheVersionsInUse) {
+    const Outcome version = run({"--version"});
+    EXPECT_EQ(version.exit_code, 0);
+    for (const char* name : {"polhode ", "SUNDIALS ", "Boost ", "Eigen ", "MPFR ", "fmt ", "JSON", "CLI11 "})
+        EXPECT_NE(version.out.find(name), std::string::npos) << name;
+}
+
+TEST_F(Program, ListsAsTextAndAsJson) {
+    for (const char* what : {"scenes", "methods", "experiments", "metrics"}) {
+        const Outcome text = run({"list", what}), json = run({"list", what, "--format", "json"});
+        EXPECT_EQ(text.exit_code, 0);
+        const auto entries = nlohmann::json::parse(json.out);
+        EXPECT_EQ(lines(text.out), static_cast<long>(entries.size())) << what;
+        for (const auto& entry : entries) {
+            std::string line_start("\n");
+            line_start += entry["name"].get<std::string>();
+            EXPECT_NE(("\n" + text.out).find(line_start), std::string::npos);
+        }
+    }
+    EXPECT_NE(run({"list", "scenes"}).out.find("nasa_brick"), std::string::npos);
+    EXPECT_NE(run({"list", "metrics"}).out.find("attitude_error_max"), std::string::npos);
+}
+
+TEST_F(Program, DescribesEverySceneAndMethod) {
+    for (const std::string& name : builtin_scene_names()) {
+        const Outcome outcome = run({"describe", name});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        for (const char* part : {"Mass properties", "System posed", "Left out, and why", "Invariants", "Conditioning"})
+            EXPECT_NE(outcome.out.find(part), std::string::npos) << name << ": " << part;
+    }
+    for (const Method* method : methods()) {
+        const Outcome outcome = run({"describe", std::string(method->name)});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_NE(outcome.out.find("control"), std::string::npos) << method->name;
+    }
+}
+
+TEST_F(Program, DescribesWhatASphereASymmetricAndALoadedBodyDoNotNeed) {
+    const auto described = [&](const std::string& members) {
+        std::ofstream(directory / "body.json") << R"({"name": "b", "duration": 5, )" + members + "}";
+        return run({"describe", "body.json"}).out;
+    };
+    const std::string sphere =
+        described(R"("body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [1, 2, 3]})");
+    EXPECT_NE(sphere.find("3 variables"), std::string::npos) << sphere;
+    EXPECT_NE(sphere.find("gyroscopic term w x Iw"), std::string::npos) << sphere;
+    const std::string symmetric =
+        described(R"("body": {"mass": 1, "inertia": [2, 2, 1]}, "initial": {"angular_velocity": [1, 2, 3]})");
+    EXPECT_NE(symmetric.find("free rotation, 7 variables"), std::string::npos) << symmetric;
+    EXPECT_NE(symmetric.find("spin about the axis of symmetry"), std::string::npos) << symmetric;
+    const std::string loaded = described(
+        R"("body": {"mass": 1, "inertia": [[2, 0.1, 0], [0.1, 2, 0], [0, 0, 3]]}, "loads": [{"type": "force",
+           "vector": [1, 0, 0], "frame": "body", "point": [0, 1, 0], "from": 1, "until": 2}])");
+    EXPECT_NE(loaded.find("loaded rotation and translation, 13 variables"), std::string::npos) << loaded;
+    EXPECT_NE(loaded.find("products of inertia"), std::string::npos) << loaded;
+    EXPECT_NE(loaded.find("1 s to 2 s"), std::string::npos) << loaded;
+}
+
+}  // namespace
+}  // namespace polhode

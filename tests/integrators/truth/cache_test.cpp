@@ -1,0 +1,106 @@
+#include "integrators/truth/cache.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "integrators/truth/fresh_cache.h"
+
+namespace polhode::truth {
+namespace {
+
+Scene scene_of(double rate) {
+    Scene scene;
+    scene.name = "cached";
+    scene.duration = 1;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 2.5));
+    scene.initial.angular_velocity = {rate, 0.5, 0.25};
+    return scene;
+}
+
+std::string read(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+void write(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+void expect_same(const Truth& a, const Truth& b) {
+    ASSERT_EQ(a.reference.samples.size(), b.reference.samples.size());
+    EXPECT_EQ(a.reference.bound, b.reference.bound);
+    EXPECT_EQ(a.reference.message, b.reference.message);
+    EXPECT_EQ(a.decimals, b.decimals);
+    EXPECT_EQ(a.steps, b.steps);
+    for (std::size_t i = 0; i < a.reference.samples.size(); ++i) {
+        const ReferenceSample &x = a.reference.samples[i], &y = b.reference.samples[i];
+        EXPECT_EQ(x.t, y.t);
+        EXPECT_EQ(x.q.w.high, y.q.w.high);
+        EXPECT_EQ(x.q.z.low, y.q.z.low);
+        EXPECT_EQ(x.angular_velocity_B[2].low, y.angular_velocity_B[2].low);
+        EXPECT_EQ(x.angular_momentum_W[1].low, y.angular_momentum_W[1].low);
+        EXPECT_EQ(x.energy.high, y.energy.high);
+        EXPECT_EQ(x.energy.low, y.energy.low);
+    }
+}
+
+TEST(TruthCache, ReadsBackTheSameBits) {
+    const FreshCache cache;
+    const Truth made = find_truth(scene_of(1), 5, 25);
+    ASSERT_TRUE(made.reference.available);
+    const std::optional<Truth> kept = cached(cache_key(scene_of(1), 5, 25));
+    ASSERT_TRUE(kept);
+    expect_same(made, *kept);
+}
+
+TEST(TruthCache, IsWhatIsUsed) {
+    const FreshCache cache;
+    Truth marked = find_truth(scene_of(1), 5, 25);
+    marked.reference.message = "from the cache";
+    keep(cache_key(scene_of(1), 5, 25), marked);
+    EXPECT_EQ(find_truth(scene_of(1), 5, 25).reference.message, "from the cache");
+    EXPECT_NE(find_truth(scene_of(2), 5, 25).reference.message, "from the cache");
+}
+
+TEST(TruthCache, KeyIsTheMotionNotTheTexts) {
+    Scene renamed = scene_of(1), longer = scene_of(1);
+    renamed.name = "other", renamed.about = "told differently", renamed.tolerated_attitude = 1;
+    longer.duration = 2;
+    const std::string key = cache_key(scene_of(1), 5, 25);
+    EXPECT_EQ(cache_key(renamed, 5, 25), key);
+    EXPECT_NE(cache_key(longer, 5, 25), key);
+    EXPECT_NE(cache_key(scene_of(1), 6, 25), key);
+    EXPECT_NE(cache_key(scene_of(1), 5, 26), key);
+    EXPECT_NE(cache_key(scene_of(1.0000000000000002), 5, 25), key);
+}
+
+TEST(TruthCache, BrokenFilesAreComputedAgain) {
+    const FreshCache cache;
+    const std::string key = cache_key(scene_of(1), 5, 25), path = cache_path(key);
+    const Truth made = find_truth(scene_of(1), 5, 25);
+    const std::string sound = read(path);
+    ASSERT_FALSE(sound.empty());
+    std::string changed = sound;
+    const std::size_t digit = changed.find("p-", changed.size() / 2) - 1;
+    changed[digit] = changed[digit] == '1' ? '2' : '1';
+    find_truth(scene_of(2), 5, 25);
+    const std::string foreign = read(cache_path(cache_key(scene_of(2), 5, 25)));
+    for (const std::string& broken :
+         {std::string(), sound.substr(0, sound.size() / 2), sound.substr(0, sound.size() - 1), changed, foreign,
+          std::string("nonsense\n"), sound + "more\n"}) {
+        write(path, broken);
+        EXPECT_FALSE(cached(key)) << broken.size();
+        expect_same(find_truth(scene_of(1), 5, 25), made);
+        EXPECT_TRUE(cached(key));
+    }
+}
+
+TEST(TruthCache, NoPlaceForItIsNoFault) {
+    const FreshCache cache;
+    ::setenv("POLHODE_CACHE", "/proc/no/such/place", 1);
+    EXPECT_TRUE(find_truth(scene_of(1), 2, 25).reference.available);
+}
+
+}  // namespace
+}  // namespace polhode::truth

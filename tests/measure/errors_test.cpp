@@ -1,0 +1,143 @@
+#include "measure/errors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace polhode {
+namespace {
+
+Quaternion<double> about_x(double angle) { return {std::cos(angle / 2), std::sin(angle / 2), 0, 0}; }
+
+Pair pair(double high) { return {high, 0}; }
+Vector3<Pair> pair(const Vector3<double>& v) {
+    Vector3<Pair> p{{}, {}, {}};
+    for (int i = 0; i < 3; ++i) p[i] = pair(v[i]);
+    return p;
+}
+Quaternion<Pair> pair(const Quaternion<double>& q) { return {pair(q.w), pair(q.x), pair(q.y), pair(q.z)}; }
+
+Scene free_body() {
+    Scene scene;
+    scene.name = "free", scene.duration = 1;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    return scene;
+}
+
+// A truth that stands still in attitude and turns about x at 2 rad/s: only what the errors read matters here.
+Reference reference_at_rest(int samples) {
+    Reference reference;
+    reference.available = true;
+    for (int k = 0; k <= samples; ++k) {
+        ReferenceSample s;
+        s.t = sample_time(1, k, samples);
+        s.q = pair(Quaternion<double>{1, 0, 0, 0});
+        s.angular_velocity_B = pair(Vector3<double>(2, 0, 0));
+        s.angular_momentum_W = pair(Vector3<double>(2, 0, 0));
+        s.position_W = s.velocity_W = pair(Vector3<double>());
+        s.energy = pair(2);
+        reference.samples.push_back(s);
+    }
+    return reference;
+}
+
+Trajectory trajectory_with(const Quaternion<double>& q, const Vector3<double>& w_B) {
+    Trajectory trajectory;
+    for (int k = 0; k <= 2; ++k) trajectory.samples.push_back({sample_time(1, k, 2), q, w_B, {}, {}});
+    return trajectory;
+}
+
+TEST(AttitudeError, IsTheAngleOfRotation) {
+    // sin and cos of the double angle are rounded: 2 ulp of 1
+    for (double angle : {1e-12, 1e-6, 0.1, 1.0, 3.0, std::numbers::pi})
+        EXPECT_NEAR(attitude_error(about_x(angle), pair(Quaternion<double>{1, 0, 0, 0})), angle, 5e-16);
+}
+
+TEST(AttitudeError, HasNoSignAndNoLength) {
+    const Quaternion<double> q = about_x(0.25), twice{2 * q.w, 2 * q.x, 0, 0}, minus{-q.w, -q.x, 0, 0};
+    const auto reference = pair(Quaternion<double>{1, 0, 0, 0});
+    EXPECT_NEAR(attitude_error(twice, reference), 0.25, 1e-15);
+    EXPECT_NEAR(attitude_error(minus, reference), 0.25, 1e-15);
+}
+
+TEST(AttitudeError, SeesTheLowPartOfTheTruth) {
+    Quaternion<Pair> reference = pair(Quaternion<double>{1, 0, 0, 0});
+    reference.x = {0, 1e-20};
+    EXPECT_NEAR(attitude_error({1, 0, 0, 0}, reference), 2e-20, 1e-30);
+}
+
+TEST(Errors, MomentumIsComparedAsAVector) {
+    // the right energy and length of L in a wrong direction: a turned attitude shows in L, not in E
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    const Quaternion<double> q{std::cos(0.5), 0, std::sin(0.5), 0};  // 1 rad about y
+    const Trajectory trajectory = trajectory_with(q, {2, 0, 0});
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_NEAR(*e.attitude_max, 1, 1e-15);
+    EXPECT_NEAR(*e.momentum_max, 2 * std::sin(0.5), 1e-15);  // chord of 1 rad
+    EXPECT_NEAR(*e.energy_max, 0, 1e-15);
+    EXPECT_NEAR(*e.omega_max, 0, 1e-15);
+    EXPECT_NEAR(*e.norm_max, 0, 2e-16);
+}
+
+TEST(Errors, AreRelativeToTheLargestOfTheRun) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    const Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0.5});
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_NEAR(*e.omega_max, 0.25, 1e-15);
+    EXPECT_NEAR(*e.momentum_max, 3 * 0.5 / 2, 1e-15);
+    EXPECT_NEAR(*e.energy_max, 0.5 * 3 * 0.25 / 2, 1e-15);
+}
+
+TEST(Errors, AScaleOfZeroMakesThemAbsolute) {
+    const Scene scene = free_body();
+    Reference reference = reference_at_rest(2);
+    for (ReferenceSample& s : reference.samples) {
+        s.angular_velocity_B = s.angular_momentum_W = pair(Vector3<double>());
+        s.energy = pair(0);
+    }
+    const Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {1e-3, 0, 0});
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_NEAR(*e.omega_max, 1e-3, 1e-18);
+    EXPECT_NEAR(*e.momentum_max, 1e-3, 1e-18);
+    EXPECT_NEAR(*e.energy_max, 0.5e-6, 1e-21);
+}
+
+TEST(Errors, NormIsThatOfTheQuaternionOrOfTheMatrix) {
+    Trajectory trajectory = trajectory_with({1 + 1e-10, 0, 0, 0}, {2, 0, 0});
+    EXPECT_NEAR(norm_errors(trajectory)[1], 1e-10, 1e-15);
+    trajectory.orthogonality_defect = {0, 1e-5, 2e-5};
+    EXPECT_EQ(norm_errors(trajectory), trajectory.orthogonality_defect);
+}
+
+TEST(Errors, WithoutTruthOnlyTheNormRemains) {
+    const Scene scene = free_body();
+    const Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    const Errors e = errors(error_series(scene, trajectory, {}), trajectory, {});
+    EXPECT_FALSE(e.attitude_final || e.attitude_max || e.omega_max || e.energy_max || e.momentum_max);
+    EXPECT_TRUE(e.norm_max);
+}
+
+TEST(Errors, ARunThatDidNotReachTheEndHasNone) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    trajectory.samples.pop_back();
+    trajectory.status = Status::diverged;
+    const ErrorSeries series = error_series(scene, trajectory, reference);
+    EXPECT_EQ(series.attitude.size(), 2U);
+    const Errors e = errors(series, trajectory, reference);
+    EXPECT_FALSE(e.attitude_final || e.attitude_max || e.norm_max);
+}
+
+TEST(Errors, RefusesOtherSampleTimes) {
+    const Scene scene = free_body();
+    Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    trajectory.samples[1].t += 1e-9;
+    EXPECT_THROW(error_series(scene, trajectory, reference_at_rest(2)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,86 @@
+#include "measure/observed_order.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+std::vector<double> halved(double from, int count) {
+    std::vector<double> steps;
+    for (int i = 0; i < count; ++i) steps.push_back(from / std::pow(2, i));
+    return steps;
+}
+
+// error = min(saturation, C h^p) + floor: what a convergence run looks like from coarse to fine
+std::vector<double> errors_of(const std::vector<double>& steps, double order, double saturation, double floor) {
+    std::vector<double> errors;
+    for (double h : steps) errors.push_back(std::min(saturation, 10 * std::pow(h, order)) + floor);
+    return errors;
+}
+
+TEST(ObservedOrder, IsThePowerOfTheStep) {
+    for (double order : {1.0, 2.0, 4.0, 5.0, 8.0}) {
+        const auto steps = halved(0.1, 6);
+        const auto fit = observed_order(steps, errors_of(steps, order, 1e9, 0));
+        ASSERT_TRUE(fit);
+        EXPECT_NEAR(fit->order, order, 1e-10);
+        EXPECT_EQ(fit->points, 6);
+    }
+}
+
+TEST(ObservedOrder, LeavesOutSaturationAndRoundOff) {
+    const auto steps = halved(1.6, 14);
+    // 10 h^4 exceeds 3 for h > 0.74; at h = 0.0004 the floor is 40 % of it and the local slope 3.5
+    const auto fit = observed_order(steps, errors_of(steps, 4, 3, 1e-13));
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 4, 0.05);
+    EXPECT_LT(fit->to, 0.81);
+    EXPECT_GT(fit->from, 5e-4);
+}
+
+TEST(ObservedOrder, SaysZeroForAnErrorThatDoesNotFall) {
+    const auto steps = halved(0.1, 5);
+    const auto fit = observed_order(steps, {2.4, 2.41, 2.4, 2.39, 2.4});
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 0, 0.02);
+}
+
+TEST(ObservedOrder, PrefersConvergenceToLongSaturation) {
+    std::vector<double> steps = halved(1, 10), errors;
+    for (double h : steps) errors.push_back(h > 0.01 ? 3.0 : 3 * std::pow(h / 0.01, 2));
+    const auto fit = observed_order(steps, errors);
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 2, 0.2);
+}
+
+TEST(ObservedOrder, LeavesOutWhatExceedsTheSaturation) {
+    // three coarse points that look like order 1 by chance, then order 2
+    const std::vector<double> steps{0.8, 0.4, 0.2, 0.1, 0.05, 0.025};
+    const std::vector<double> errors{4, 2, 1.01, 0.16, 0.04, 0.01};
+    const auto fit = observed_order(steps, errors, 1);
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 2, 1e-10);
+    // all of them saturated: then they are all there is
+    const auto flat = observed_order({0.4, 0.2, 0.1}, {2.4, 2.4, 2.4}, 1);
+    ASSERT_TRUE(flat);
+    EXPECT_NEAR(flat->order, 0, 1e-10);
+}
+
+TEST(ObservedOrder, NeedsThreeUsablePoints) {
+    EXPECT_FALSE(observed_order({0.1, 0.05}, {1e-3, 1e-4}));
+    EXPECT_FALSE(observed_order({0.1, 0.05, 0.025}, {1e-3, 0, NAN}));
+    EXPECT_FALSE(observed_order({0.1, 0.1, 0.1}, {1e-3, 1e-3, 1e-3}));
+    EXPECT_FALSE(observed_order({}, {}));
+}
+
+TEST(ObservedOrder, DoesNotMindTheOrderOfThePoints) {
+    const auto fit = observed_order({0.05, 0.2, 0.1, 0.025}, {0.05 * 0.05, 0.2 * 0.2, 0.1 * 0.1, 0.025 * 0.025});
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace polhode

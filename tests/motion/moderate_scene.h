@@ -1,0 +1,124 @@
+// Random scenes with numbers of the order of one, so that round-off can be told from a wrong term.
+#pragma once
+
+#include <rapidcheck.h>
+
+#include <array>
+#include <cmath>
+
+#include "motion/problem.h"
+
+namespace polhode::testing {
+
+inline double moderate(double low, double high) {
+    return low + (high - low) * static_cast<double>(*rc::gen::inRange(0, 100001)) / 1e5;
+}
+inline Vector3<double> moderate_vector() { return {moderate(-2, 2), moderate(-2, 2), moderate(-2, 2)}; }
+inline Frame any_frame() { return *rc::gen::arbitrary<bool>() ? Frame::body : Frame::world; }
+
+/// Of length 1 but for rounding.
+inline Quaternion<double> moderate_orientation() {
+    const Quaternion<double> q{moderate(0.1, 1), moderate(-1, 1), moderate(-1, 1), moderate(-1, 1)};
+    return normalized(q);
+}
+
+/// A third of the windows do not hold t = 0.
+inline Window moderate_window() {
+    switch (*rc::gen::inRange(0, 3)) {
+        case 0:
+            return {};
+        case 1:
+            return {-1, 0.5};
+        default:
+            return {0.5, 0.75};
+    }
+}
+
+inline Load moderate_load() {
+    switch (*rc::gen::inRange(0, 5)) {
+        case 0:
+            return Gravity{moderate_vector(), moderate_window()};
+        case 1:
+            return Torque{moderate_vector(), any_frame(), moderate_window()};
+        case 2:
+            return Force{moderate_vector(), any_frame(), moderate_vector(), any_frame(), moderate_window()};
+        case 3:
+            return Drag{moderate_vector(), moderate(0, 1), moderate_window()};
+        default:
+            return Spring{moderate(0, 3), moderate_orientation(), moderate_window()};
+    }
+}
+
+/// Moments between 0.2 and 4 that a body can have, about its centre of mass; in half the cases turned to other axes.
+inline Matrix3<double> moderate_inertia() {
+    const double a = moderate(0.1, 2), b = moderate(0.1, 2), c = moderate(0.1, 2);
+    Matrix3<double> inertia = diagonal(Vector3<double>(a + b, b + c, c + a));
+    if (*rc::gen::arbitrary<bool>()) {
+        const Matrix3<double> R = rotation_matrix(moderate_orientation());
+        inertia = R * inertia * transposed(R);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < i; ++j) inertia[i][j] = inertia[j][i];
+    }
+    return inertia;
+}
+
+/// No impulses; one in three is held at a pivot.
+inline Scene moderate_scene() {
+    Scene scene;
+    scene.name = "random", scene.duration = 1;
+    scene.body.mass = moderate(0.2, 3);
+    scene.body.inertia_B = moderate_inertia();
+    scene.body.center_of_mass = moderate_vector();
+    scene.initial.orientation = moderate_orientation();
+    scene.initial.angular_velocity = moderate_vector();
+    scene.initial.angular_velocity_frame = any_frame();
+    if (*rc::gen::inRange(0, 3) == 0) {
+        scene.pivot = moderate_vector();
+    } else {
+        scene.initial.position_W = moderate_vector();
+        scene.initial.velocity_W = moderate_vector();
+    }
+    const int count = *rc::gen::inRange(0, 6);
+    for (int i = 0; i < count; ++i) scene.loads.push_back(moderate_load());
+    return scene;
+}
+
+/// A state of the body as a sample, its own axes; at a pivot p and v follow from the rest.
+inline Sample moderate_state(const Problem& problem) {
+    Sample s;
+    s.q = moderate_orientation();
+    s.angular_velocity_B = moderate_vector();
+    s.position_W = moderate_vector(), s.velocity_W = moderate_vector();
+    if (problem.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem.body.arm, s.position_W, s.velocity_W);
+    return s;
+}
+
+/// The rates of a sample's blocks, body axes for w and q = q_WB.
+struct Rates {
+    Vector3<double> angular_velocity_B, position_W, velocity_W;
+    Quaternion<double> q;
+};
+
+/// By the compile-time system at t = 0, on the problem's first segment, brought to the body's own axes. Blocks that the
+/// system lacks stay zero.
+template <class SystemType>
+Rates rates_by(const Problem& problem, const Sample& s) {
+    constexpr int n = SystemType::dimension;
+    static_assert(n == 7 || n == 13);
+    const Segment& segment = problem.segments.front();
+    std::array<double, n> y{}, f{};
+    put(y.data(), 0, rotate_back(problem.q_BP, s.angular_velocity_B));
+    put(y.data(), 3, s.q * problem.q_BP);
+    if constexpr (n == 13) put(y.data(), 7, s.position_W), put(y.data(), 10, s.velocity_W);
+    system_on<SystemType>(problem, segment).derivative(0, y.data(), f.data());
+    Rates rates;
+    rates.angular_velocity_B = rotate(problem.q_BP, vector_at(f.data(), 0));
+    rates.q = quaternion_at(f.data(), 3) * conjugate(problem.q_BP);
+    if constexpr (n == 13) rates.position_W = vector_at(f.data(), 7), rates.velocity_W = vector_at(f.data(), 10);
+    return rates;
+}
+
+inline double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
+inline double length(const Vector3<double>& a) { return std::sqrt(dot(a, a)); }
+
+}  // namespace polhode::testing

@@ -1,0 +1,276 @@
+// What a scene is posed as, and what is said to be left out.
+#include "motion/needs.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "motion/problem.h"
+
+namespace polhode {
+namespace {
+
+Scene body_with(const Vector3<double>& moments, const Vector3<double>& w) {
+    Scene scene;
+    scene.name = "body", scene.duration = 2;
+    scene.body.inertia_B = diagonal(moments);
+    scene.initial.angular_velocity = w;
+    return scene;
+}
+
+struct Case {
+    const char* name;
+    Scene scene;
+    System system;
+    int dimension;
+    Symmetry symmetry;
+    Translation translation;
+    std::vector<std::string> left_out;  ///< in any order, all of them
+};
+
+Scene with(Scene scene, std::vector<Load> loads) {
+    scene.loads = std::move(loads);
+    return scene;
+}
+Scene held(Scene scene, const Vector3<double>& center_of_mass) {
+    scene.pivot = Vector3<double>(0, 0, 0);
+    scene.body.center_of_mass = center_of_mass;
+    return scene;
+}
+Scene thrown(Scene scene) {
+    scene.initial.velocity_W = {1, 2, 3};
+    return scene;
+}
+/// The inertia turned away from the body's axes by 2 atan(1/2) about x: entries in rational numbers.
+Scene tilted(Scene scene) {
+    const double c = 0.6, s = 0.8, I2 = scene.body.inertia_B[1][1], I3 = scene.body.inertia_B[2][2];
+    scene.body.inertia_B[1][1] = c * c * I2 + s * s * I3;
+    scene.body.inertia_B[2][2] = s * s * I2 + c * c * I3;
+    scene.body.inertia_B[1][2] = scene.body.inertia_B[2][1] = c * s * (I2 - I3);
+    return scene;
+}
+
+const Gravity down{{0, 0, -9.8}, {}};
+const UserTorque nothing{"nothing", [](const LoadState&) { return Vector3<double>(); }, {}};
+const std::string pv = "p and v", gyro = "gyroscopic term w x Iw", two = "two components of w, two of q",
+                  one = "one gyroscopic component", no_torque = "torque", products = "products of inertia";
+
+const Case cases[] = {
+    {"FreeAsymmetric",
+     body_with({1, 2, 3}, {1, 1, 1}),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, no_torque}},
+    {"FreeAsymmetricAboutAPrincipalAxis",
+     body_with({1, 2, 3}, {0, 1, 0}),
+     System::principal_axis_rotation,
+     3,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, gyro, two}},
+    {"FreeSymmetric",
+     body_with({1, 1, 1.5}, {1, 0, 1}),
+     System::free_rotation,
+     7,
+     Symmetry::symmetric,
+     Translation::fixed,
+     {pv, no_torque, one}},
+    {"FreeSphere",
+     body_with({2, 2, 2}, {1, 2, 3}),
+     System::principal_axis_rotation,
+     3,
+     Symmetry::spherical,
+     Translation::fixed,
+     {pv, gyro, two}},
+    {"LoadedSphere",
+     with(body_with({2, 2, 2}, {1, 2, 3}), {Spring{1, {}, {}}}),
+     System::loaded_rotation,
+     7,
+     Symmetry::spherical,
+     Translation::fixed,
+     {pv, gyro}},
+    {"ThrownAsymmetricUnderGravity",
+     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {down}),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::closed_form,
+     {pv, no_torque}},
+    {"TranslationalDragAlone",
+     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {down, Drag{{}, 0.5, {}}}),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::closed_form,
+     {pv, no_torque}},
+    {"RotationalDrag",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Drag{{0.1, 0.1, 0.1}, 0, {}}}),
+     System::loaded_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv}},
+    {"RotationalDragAboutAPrincipalAxis",
+     with(body_with({1, 2, 3}, {0, 0, 1}), {Drag{{0.1, 0.2, 0.3}, 0, {}}}),
+     System::principal_axis_rotation,
+     3,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, gyro, two}},
+    {"LagrangeTop",
+     with(held(body_with({1, 1, 0.5}, {0.1, 0, 20}), {0, 0, 0.5}), {down}),
+     System::loaded_rotation,
+     7,
+     Symmetry::symmetric,
+     Translation::fixed,
+     {pv, one}},
+    {"Pendulum",
+     with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -0.5}), {down}),
+     System::principal_axis_rotation,
+     3,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, gyro, two}},
+    {"PendulumOfAFreeAxis",
+     with(held(body_with({1, 2, 2.5}, {0.7, 0.1, 0}), {0, 0, -0.5}), {down}),
+     System::loaded_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv}},
+    {"ThrustInBodyAxes",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Force{{0, 0, 1}, Frame::body, {0.1, 0, 0}, Frame::body, {}}}),
+     System::loaded_motion,
+     13,
+     Symmetry::asymmetric,
+     Translation::integrated,
+     {}},
+    {"ForceAtAWorldPoint",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Force{{0, 0, 1}, Frame::world, {1, 0, 0}, Frame::world, {}}}),
+     System::loaded_motion,
+     13,
+     Symmetry::asymmetric,
+     Translation::integrated,
+     {}},
+    {"ForceInTheWorldAtABodyPoint",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Force{{0, 0, 1}, Frame::world, {0.1, 0, 0}, Frame::body, {}}}),
+     System::loaded_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::closed_form,
+     {pv}},
+    {"TorqueInTheWorld",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::world, {}}}),
+     System::loaded_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv}},
+    {"TorquesThatCancel",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::world, {}}, Torque{{0, 0, -1}, Frame::world, {}}}),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, no_torque}},
+    {"ImpulseOnAFreeBody",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Impulse{{0, 0, 1}, Frame::world, {1, 0, 0}, Frame::body, 1}}),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::closed_form,
+     {pv, no_torque}},
+    {"ImpulseInBodyAxes",
+     with(body_with({1, 2, 3}, {1, 1, 1}), {Impulse{{0, 0, 1}, Frame::body, {1, 0, 0}, Frame::body, 1}}),
+     System::loaded_motion,
+     13,
+     Symmetry::asymmetric,
+     Translation::integrated,
+     {}},
+    {"ProductsOfInertia",
+     tilted(body_with({1, 2, 3}, {1, 1, 1})),
+     System::free_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv, no_torque, products}},
+    {"UserTorque",
+     with(body_with({1, 2, 3}, {1, 0, 0}), {nothing}),
+     System::loaded_rotation,
+     7,
+     Symmetry::asymmetric,
+     Translation::fixed,
+     {pv}},
+    {"UserTorqueOnAThrownBody",
+     with(thrown(body_with({1, 2, 3}, {1, 0, 0})), {nothing}),
+     System::loaded_motion,
+     13,
+     Symmetry::asymmetric,
+     Translation::integrated,
+     {}},
+};
+
+class Posed : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Posed, AsTheSceneNeeds) {
+    const Case& expected = GetParam();
+    const Needs needs = pose(expected.scene).needs;
+    EXPECT_EQ(std::string(name_of(needs.system)), name_of(expected.system));
+    EXPECT_EQ(needs.dimension, expected.dimension);
+    EXPECT_EQ(needs.symmetry, expected.symmetry);
+    EXPECT_EQ(needs.translation, expected.translation);
+    std::vector<std::string> found;
+    for (const LeftOut& left : needs.left_out) {
+        found.push_back(left.what);
+        EXPECT_FALSE(left.why.empty());
+    }
+    std::vector<std::string> sorted = expected.left_out;
+    std::sort(sorted.begin(), sorted.end());
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, sorted);
+}
+
+TEST_P(Posed, InFullLeavesNothingOut) {
+    const Needs needs = pose(GetParam().scene, Formulation::full).needs;
+    EXPECT_EQ(needs.system, System::full_motion);
+    EXPECT_EQ(needs.dimension, 13);
+    EXPECT_TRUE(needs.left_out.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Posed, ::testing::ValuesIn(cases),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+TEST(Needs, TellsWhatDependsOnTime) {
+    EXPECT_FALSE(pose(body_with({1, 2, 3}, {1, 1, 1})).needs.time_dependent);
+    EXPECT_TRUE(
+        pose(with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::body, {0.5, 1}}})).needs.time_dependent);
+    // a window that ends after the run, and begins before it, is none
+    EXPECT_FALSE(
+        pose(with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::body, {-1, 5}}})).needs.time_dependent);
+    const Needs user = pose(with(body_with({1, 2, 3}, {1, 1, 1}), {nothing})).needs;
+    EXPECT_TRUE(user.time_dependent);
+    EXPECT_TRUE(user.user_torque);
+}
+
+/// The scalar system is the pendulum's equation: I dw/dt = - m g l sin(angle), from any starting angle.
+TEST(PrincipalAxis, IsThePendulum) {
+    const double angle = 0.8, m = 1, l = 0.5, I = 1 + m * l * l;
+    Scene scene = with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -l}), {down});
+    scene.initial.orientation = {std::cos(angle / 2), std::sin(angle / 2), 0, 0};
+    const Problem problem = pose(scene);
+    ASSERT_EQ(problem.needs.system, System::principal_axis_rotation);
+    const auto system = system_on<PrincipalAxisRotation<double>>(problem, problem.segments.front());
+    for (double turned : {0.0, 0.5, 1.9, -2.4}) {
+        const double y[3] = {0.7, std::cos(turned / 2), std::sin(turned / 2)};
+        double f[3];
+        system.derivative(0, y, f);
+        EXPECT_NEAR(f[0], -m * 9.8 * l / I * std::sin(angle + turned), 1e-14);
+        EXPECT_NEAR(f[1], -0.35 * std::sin(turned / 2), 1e-15);
+        EXPECT_NEAR(f[2], 0.35 * std::cos(turned / 2), 1e-15);
+    }
+}
+
+}  // namespace
+}  // namespace polhode

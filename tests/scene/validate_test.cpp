@@ -1,0 +1,116 @@
+// What a scene made in C++ can hold and a file cannot: the same rules, the same places.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "scene/random_scene.h"
+#include "scene/scene.h"
+
+namespace polhode {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+
+std::string fault_with(const std::function<void(Scene&)>& change) {
+    Scene s;
+    s.name = "made", s.duration = 1;
+    change(s);
+    try {
+        validate(s, "made.cpp");
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Validate, NamesThePlaceOfWhateverIsNotFinite) {
+    const std::pair<const char*, std::function<void(Scene&)>> faults[] = {
+        {"/duration: is nan", [](Scene& s) { s.duration = nan; }},
+        {"/body/mass: is inf", [](Scene& s) { s.body.mass = infinity; }},
+        {"/body/center_of_mass/2: is nan", [](Scene& s) { s.body.center_of_mass[2] = nan; }},
+        {"/body/inertia/0/1: is nan", [](Scene& s) { s.body.inertia_B[0][1] = nan; }},
+        {"/initial/orientation/0: is nan", [](Scene& s) { s.initial.orientation.w = nan; }},
+        {"/initial/position/1: is -inf", [](Scene& s) { s.initial.position_W[1] = -infinity; }},
+        {"/initial/velocity/1: is nan", [](Scene& s) { s.initial.velocity_W[1] = nan; }},
+        {"/pivot/0: is nan", [](Scene& s) { s.pivot = Vector3<double>(nan, 0, 0); }},
+        {"/loads/0/acceleration/2: is nan",
+         [](Scene& s) {
+             s.loads = {Gravity{{0, 0, nan}, {}}};
+         }},
+        {"/loads/1/vector/0: is nan",
+         [](Scene& s) {
+             s.loads = {Gravity{}, Torque{{nan, 0, 0}, Frame::body, {}}};
+         }},
+        {"/loads/0/point/0: is inf",
+         [](Scene& s) {
+             s.loads = {Force{{}, Frame::body, {infinity, 0, 0}, Frame::body, {}}};
+         }},
+        {"/loads/0/at: is nan",
+         [](Scene& s) {
+             s.loads = {Impulse{{}, Frame::body, {}, Frame::body, nan}};
+         }},
+        {"/loads/0/translational: is nan",
+         [](Scene& s) {
+             s.loads = {Drag{{}, nan, {}}};
+         }},
+        {"/loads/0/stiffness: is nan",
+         [](Scene& s) {
+             s.loads = {Spring{nan, {}, {}}};
+         }},
+        {"/loads/0/from: is nan",
+         [](Scene& s) {
+             s.loads = {Gravity{{}, {nan, 1}}};
+         }},
+        {"/loads/0/until: is nan",
+         [](Scene& s) {
+             s.loads = {Gravity{{}, {0, nan}}};
+         }},
+        {"/loads/0/from: is inf",
+         [](Scene& s) {
+             s.loads = {Gravity{{}, {infinity, infinity}}};
+         }},
+        {"/tolerated/attitude: is nan", [](Scene& s) { s.tolerated_attitude = nan; }},
+    };
+    for (const auto& [place, change] : faults) {
+        const std::string message = fault_with(change);
+        EXPECT_EQ(message.find(std::string("made.cpp: ") + place), 0u) << place << "\n" << message;
+    }
+}
+
+TEST(Validate, RefusesWhatCannotBe) {
+    EXPECT_NE(fault_with([](Scene& s) { s.name = "\xff"; }).find("/name: is not UTF-8"), std::string::npos);
+    EXPECT_NE(fault_with([](Scene& s) { s.loads = {UserTorque{"none", {}, {}}}; }).find("/loads/0"), std::string::npos);
+    EXPECT_NE(fault_with([](Scene& s) {
+                  s.pivot = Vector3<double>();
+                  s.initial.velocity_W[0] = 1;
+              }).find("/initial/velocity: stands beside a pivot"),
+              std::string::npos);
+    // finite numbers whose inverses or products are not
+    EXPECT_NE(fault_with([](Scene& s) { s.body.mass = 5e-324; }).find("/body/mass"), std::string::npos);
+    EXPECT_NE(fault_with([](Scene& s) {
+                  s.body.mass = 1e300;
+                  s.pivot = Vector3<double>(1e10, 0, 0);
+              }).find("/pivot: makes the inertia"),
+              std::string::npos);
+}
+
+// The triangle inequality is that of the principal moments: a tensor turned to other axes is judged as it was before.
+RC_GTEST_PROP(Validate, JudgesATensorByItsPrincipalMoments, ()) {
+    // of like size, so that no other of the three inequalities is near its limit
+    const double a = positive_number(), b = a * *rc::gen::element(0.1, 0.7, 1.0, 3.0, 10.0);
+    // the third moment above or below the sum of the others, by more than the turned tensor's rounding of it
+    const double excess = *rc::gen::element(-1e-3, 1e-3), third = (a + b) * (1 + excess);
+    const Matrix3<double> R = rotation_matrix(random_orientation());
+    Matrix3<double> J = R * diagonal(Vector3<double>(a, b, third)) * transposed(R);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < i; ++j) J[i][j] = J[j][i];
+    const std::string message = fault_with([&](Scene& s) { s.body.inertia_B = J; });
+    RC_LOG() << message;
+    RC_ASSERT(message.empty() == (excess < 0));
+}
+
+}  // namespace
+}  // namespace polhode

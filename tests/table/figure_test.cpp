@@ -1,0 +1,239 @@
+#include "table/figure.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "table/curve_style.h"
+#include "table/figure_layout.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+const double infinity = std::numeric_limits<double>::infinity();
+
+Curve curve(const std::string& label, int color) {
+    return {label, color, 0, true, false, {1e-3, 1e-2, 1e-1}, {1e-2, 1e-5, 1e-8}};
+}
+
+Figure small_figure() {
+    Figure figure{"Work and precision", 2, {}, "a note"};
+    for (const char* title : {"free_asymmetric", "lagrange-top", "damped-spin"}) {
+        figure.panels.push_back({title, "run time (s)", "attitude error (rad)", true, true, {}});
+        figure.panels.back().curves = {curve("odeint_rk4", 0), curve("cvode_adams", 1)};
+    }
+    figure.panels[1].curves[1].cut = true;
+    return figure;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) ++n;
+    return n;
+}
+
+std::string content(const fs::path& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+}
+
+/// What an SVG shows as text, a piece a line.
+std::string shown_text(const std::string& svg) {
+    std::string shown;
+    for (std::size_t i = svg.find("<text>"); i != std::string::npos; i = svg.find("<text>", i + 1)) {
+        const std::string piece = svg.substr(i, svg.find("</text>", i) - i);
+        std::string words = std::regex_replace(piece, std::regex("<[^>]*>"), "");
+        words = std::regex_replace(words, std::regex("&quot;"), "\"");
+        shown += words + '\n';
+    }
+    return shown;
+}
+
+class Draw : public testing::Test {
+  protected:
+    Draw() {
+        std::string pattern = (fs::temp_directory_path() / "polhode_figure_XXXXXX").string();
+        directory_ = mkdtemp(pattern.data());
+        old_path_ = std::getenv("PATH");
+    }
+    ~Draw() override {
+        setenv("PATH", old_path_.c_str(), 1);
+        fs::remove_all(directory_);
+    }
+
+    std::string path(const std::string& name) const { return (directory_ / name).string(); }
+
+    /// Puts a gnuplot of one's own before all others.
+    void install_gnuplot(const std::string& script) {
+        std::ofstream(path("gnuplot")) << "#!/bin/sh\n" << script;
+        fs::permissions(path("gnuplot"), fs::perms::owner_all);
+        setenv("PATH", (directory_.string() + ":" + old_path_).c_str(), 1);
+    }
+
+    std::size_t entries() const {
+        return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory_), fs::directory_iterator()));
+    }
+
+    fs::path directory_;
+    std::string old_path_;
+};
+
+TEST(GnuplotScript, HasNoNumberThatIsNotFinite) {
+    Figure figure = small_figure();
+    figure.panels[0].curves[0].y = {std::nan(""), -infinity, infinity};
+    figure.panels[1].curves[0] = {"bad", 2, 0, true, true, {0, -1, 1e-3, 5e-324}, {1, 1, 1e-3, 1}};
+    figure.panels[2].curves.clear();
+    figure.panels[2].log_y = false;
+    figure.panels[2].curves = {{"huge", 1, 0, true, false, {1, 2}, {-1.7e308, 1.7e308}}};
+    for (const char* terminal : {"svg", "pdf"}) {
+        const std::string script = gnuplot_script(figure, terminal, "out");
+        EXPECT_FALSE(std::regex_search(script, std::regex("[^a-z](nan|inf)[^a-z]", std::regex::icase))) << script;
+        EXPECT_EQ(count(script, "no point to draw"), 1u);
+        EXPECT_EQ(count(script, "\n0.001 0.001\n"), 1u);  // the one good point of the bad curve
+    }
+}
+
+TEST(GnuplotScript, HasOneLegendEntryALabel) {
+    const std::string script = gnuplot_script(small_figure(), "svg", "");
+    EXPECT_EQ(count(script, "\"odeint_rk4\""), 1u);
+    EXPECT_EQ(count(script, "\"cvode_adams\""), 1u);
+    EXPECT_EQ(count(script, "\"curve cut short\""), 1u);
+    EXPECT_EQ(script.find("set output \""), std::string::npos);
+    EXPECT_THROW(gnuplot_script(small_figure(), "png", ""), std::invalid_argument);
+}
+
+TEST(GnuplotScript, LeavesTextAndPathsWithoutPower) {
+    Figure figure = small_figure();
+    figure.title = "a\"b`touch x`\\n\nset output";
+    const std::string script = gnuplot_script(figure, "svg", "|touch y");
+    EXPECT_NE(script.find("\"a\\042b\\140touch x\\140\\134n set output\""), std::string::npos) << script;
+    EXPECT_NE(script.find("set output \"./|touch y\""), std::string::npos);
+}
+
+TEST(CurveStyle, TellsFortyEightCurvesApart) {
+    std::set<std::pair<std::string, int>> styles;
+    std::set<std::string> colors;
+    for (int i = 0; i < 48; ++i) {
+        Curve c;
+        c.color = i;
+        styles.insert({color_of(c), marker_of(c)});
+        if (i < 8) colors.insert(color_of(c));
+    }
+    EXPECT_EQ(styles.size(), 48u);
+    EXPECT_EQ(colors.size(), 8u);
+    Curve negative;
+    negative.color = -1;
+    EXPECT_FALSE(color_of(negative).empty());
+}
+
+TEST(FigureLayout, KeepsEverythingApart) {
+    for (const int panels : {1, 3, 8}) {
+        for (const int columns : {1, 2, 3}) {
+            Figure figure{"title", columns, std::vector<Panel>(static_cast<std::size_t>(panels)), "some words of note"};
+            for (int i = 0; i < 12; ++i) figure.panels[0].curves.push_back(curve("method_" + std::to_string(i), i));
+            const FigureLayout layout = layout_of(figure);
+            double lowest = 0;
+            for (std::size_t i = 0; i < layout.plots.size(); ++i) {
+                const Rectangle& a = layout.plots[i];
+                EXPECT_TRUE(0 < a.left && a.left < a.right && a.right < layout.width);
+                lowest = std::max(lowest, a.bottom);
+                for (std::size_t j = 0; j < i; ++j) {
+                    const Rectangle& b = layout.plots[j];
+                    EXPECT_TRUE(b.right < a.left || a.right < b.left || b.bottom < a.top || a.bottom < b.top);
+                }
+            }
+            ASSERT_EQ(layout.legend.size(), 12u);
+            std::set<std::pair<double, double>> places;
+            for (const LegendEntry& entry : layout.legend) {
+                EXPECT_GT(entry.y, lowest + 25);  // below the labels of the lowest axis
+                EXPECT_LT(entry.y, layout.first_note_line);
+                places.insert({entry.x, entry.y});
+            }
+            EXPECT_EQ(places.size(), 12u);
+            EXPECT_LT(layout.first_note_line, layout.height);
+        }
+    }
+}
+
+TEST_F(Draw, WritesTheSameBytesTwice) {
+    EXPECT_EQ(draw(small_figure(), path("a")), "");
+    usleep(1'100'000);  // a PDF's date has a resolution of one second
+    EXPECT_EQ(draw(small_figure(), path("b")), "");
+    EXPECT_EQ(entries(), 4u);
+    EXPECT_EQ(content(path("a.svg")), content(path("b.svg")));
+    EXPECT_EQ(content(path("a.pdf")), content(path("b.pdf")));
+    EXPECT_EQ(content(path("a.pdf")).substr(0, 5), "%PDF-");
+}
+
+TEST_F(Draw, ShowsTextLiterally) {
+    Figure figure = small_figure();
+    figure.title = "x_1^2 {y} `date` \\alpha";
+    figure.panels[0].y_label = "|ω|_{max} \"1\"";
+    ASSERT_EQ(draw(figure, path("a")), "");
+    const std::string text = shown_text(content(path("a.svg")));
+    for (const char* words : {"x_1^2 {y} `date` \\alpha", "|ω|_{max}", "odeint_rk4", "free_asymmetric", "a note"}) {
+        EXPECT_NE(text.find(words), std::string::npos) << words << " is not in\n" << text;
+    }
+}
+
+TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
+    const Panel empty{"empty", "x (s)", "y (1)", true, true, {}};
+    Panel zero = empty;
+    zero.curves = {{"exact", 0, 0, true, true, {1, 2}, {0, 0}}};
+    for (const Figure& figure : {Figure{"none", 1, {}, ""}, Figure{"", 2, {empty, zero}, ""}}) {
+        ASSERT_EQ(draw(figure, path("a")), "");
+        EXPECT_EQ(count(shown_text(content(path("a.svg"))), "no point to draw"), figure.panels.size());
+    }
+}
+
+TEST_F(Draw, DrawsExtremeData) {
+    Figure figure = small_figure();
+    figure.panels[0].curves[0] = {"one point", 0, 0, true, true, {1}, {1}};
+    figure.panels[0].curves[1] = {"range", 1, 3, false, true, {1e-300, 1e300}, {1e300, 1e-300}};
+    figure.panels[1].log_x = figure.panels[1].log_y = false;
+    figure.panels[1].curves = {{"linear", 2, 1, true, true, {-1e300, 1e300}, {1e300, -1e300}}};
+    figure.panels[2].log_x = false;
+    figure.panels[2].curves = {{"still", 2, 1, true, true, {1, 1, 1}, {2, 2, 2}}};
+    EXPECT_EQ(draw(figure, path("a")), "");
+}
+
+TEST_F(Draw, ReportsAMissingGnuplot) {
+    setenv("PATH", directory_.c_str(), 1);
+    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot was not found on the PATH");
+    EXPECT_EQ(entries(), 0u);
+}
+
+TEST_F(Draw, ReportsWhatGnuplotSays) {
+    install_gnuplot("echo 'no such terminal' >&2; exit 3\n");
+    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot failed (3): no such terminal");
+    install_gnuplot("kill -11 $$\n");
+    EXPECT_EQ(draw(small_figure(), path("a")).substr(0, 30), "gnuplot was ended by signal 11");
+    install_gnuplot("exit 0\n");
+    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot wrote no complete SVG");
+    EXPECT_EQ(entries(), 1u);  // the false gnuplot alone
+}
+
+TEST_F(Draw, StopsAGnuplotThatHangs) {
+    install_gnuplot("exec sleep 100\n");
+    EXPECT_EQ(draw(small_figure(), path("a"), std::chrono::milliseconds(200)), "gnuplot was stopped after 0.2 s");
+}
+
+TEST_F(Draw, ReportsADirectoryThatIsNotThere) {
+    EXPECT_NE(draw(small_figure(), path("missing/a")).find("missing/a.svg"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode

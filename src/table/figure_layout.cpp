@@ -46,7 +46,8 @@ double place_legend(std::vector<LegendEntry>& entries, double top, double width)
     const std::size_t columns = (entries.size() + rows - 1) / rows;
     const double left = std::max(6.0, (width - cell * static_cast<double>(columns) + 10) / 2);
     for (std::size_t i = 0; i < entries.size(); ++i) {
-        entries[i].x = left + cell * static_cast<double>(i / rows);
+        const std::size_t column = i / rows;
+        entries[i].x = left + cell * static_cast<double>(column);
         entries[i].y = top + line_height * (static_cast<double>(i % rows) + 0.5);
     }
     return line_height * static_cast<double>(rows) + 4;
@@ -79,7 +80,8 @@ FigureLayout layout_of(const Figure& figure) {
     layout.width = cell_width * static_cast<double>(columns);
     for (std::size_t i = 0; i < figure.panels.size(); ++i) {
         const double left = cell_width * static_cast<double>(i % columns) + room_left;
-        const double upper = top + cell_height * static_cast<double>(i / columns) + room_above;
+        const std::size_t row = i / columns;
+        const double upper = top + cell_height * static_cast<double>(row) + room_above;
         layout.plots.push_back({left, upper, left + cell_width - room_left - room_right, upper + plot_height});
     }
     double bottom = top + cell_height * static_cast<double>(rows) + 4;

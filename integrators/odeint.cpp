@@ -8,6 +8,8 @@
 
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/euler.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <limits>
@@ -19,6 +21,10 @@ namespace odeint = boost::numeric::odeint;
 
 template <std::size_t N>
 using State = OdeintArray<N>;
+template <std::size_t N>
+using Euler = odeint::euler<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using CashKarp54 = odeint::runge_kutta_cash_karp54<State<N>, double, State<N>, double, OdeintAlgebra>;
 template <std::size_t N>
 using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra>;
 template <std::size_t N>
@@ -164,6 +170,13 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
 }
 
 const Method family[] = {
+    {.name = "odeint_euler",
+     .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
+     .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = march_odeint<Euler>},
     {.name = "odeint_rk4",
      .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
                       "right-hand sides a step.",
@@ -172,6 +185,16 @@ const Method family[] = {
      .control = Control::fixed_step,
      .order = 4,
      .solve = solve_rk4},
+    {.name = "odeint_cash_karp54",
+     .documentation =
+         "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), the fifth order carried on. "
+         "Six right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
+         "largest error over the components.",
+     .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 5,
+     .solve = fixed_or_controlled<CashKarp54>},
     {.name = "odeint_dopri5",
      .documentation =
          "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), the fifth order carried on. "
@@ -192,6 +215,21 @@ const Method family[] = {
      .control = Control::fixed_step_or_tolerance,
      .order = 8,
      .solve = fixed_or_controlled<Fehlberg78>},
+    {.name = "odeint_adams_bashforth_moulton",
+     .documentation =
+         "Adams-Bashforth's formula of six steps as predictor, Adams-Moulton's of order 6 as corrector, each followed "
+         "by "
+         "an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides a step. Odeint "
+         "has up to eight steps, but with seven or eight the predictor's share of the error falls behind the "
+         "corrector's only at steps so short that round-off hides both. The first five steps are Fehlberg's of order "
+         "8, "
+         "not the Runge-Kutta steps of order 4 that Odeint starts with, which would leave order 5. An event, or a step "
+         "of another length, drops the history and starts it again.",
+     .source = "Bashforth & Adams 1883; Moulton 1926; Hairer, Norsett & Wanner 1993, III.1; Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 6,
+     .solve = solve_adams_bashforth_moulton},
     {.name = "odeint_bulirsch_stoer",
      .documentation =
          "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "

@@ -83,12 +83,13 @@ class OdeintFixedStepper : public OdeintState<SystemType> {
         scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, t, h);
     }
 
-  private:
-    // the derivative kept from the last step's end (first same as last)
+  protected:
+    // the derivative kept from the last step's end (first same as last), or those of a multistep method
     void forget() {
         if constexpr (requires { scheme_.reset(); }) scheme_.reset();
     }
 
+  private:
     Scheme<N> scheme_;
 };
 
@@ -156,6 +157,9 @@ Trajectory out_of_reach(double tolerance);
 /// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
 /// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
 Trajectory solve_rk4(const Problem& problem, const Settings& settings);
+
+/// Boost's adams_bashforth_moulton on the problem. Compiled alone, likewise.
+Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);
 
 /// Boost's rosenbrock4 on the problem, fixed or controlled; in a file of its own, for it compiles only as C++17.
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);

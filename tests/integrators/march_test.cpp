@@ -32,10 +32,17 @@ std::ostream& operator<<(std::ostream& out, const Run& run) {
     return out << run.method << (run.step ? " step " : " tolerance ") << (run.step ? *run.step : *run.tolerance);
 }
 
-const Run every_run[] = {{"odeint_rk4", 1e-3, {}},          {"odeint_dopri5", 1e-3, {}},
-                         {"odeint_fehlberg78", 1e-2, {}},   {"odeint_rosenbrock4", 1e-3, {}},
-                         {"odeint_dopri5", {}, 1e-11},      {"odeint_fehlberg78", {}, 1e-11},
-                         {"odeint_rosenbrock4", {}, 1e-11}, {"odeint_bulirsch_stoer", {}, 1e-11}};
+const Run every_run[] = {{"odeint_rk4", 1e-3, {}},
+                         {"odeint_cash_karp54", 1e-3, {}},
+                         {"odeint_cash_karp54", {}, 1e-11},
+                         {"odeint_adams_bashforth_moulton", 1e-3, {}},
+                         {"odeint_dopri5", 1e-3, {}},
+                         {"odeint_fehlberg78", 1e-2, {}},
+                         {"odeint_rosenbrock4", 1e-3, {}},
+                         {"odeint_dopri5", {}, 1e-11},
+                         {"odeint_fehlberg78", {}, 1e-11},
+                         {"odeint_rosenbrock4", {}, 1e-11},
+                         {"odeint_bulirsch_stoer", {}, 1e-11}};
 
 class March : public ::testing::TestWithParam<Run> {};
 
@@ -268,7 +275,8 @@ INSTANTIATE_TEST_SUITE_P(All, March, ::testing::ValuesIn(every_run), [](const au
 });
 
 TEST(MarchControlled, ATooSmallToleranceIsNotMet) {
-    for (const char* method : {"odeint_dopri5", "odeint_fehlberg78", "odeint_bulirsch_stoer", "odeint_rosenbrock4"})
+    for (const char* method :
+         {"odeint_cash_karp54", "odeint_dopri5", "odeint_fehlberg78", "odeint_bulirsch_stoer", "odeint_rosenbrock4"})
         for (double tolerance : {1e-17, 1e-30, 1e-300}) {
             const Trajectory trajectory = with_tolerance(everything(3), method, tolerance);
             EXPECT_EQ(trajectory.status, Status::tolerance_not_met) << method;

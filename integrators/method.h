@@ -46,6 +46,13 @@ std::span<const Method* const> methods();
 /// By name; nullptr if there is none. `auto` is not a method: see choose_method.
 const Method* find_method(std::string_view name);
 
+/// A method that one might look for and that is not here, and why.
+struct MethodLeftOut {
+    std::string_view name;
+    std::string_view reason;  ///< Markdown, a paragraph
+};
+std::span<const MethodLeftOut> methods_left_out();
+
 /// The most accurate method for a scene ("auto"), and in a few words why.
 struct Choice {
     const Method* method;

@@ -31,6 +31,8 @@ const char* text(Control control) {
 std::string describe(const std::string& name) {
     if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
+    for (const MethodLeftOut& method : methods_left_out())
+        if (method.name == name) return fmt::format("{}\n\n  Left out. {}\n", method.name, method.reason);
     try {
         return describe_scene(find_scene(name));
     } catch (const InputError&) {

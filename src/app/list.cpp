@@ -110,7 +110,13 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
     } else {
         for (const Entry& entry : entries) table.rows.push_back({entry.name, entry.about});
     }
-    return markdown(table);
+    std::string text = markdown(table);
+    if (what == "methods") {
+        text += "\nConsidered and left out:\n\n";
+        for (const MethodLeftOut& method : methods_left_out())
+            text += fmt::format("- `{}`: {}\n", method.name, method.reason);
+    }
+    return text;
 }
 
 }  // namespace

@@ -239,6 +239,19 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
     }
 }
 
+TEST_F(Program, TellsWhyAMethodWasLeftOut) {
+    const std::string list = run({"list", "methods", "--format", "markdown"}).out;
+    ASSERT_FALSE(methods_left_out().empty());
+    for (const MethodLeftOut& method : methods_left_out()) {
+        EXPECT_EQ(find_method(method.name), nullptr);
+        const Outcome outcome = run({"describe", std::string(method.name)});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_NE(outcome.out.find(method.reason), std::string::npos) << outcome.out;
+        EXPECT_NE(list.find(method.reason), std::string::npos) << list;
+        expect_refused({"solve", "free_asymmetric", "--method", std::string(method.name)}, "tells why");
+    }
+}
+
 TEST_F(Program, DescribesWhatASphereASymmetricAndALoadedBodyDoNotNeed) {
     const auto described = [&](const std::string& members) {
         std::ofstream(directory / "body.json") << R"({"name": "b", "duration": 5, )" + members + "}";

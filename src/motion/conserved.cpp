@@ -239,32 +239,60 @@ std::optional<UniformField> only_field(const Problem& problem) {
     return uniform(forcing.field);
 }
 
-struct KovalevskayaAxes {
-    int x, y, z;  // the centre of mass on x; I_x = I_y = 2 I_z
+// Principal axes with I_x = I_y = ratio I_z and the centre of mass on the equator, z across the arm.
+struct EquatorialAxes {
+    int x, y, z;
 };
-std::optional<KovalevskayaAxes> kovalevskaya_axes(const Problem& problem, const VectorD& arm) {
+std::optional<EquatorialAxes> equatorial_axes(const Problem& problem, const VectorD& arm, double ratio) {
     const VectorD& I = problem.principal.moments;
     for (int z = 0; z < 3; ++z) {
         const int x = (z + 1) % 3, y = (z + 2) % 3;
         const bool shape =
-            std::abs(I[x] - 2 * I[z]) <= tolerance * I[x] && std::abs(I[y] - 2 * I[z]) <= tolerance * I[y];
-        if (shape && std::abs(arm[z]) <= tolerance * length(arm)) return KovalevskayaAxes{x, y, z};
+            std::abs(I[x] - ratio * I[z]) <= tolerance * I[x] && std::abs(I[y] - ratio * I[z]) <= tolerance * I[y];
+        if (shape && std::abs(arm[z]) <= tolerance * length(arm)) return EquatorialAxes{x, y, z};
     }
     return std::nullopt;
 }
 
-// |(p + i q)^2 - c (g1 + i g2)|^2 with p, q the rates along and across the arm on the equator, g the direction against
-// the force, c = m g l / I_z (Kowalevski 1889): that complex number turns at the rate r and keeps its length.
-std::vector<double> kovalevskaya_integral(const Problem& problem, const Conserved&, const Sample& s) {
+// Rates p along the arm, q beside it on the equator, r across; g the direction against the force, in the same axes;
+// c = m g l / I_z.
+struct EquatorialTop {
+    double p, q, r, g1, g2, g3, c;
+};
+EquatorialTop equatorial_top(const Problem& problem, const Sample& s, double ratio) {
     const UniformField field = *only_field(problem);
-    const KovalevskayaAxes axes = *kovalevskaya_axes(problem, field.moment);
+    const EquatorialAxes axes = *equatorial_axes(problem, field.moment, ratio);
     const VectorD w = posed_rate(problem, s), against = posed(problem, s, -field.direction_W);
     const double mgl = length(field.moment), cosine = field.moment[axes.x] / mgl, sine = field.moment[axes.y] / mgl;
     const auto along = [&](const VectorD& v) { return cosine * v[axes.x] + sine * v[axes.y]; };
     const auto beside = [&](const VectorD& v) { return cosine * v[axes.y] - sine * v[axes.x]; };
-    const double p = along(w), q = beside(w), c = mgl / problem.principal.moments[axes.z];
-    const double real = p * p - q * q - c * along(against), imaginary = 2 * p * q - c * beside(against);
+    return {along(w),
+            beside(w),
+            w[axes.z],
+            along(against),
+            beside(against),
+            against[axes.z],
+            mgl / problem.principal.moments[axes.z]};
+}
+
+// |(p + i q)^2 - c (g1 + i g2)|^2 (Kowalevski 1889): that complex number turns at the rate r and keeps its length.
+std::vector<double> kovalevskaya_integral(const Problem& problem, const Conserved&, const Sample& s) {
+    const auto [p, q, r, g1, g2, g3, c] = equatorial_top(problem, s, 2);
+    const double real = p * p - q * q - c * g1, imaginary = 2 * p * q - c * g2;
     return {real * real + imaginary * imaginary};
+}
+
+// r (p^2 + q^2) - c p g3 (Goryachev 1900, Chaplygin 1901): its rate is -c q / 4 times L . g / I_z, which vanishes.
+std::vector<double> goryachev_chaplygin_integral(const Problem& problem, const Conserved&, const Sample& s) {
+    const auto [p, q, r, g1, g2, g3, c] = equatorial_top(problem, s, 4);
+    return {r * (p * p + q * q) - c * p * g3};
+}
+
+// L along the field is zero: it stays so.
+bool turns_across(const Problem& problem, const UniformField& field, const Sample& start) {
+    const std::vector<double> L = angular_momentum(problem, {}, start);
+    const VectorD L_W(L[0], L[1], L[2]);
+    return std::abs(dot(L_W, field.direction_W)) <= tolerance * length(L_W);
 }
 
 // The motion at t = 0, impulses there included.
@@ -316,9 +344,13 @@ std::vector<Conserved> conserved(const Problem& problem) {
     }
     if (const auto axis = symmetry_axis(problem); axis && keeps_spin(problem, *axis))
         keep("spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
-    if (has_energy && pivoted)
-        if (const auto field = only_field(problem); field && kovalevskaya_axes(problem, field->moment))
+    if (const auto field = only_field(problem); has_energy && pivoted && field) {
+        if (equatorial_axes(problem, field->moment, 2))
             keep("Kovalevskaya's integral", "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
+        if (equatorial_axes(problem, field->moment, 4) && turns_across(problem, *field, start))
+            keep("Goryachev and Chaplygin's integral", "r (p^2 + q^2) - (m g l / C) p g3, s^-3",
+                 goryachev_chaplygin_integral);
+    }
     return found;
 }
 

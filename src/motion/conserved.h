@@ -19,8 +19,9 @@ struct Conserved {
 };
 
 /// Energy, the vectors of angular and linear momentum or as many of their components as stay, the spin about an axis
-/// of symmetry, Kovalevskaya's integral. `problem` must be posed as Formulation::reduced. Each is kept by the exact
-/// motion: no other kind of integral is looked for. Directions and moments count as equal within 1e-12.
+/// of symmetry, Kovalevskaya's integral, Goryachev and Chaplygin's. `problem` must be posed as Formulation::reduced.
+/// Each is kept by the exact motion: no other kind of integral is looked for. Directions and moments count as equal
+/// within 1e-12.
 std::vector<Conserved> conserved(const Problem& problem);
 
 }  // namespace polhode

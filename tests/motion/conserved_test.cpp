@@ -160,6 +160,22 @@ TEST(Conserved, KovalevskayasTopHasItsIntegral) {
     expect(s, {E, Lu, "Kovalevskaya's integral"});
 }
 
+TEST(Conserved, GoryachevAndChaplyginsTopHasItsIntegralWhereTheVerticalMomentumVanishes) {
+    const char* const integral = "Goryachev and Chaplygin's integral";
+    Scene s = find_scene("goryachev_chaplygin");
+    s.duration = 3;
+    expect(s, {E, Lu, integral});
+    // the same body described in other axes, its rates turned likewise
+    Scene other = s;
+    other.body.inertia_B = diagonal(Vector3<double>(0.75, 4, 3.75));
+    other.body.center_of_mass = {0, 0.5, 0};
+    other.initial.orientation = {0.5, -0.5, -0.5, -0.5};  // x, y, z of this body to z, x, y of that one
+    other.initial.angular_velocity = {0, 0.5, 1};
+    expect(other, {E, Lu, integral});
+    s.initial.angular_velocity = {0.5, 1, 0.25};
+    expect(s, {E, Lu});
+}
+
 TEST(Conserved, SpringKeepsTheEnergyAlone) {
     Scene s = tumbling();
     s.loads = {Spring{5, {0.8, 0, 0.6, 0}, {}}};

@@ -1,0 +1,39 @@
+// The truth's pairs as multiprecision numbers, and a scene's truth on a cache of its own.
+#pragma once
+
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+
+#include "integrators/truth/fresh_cache.h"
+#include "integrators/truth/real.h"
+#include "integrators/truth/reference.h"
+#include "motion/exact_body.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+
+using R = truth::Real<100>;
+
+inline R value(const Pair& pair) { return R(pair.high) + R(pair.low); }
+inline Vector3<R> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
+inline Quaternion<R> value(const Quaternion<Pair>& q) { return {value(q.w), value(q.x), value(q.y), value(q.z)}; }
+
+inline R length(const Vector3<R>& v) { return square_root(dot(v, v)); }
+
+/// |a - b|, formed before it is rounded.
+inline double gap(const R& a, const R& b) { return R(abs(R(a - b))).convert_to<double>(); }
+
+/// The built-in scene, over a shorter time if given.
+inline Scene shortened(const std::string& name, double duration = 0) {
+    Scene scene = find_scene(name);
+    if (duration > 0) scene.duration = duration;
+    return scene;
+}
+
+/// Its truth to 25 digits from an empty cache.
+inline Reference fresh_truth(const Scene& scene, long samples) {
+    const FreshCache cache;
+    return reference(scene, samples);
+}
+
+}  // namespace polhode

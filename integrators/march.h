@@ -11,7 +11,7 @@
 
 namespace polhode {
 
-/// Counts steps against Settings::max_steps, and looks at the clock now and then for Settings::seconds_limit.
+/// Counts steps against Settings::max_steps, and looks now and then at the time spent for Settings::seconds_limit.
 class Budget {
   public:
     explicit Budget(const Settings& settings);
@@ -36,6 +36,7 @@ class Budget {
     bool timed_;
     double seconds_limit_;
     std::chrono::steady_clock::time_point start_;
+    double processor_start_;
     std::string message_;
 };
 

@@ -22,7 +22,7 @@ struct Settings {
     std::optional<double> tolerance;  ///< relative; absolute = this times the component's scale
     long samples = 100;               ///< N: samples at k T / N, k = 0..N
     long max_steps = 1'000'000'000;   ///< a run that needs more is `failed`
-    double seconds_limit = std::numeric_limits<double>::infinity();  ///< likewise, wall clock of one integration
+    double seconds_limit = std::numeric_limits<double>::infinity();  ///< likewise, the thread's time in one integration
     /// false: the same steps, but only the last sample is kept (what timings measure).
     bool record = true;
     /// The integration is repeated this often inside one call and the time divided: for runs near the clock's grain.

@@ -31,9 +31,10 @@ std::optional<Table> load_table(const std::filesystem::path& path) {
 
 std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting) {
     const Experiment& e = plan.experiment;
-    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {}\n{} {} {} {}\n", program_key(), e.name, scene.label,
-                                    scene.canonical, curve.method->name, name_of(curve.kind), setting, e.samples,
-                                    e.repeats, e.seconds_per_run, e.max_steps));
+    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n", program_key(), e.name,
+                                    scene.label, scene.canonical, curve.method->name, name_of(curve.kind), setting,
+                                    name_of(curve.formulation), curve.calibrated, e.samples, e.repeats,
+                                    e.seconds_per_run, e.max_steps, e.max_evaluations));
 }
 
 std::optional<Result> load_case(const std::string& directory, const std::string& key) {

@@ -11,9 +11,15 @@
 
 namespace polhode {
 
-/// What is made of the rows: `sweep` draws error against run time, `convergence` fits orders and draws error against
-/// step and tolerance, `drift` keeps the errors over time.
-enum class Kind { sweep, convergence, drift };
+/// What is made of the rows.
+enum class Kind {
+    sweep,         ///< error against run time, and the fastest at each accuracy
+    convergence,   ///< observed orders; error against step and against tolerance
+    drift,         ///< errors over time
+    tolerance,     ///< digits gained or lost against what was asked for
+    leave_out,     ///< each case three times, by all Formulations: what leaving out is worth
+    conservation,  ///< how errors grow over a long run, every method at the same number of evaluations a revolution
+};
 
 /// A JSON pointer into the scene and the values (JSON texts) it takes in turn.
 struct Variation {
@@ -27,11 +33,15 @@ struct Experiment {
     std::vector<std::string> scenes, methods;  ///< names, paths of scenes, or /regular expressions/
     std::vector<double> steps;                 ///< s, from coarse to fine
     std::vector<double> tolerances;            ///< relative, from coarse to fine
-    std::vector<Variation> vary;               ///< all combinations are run
+    /// Of a `conservation` experiment: right-hand sides a revolution; steps and tolerances are found for each method.
+    std::vector<double> evaluations_per_revolution;
+    std::vector<Variation> vary;  ///< all combinations are run
     long samples = 100;
     int repeats = 5;                 ///< rounds of timing, at the most
     double seconds_per_run = 10;     ///< a run beyond it is `failed`, and its curve is cut there
     long max_steps = 1'000'000'000;  ///< likewise
+    /// Likewise, of right-hand sides: unlike the clock it says the same on every machine and for any number of jobs.
+    long max_evaluations = std::numeric_limits<long>::max();
 };
 
 /// An experiment file's text; `file` is named in errors. Throws InputError.
@@ -56,6 +66,8 @@ struct PlannedCurve {
     int color;  ///< the method's place in methods(): its colour in every picture
     SettingKind kind;
     std::vector<double> settings;  ///< one entry, not a number, where the kind is `none`
+    Formulation formulation = Formulation::reduced;
+    bool calibrated = false;  ///< `settings` are evaluations a revolution, to be turned into steps or tolerances
 };
 
 struct Plan {

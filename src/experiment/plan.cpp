@@ -66,7 +66,10 @@ Kind kind_named(const JsonNode& node) {
     if (node.string() == "sweep") return Kind::sweep;
     if (node.string() == "convergence") return Kind::convergence;
     if (node.string() == "drift") return Kind::drift;
-    node.fail(node.described(), "one of sweep, convergence, drift");
+    if (node.string() == "tolerance") return Kind::tolerance;
+    if (node.string() == "leave_out") return Kind::leave_out;
+    if (node.string() == "conservation") return Kind::conservation;
+    node.fail(node.described(), "one of sweep, convergence, drift, tolerance, leave_out, conservation");
 }
 
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
@@ -142,7 +145,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     const JsonDocument document(text, file);
     const JsonNode& root = document.root();
     root.only({"name", "about", "kind", "scenes", "methods", "settings", "vary", "samples", "repeats",
-               "seconds_per_run", "max_steps"});
+               "seconds_per_run", "max_steps", "max_evaluations"});
     Experiment e;
     e.name = root.required("name", "the experiment's name").string();
     // it names files
@@ -153,9 +156,15 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     e.scenes = strings(root.required("scenes", "a list of scenes"));
     e.methods = strings(root.required("methods", "a list of methods"));
     if (const JsonNode* node = root.find("settings")) {
-        node->only({"steps", "tolerances"});
+        node->only({"steps", "tolerances", "evaluations_per_revolution"});
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
+        if (const JsonNode* list = node->find("evaluations_per_revolution")) {
+            if (e.kind != Kind::conservation)
+                list->fail("belongs to experiments of kind conservation", "steps or tolerances");
+            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations");
+            std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
+        }
     }
     if (const JsonNode* node = root.find("vary")) {
         const ordered_json raw = ordered_json::parse(text, nullptr, true, true).at("vary");
@@ -172,6 +181,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     }
     if (const JsonNode* node = root.find("seconds_per_run")) e.seconds_per_run = positive(*node, "a time");
     if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node);
+    if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node);
     return e;
 }
 
@@ -189,6 +199,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     Experiment& e = plan.experiment;
     if (quick) {
         e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);
+        e.evaluations_per_revolution = thinned(e.evaluations_per_revolution);
         e.repeats = std::min(e.repeats, 3), e.seconds_per_run = std::min(e.seconds_per_run, 0.05);
     }
     std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
@@ -213,14 +224,24 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         const int color = static_cast<int>(place - method_names.begin());
         const Method* method = methods()[static_cast<std::size_t>(color)];
         const std::size_t before = plan.curves.size();
-        if (takes_step(*method) && !e.steps.empty()) plan.curves.push_back({method, color, SettingKind::step, e.steps});
-        if (takes_tolerance(*method) && !e.tolerances.empty())
-            plan.curves.push_back({method, color, SettingKind::tolerance, e.tolerances});
-        if (method->control == Control::none) plan.curves.push_back({method, color, SettingKind::none, {std::nan("")}});
+        const bool calibrated = e.kind == Kind::conservation;
+        const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
+            if (settings.empty()) return;
+            plan.curves.push_back({method, color, kind, settings, Formulation::reduced, calibrated});
+            if (e.kind != Kind::leave_out) return;
+            for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
+                plan.curves.push_back({method, color, kind, settings, formulation, false});
+        };
+        if (takes_step(*method)) add(SettingKind::step, calibrated ? e.evaluations_per_revolution : e.steps);
+        if (takes_tolerance(*method))
+            add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
+        if (method->control == Control::none) add(SettingKind::none, {std::nan("")});
         const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
         if (plan.curves.size() == before && named)
             throw InputError(file, "/settings", name + " has no setting to run at",
-                             takes_step(*method) ? "give steps" : "give tolerances");
+                             calibrated            ? "give evaluations_per_revolution"
+                             : takes_step(*method) ? "give steps"
+                                                   : "give tolerances");
     }
     return plan;
 }

@@ -44,7 +44,8 @@ std::vector<const Result*> rows_of(const std::vector<Result>& results, const Pla
                                    const PlannedCurve& curve) {
     std::vector<const Result*> rows;
     for (const Result& r : results)
-        if (r.scene == scene.label && r.method == curve.method->name && r.setting_kind == curve.kind)
+        if (r.scene == scene.label && r.method == curve.method->name && r.setting_kind == curve.kind &&
+            r.formulation == curve.formulation)
             rows.push_back(&r);
     return rows;
 }
@@ -128,18 +129,35 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
     for (const Result& r : results) full.rows.push_back(row_of(name, r));
     write_table(full, for_people(full), caption, base, name);
 
+    // a second table of what the rows say
+    const auto write_finding = [&](const char* word, const Table& table, const char* title) {
+        write_table(table, table, title + (": " + caption), base + "_" + word, name + "_" + word);
+    };
     std::vector<NamedFigure> figures;
-    if (plan.experiment.kind == Kind::drift) {
-        write_atomically((std::filesystem::path(directory) / "drift.csv").string(), csv(drift_table(results)));
-        figures = drift_figures(plan, results);
-    } else if (plan.experiment.kind == Kind::convergence) {
-        const Table orders = order_table(plan, results);
-        write_table(orders, orders, "Observed orders: " + caption, base + "_orders", name + "_orders");
-        figures = convergence_figures(plan, results);
-    } else {
-        const Table fastest = fastest_table(plan, results);
-        write_table(fastest, fastest, "Fastest at each accuracy: " + caption, base + "_fastest", name + "_fastest");
-        figures = work_precision_figures(plan, results);
+    switch (plan.experiment.kind) {
+        case Kind::sweep:
+            write_finding("fastest", fastest_table(plan, results), "Fastest at each accuracy");
+            figures = work_precision_figures(plan, results);
+            break;
+        case Kind::convergence:
+            write_finding("orders", order_table(plan, results), "Observed orders");
+            figures = convergence_figures(plan, results);
+            break;
+        case Kind::drift:
+            write_atomically((std::filesystem::path(directory) / "drift.csv").string(), csv(drift_table(results)));
+            figures = drift_figures(plan, results);
+            break;
+        case Kind::tolerance:
+            write_finding("digits", digits_table(plan, results), "Digits gained over the tolerance");
+            figures = tolerance_figures(plan, results);
+            break;
+        case Kind::leave_out:
+            write_finding("gain", gain_table(plan, results), "What leaving out is worth");
+            break;
+        case Kind::conservation:
+            write_finding("growth", growth_table(plan, results), "Growth of errors");
+            figures = conservation_figures(plan, results);
+            break;
     }
     std::vector<std::string> remarks;
     for (const NamedFigure& named : figures) {

@@ -19,6 +19,12 @@ struct NamedFigure {
 std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
                                    const PlannedCurve& curve);
 
+/// A curve's name in legends: the method's, and how it is controlled where it can be in two ways.
+std::string curve_label(const PlannedCurve& curve);
+
+/// What the reader of a picture must know: why a curve was cut, a SUNDIALS compiled without optimisation.
+std::string figure_note(const Plan& plan, bool cut);
+
 /// Error against run time, a panel a scene, a curve a method and kind of setting.
 std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results);
 
@@ -28,6 +34,12 @@ std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector
 /// Attitude, momentum and energy error against time, a picture a scene.
 std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Result>& results);
 
+/// The largest attitude error against the tolerance asked for.
+std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results);
+
+/// Energy, momentum, attitude and norm error against time, both logarithmic, a picture a scene and cost.
+std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vector<Result>& results);
+
 /// NAME_orders: for each scene, method and kind of setting the claimed order and the observed one, the range it was
 /// fitted to, the smallest and largest error; of the attitude error at the end. For tolerances the slope of log error
 /// over log tolerance.
@@ -36,6 +48,20 @@ Table order_table(const Plan& plan, const std::vector<Result>& results);
 /// NAME_fastest: for each scene and each of the errors 1e-6, 1e-9, 1e-12 rad the fastest run that stays below it over
 /// all samples, and the runners-up by their ratio in time.
 Table fastest_table(const Plan& plan, const std::vector<Result>& results);
+
+/// NAME_digits: for each scene and method, and for each tolerance R, log10(R / largest attitude error in rad): the
+/// digits gained over what was asked for, lost where negative. Then each method's median and worst over the scenes.
+Table digits_table(const Plan& plan, const std::vector<Result>& results);
+
+/// NAME_gain: for each scene, method and kind of setting the times of the three formulations at one and the same
+/// largest attitude error (that of the reduced form half-way along its curve; between settings by a straight line
+/// through log time over log error), the factor in time that leaving out is worth, the error of the reduced form over
+/// that of the full one at equal settings, and what was left out.
+Table gain_table(const Plan& plan, const std::vector<Result>& results);
+
+/// NAME_growth: for each scene, cost and method the error of energy, momentum, norm and attitude at the end of a long
+/// run and the exponents with which they grew.
+Table growth_table(const Plan& plan, const std::vector<Result>& results);
 
 /// Writes NAME.csv, .md, .tex, .json, the tables above as the kind asks, the pictures, and this experiment's entry in
 /// provenance.json. Returns remarks for the user (a picture that could not be drawn). Throws std::runtime_error.

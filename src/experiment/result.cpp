@@ -8,12 +8,6 @@
 namespace polhode {
 namespace {
 
-template <class T>
-Cell cell_of(const std::optional<T>& value) {
-    if (value) return *value;
-    return {};
-}
-
 std::string text(const Table& table, std::size_t row, const char* column) {
     return text_of(table.rows[row][column_index(table, column)]);
 }
@@ -46,6 +40,12 @@ SettingKind setting_kind_named(const std::string& name) {
     throw std::invalid_argument("not a kind of setting: " + name);
 }
 
+Formulation formulation_named(const std::string& name) {
+    for (Formulation f : {Formulation::reduced, Formulation::full_principal, Formulation::full})
+        if (name == name_of(f)) return f;
+    throw std::invalid_argument("not a formulation: " + name);
+}
+
 const std::vector<std::string> series_columns{
     "t", "attitude_error", "omega_error", "energy_error", "momentum_error", "norm_error"};
 
@@ -71,7 +71,10 @@ std::vector<std::string> result_columns() {
             "norm_error_max",
             "message",
             "step_taken",
-            "cut"};
+            "cut",
+            "formulation",
+            "evaluations_per_revolution",
+            "revolutions"};
 }
 
 std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
@@ -94,7 +97,10 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
             cell_of(r.errors.norm_max),
             r.message,
             cell_of(r.step_taken),
-            std::string(r.cut ? "cut" : "")};
+            std::string(r.cut ? "cut" : ""),
+            std::string(name_of(r.formulation)),
+            cell_of(r.evaluations_per_revolution),
+            cell_of(r.revolutions)};
 }
 
 Result result_of(const Table& table, std::size_t row) {
@@ -119,6 +125,9 @@ Result result_of(const Table& table, std::size_t row) {
     r.message = at("message");
     r.step_taken = number(at("step_taken"));
     r.cut = at("cut") == "cut";
+    r.formulation = formulation_named(at("formulation"));
+    r.evaluations_per_revolution = number(at("evaluations_per_revolution"));
+    r.revolutions = number(at("revolutions"));
     return r;
 }
 

@@ -23,11 +23,14 @@ struct Result {
     Errors errors;
     std::string message;
     std::optional<double> step_taken;  ///< s, of a fixed-step run
-    bool cut = false;                  ///< not reached, or stopped, by the limit on a run's time or steps
-    ErrorSeries series;                ///< only of a `drift` experiment
+    bool cut = false;                  ///< not reached, or stopped, by the limit on a run's time, steps or evaluations
+    Formulation formulation = Formulation::reduced;
+    std::optional<double> evaluations_per_revolution;  ///< as asked for, where the setting was found from it
+    std::optional<double> revolutions;                 ///< T over the mean time of a revolution; of a long run
+    ErrorSeries series;                                ///< only of a `drift` or `conservation` experiment
 };
 
-/// The contract's columns, then step_taken and cut.
+/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution and revolutions.
 std::vector<std::string> result_columns();
 std::vector<Cell> row_of(const std::string& experiment, const Result& result);
 

@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <numbers>
 
+#include "experiment/calibration.h"
 #include "experiment/case_store.h"
+#include "experiment/locks.h"
 #include "experiment/parallel.h"
 #include "experiment/pattern.h"
 #include "experiment/progress.h"
@@ -26,6 +30,7 @@ struct Case {
     std::size_t rank;  // of the setting on its curve
     std::string key;
     std::optional<Result> result;
+    Settings settings{};  // what it was run with
 
     double setting() const { return curve->settings[rank]; }
 };
@@ -39,7 +44,8 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
             const std::string name = plan.scenes[s].label + "/" + std::string(curve.method->name);
             if (!filter.matches(name)) continue;
             for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
-                Case c{&plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}};
+                Case c{
+                    &plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}, {}};
                 c.result = load_case(options.directory, c.key);
                 cases.push_back(std::move(c));
             }
@@ -53,34 +59,68 @@ Result blank(const Case& c) {
     result.scene = c.scene->label;
     result.method = c.curve->method->name;
     result.setting_kind = c.curve->kind;
-    result.setting = c.curve->kind == SettingKind::none ? 0 : c.setting();
+    result.formulation = c.curve->formulation;
+    if (c.curve->calibrated) {
+        result.evaluations_per_revolution = c.setting();
+        result.setting = c.settings.step.value_or(c.settings.tolerance.value_or(0));
+    } else {
+        result.setting = c.curve->kind == SettingKind::none ? 0 : c.setting();
+    }
     return result;
 }
 
-Settings settings_of(const Experiment& experiment, const Case& c) {
-    Settings settings;
-    if (c.curve->kind == SettingKind::step) settings.step = c.setting();
-    if (c.curve->kind == SettingKind::tolerance) settings.tolerance = c.setting();
+// False where no setting costs what it should: then the row says so.
+bool choose_settings(const Experiment& experiment, Case& c) {
+    Settings& settings = c.settings;
     settings.samples = experiment.samples;
     settings.max_steps = experiment.max_steps;
     settings.seconds_limit = experiment.seconds_per_run;
-    return settings;
+    settings.formulation = c.curve->formulation;
+    double setting = c.setting();
+    if (c.curve->calibrated) {
+        const Calibration found = calibrate(c.scene->scene, *c.curve->method, c.curve->kind, setting);
+        if (!found.found) {
+            c.result = blank(c);
+            c.result->status = Status::unsupported, c.result->message = found.message;
+            return false;
+        }
+        setting = found.setting;
+    }
+    if (c.curve->kind == SettingKind::step) settings.step = setting;
+    if (c.curve->kind == SettingKind::tolerance) settings.tolerance = setting;
+    return true;
 }
+
+// T by the mean |w| of the truth, in revolutions
+std::optional<double> revolutions(const Reference& reference) {
+    if (!reference.available || reference.samples.size() < 2) return {};
+    double sum = 0;
+    for (const ReferenceSample& s : reference.samples) {
+        const auto& w = s.angular_velocity_B;
+        sum += std::hypot(w[0].high, w[1].high, w[2].high);
+    }
+    const double mean = sum / static_cast<double>(reference.samples.size());
+    return mean * reference.samples.back().t / (2 * std::numbers::pi);
+}
+
+bool keeps_series(Kind kind) { return kind == Kind::drift || kind == Kind::conservation; }
 
 // The untimed run: it takes the steps of the timed one and looks at every sample.
 void measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c) {
+    if (!choose_settings(experiment, c)) return;
     Result result = blank(c);
-    Settings settings = settings_of(experiment, c);
+    Settings settings = c.settings;
     // looking sideways for samples costs more than the run that is limited
     settings.seconds_limit *= 4;
     const Trajectory trajectory = solve(problem, *c.curve->method, settings);
     result.status = trajectory.status, result.message = trajectory.message;
+    result.cut = trajectory.limit_reached;
     if (trajectory.step > 0) result.step_taken = trajectory.step;
     if (trajectory.status != Status::unsupported) {
         result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
         const ErrorSeries series = error_series(problem.scene, trajectory, reference);
         result.errors = errors(series, trajectory, reference);
-        if (experiment.kind == Kind::drift) result.series = series;
+        if (keeps_series(experiment.kind)) result.series = series, result.revolutions = revolutions(reference);
     }
     if (result.status == Status::ok && !reference.available)
         result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);
@@ -89,7 +129,10 @@ void measure_errors(const Experiment& experiment, const Problem& problem, const 
         result.status = Status::tolerance_not_met;
         result.message = fmt::format("ends {:.3g} rad off", *result.errors.attitude_final);
     }
-    result.cut = trajectory.limit_reached;
+    if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
+        result.status = Status::failed, result.cut = true, result.errors = {};
+        result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
+    }
     result.seconds_min = trajectory.seconds;  // of this run; timing replaces it
     c.result = std::move(result);
 }
@@ -117,13 +160,15 @@ class SceneSweep {
         if (std::all_of(cases_.begin(), cases_.end(), [](const Case* c) { return c->result.has_value(); })) return 0;
         progress_.say(fmt::format("{}: truth of {}", experiment.name, cases_.front()->scene->label));
         const Reference reference = polhode::reference(scene, experiment.samples);
-        const Problem problem = pose(scene);
+        for (const Case* c : cases_)
+            if (!problems_.contains(c->curve->formulation))
+                problems_.emplace(c->curve->formulation, pose(scene, c->curve->formulation));
         long run = 0;
         for (std::size_t rank = 0; rank < ranks && !interrupted; ++rank) {
             std::vector<Case*> now;
             for (Case* c : cases_)
                 if (c->rank == rank && !c->result) now.push_back(c);
-            run += run_rank(problem, reference, now);
+            run += run_rank(reference, now);
         }
         return run;
     }
@@ -136,7 +181,9 @@ class SceneSweep {
         return nullptr;
     }
 
-    long run_rank(const Problem& problem, const Reference& reference, const std::vector<Case*>& all) {
+    const Problem& problem_of(const Case& c) const { return problems_.at(c.curve->formulation); }
+
+    long run_rank(const Reference& reference, const std::vector<Case*>& all) {
         std::vector<Case*> now;
         for (Case* c : all) {
             if (const Case* at = cut_before(*c)) {
@@ -147,7 +194,8 @@ class SceneSweep {
             }
         }
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
-            if (!interrupted) measure_errors(plan_.experiment, problem, reference, *now[i]);
+            const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
+            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i]);
         });
         if (interrupted) {
             // errors without timings are no finished cases
@@ -157,9 +205,12 @@ class SceneSweep {
         std::vector<TimedRun> runs;
         for (Case* c : now) {
             if (c->result->status == Status::ok || c->result->status == Status::tolerance_not_met)
-                runs.push_back({c->curve->method, settings_of(plan_.experiment, *c), *c->result->seconds_min});
+                runs.push_back({&problem_of(*c), c->curve->method, c->settings, *c->result->seconds_min});
         }
-        time_interleaved(problem, runs, plan_.experiment.repeats, interrupted);
+        {
+            const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, interrupted);
+            time_interleaved(runs, plan_.experiment.repeats, interrupted);
+        }
         if (interrupted) {
             for (Case* c : now) c->result.reset();
             return 0;
@@ -192,6 +243,7 @@ class SceneSweep {
     const Plan& plan_;
     const RunOptions& options_;
     std::vector<Case*> cases_;
+    std::map<Formulation, Problem> problems_;
     Progress& progress_;
 };
 
@@ -226,6 +278,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         if (!c.result && (scenes.empty() || scenes.back() != c.scene)) scenes.push_back(c.scene);
     progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
     parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
+        const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
         if (!interrupted) reference(scenes[i]->scene, plan.experiment.samples);
     });
     for (auto begin = cases.begin(); begin != cases.end() && !interrupted;) {

@@ -10,8 +10,7 @@
 namespace polhode {
 namespace {
 
-constexpr double shortest_timing = 1e-4;    // s: a thousand times the clock's grain and the cost of reading it
-constexpr double enough_for_one_run = 0.5;  // s
+constexpr double shortest_timing = 1e-4;  // s: a thousand times the clock's grain and the cost of reading it
 constexpr int fewest_rounds = 3;
 
 }  // namespace
@@ -25,25 +24,20 @@ double TimedRun::median() const {
     return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
 }
 
-void time_interleaved(const Problem& problem, std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop) {
+void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop) {
     for (TimedRun& run : runs) {
         run.settings.record = false;
         run.settings.repetitions =
             static_cast<int>(std::clamp(std::ceil(shortest_timing / std::max(run.expected, 1e-9)), 1.0, 1000.0));
     }
-    std::vector<double> spent(runs.size(), 0);
     for (int round = 0; round < std::max(rounds, fewest_rounds); ++round) {
         for (std::size_t i = 0; i < runs.size() && !stop; ++i) {
             TimedRun& run = runs[i];
-            if (!run.failure.empty() || (round >= fewest_rounds && spent[i] > enough_for_one_run)) continue;
-            const Stopwatch stopwatch;
-            const Trajectory end = solve(problem, *run.method, run.settings);
-            spent[i] += stopwatch.seconds();
-            run.limit_reached = end.limit_reached || end.seconds > run.settings.seconds_limit;
+            if (!run.failure.empty()) continue;
+            const Trajectory end = solve(*run.problem, *run.method, run.settings);
+            run.limit_reached = end.limit_reached;
             if (end.status != Status::ok)
                 run.failure = end.message;
-            else if (run.limit_reached)
-                run.failure = fmt::format("took longer than the limit of {} s", run.settings.seconds_limit);
             else
                 run.seconds.push_back(end.seconds);
         }

@@ -11,6 +11,7 @@ namespace polhode {
 
 /// A method at one setting, about to be timed, and then its times.
 struct TimedRun {
+    const Problem* problem;
     const Method* method;
     Settings settings;
     double expected = 0;  ///< s, a first guess of one run's time
@@ -24,8 +25,8 @@ struct TimedRun {
 };
 
 /// Times all runs to their end state only, round by round, each once a round, so that whatever disturbs the machine
-/// disturbs all alike. A run below 0.1 ms is repeated inside one timing until it is above. Every run takes part in at
-/// least three rounds and at most `rounds`; after three it leaves once it has had half a second.
-void time_interleaved(const Problem& problem, std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop);
+/// disturbs all alike; `rounds` of them, but at least three. A run below 0.1 ms is repeated inside one timing until it
+/// is above.
+void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop);
 
 }  // namespace polhode

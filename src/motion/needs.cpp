@@ -132,8 +132,10 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     }
     needs.time_dependent = problem.segments.size() > 1 || needs.user_torque;
 
-    if (problem.formulation == Formulation::full) {
-        needs.system = System::full_motion, needs.dimension = 13, needs.translation = Translation::integrated;
+    if (problem.formulation != Formulation::reduced) {
+        const bool tensor = problem.formulation == Formulation::full;
+        needs.system = tensor ? System::full_motion : System::loaded_motion;
+        needs.dimension = 13, needs.translation = Translation::integrated;
         return;
     }
     const auto leave_out = [&](const char* what, const char* why) { needs.left_out.push_back({what, why}); };

@@ -131,6 +131,18 @@ std::size_t segment_at(const Problem& problem, double t) {
     return i;
 }
 
+const char* name_of(Formulation formulation) {
+    switch (formulation) {
+        case Formulation::reduced:
+            return "reduced";
+        case Formulation::full_principal:
+            return "full in the principal frame";
+        case Formulation::full:
+            break;
+    }
+    return "full as written";
+}
+
 const char* name_of(System system) {
     switch (system) {
         case System::principal_axis_rotation:

@@ -14,9 +14,13 @@ namespace polhode {
 
 /// How much of the motion is integrated.
 enum class Formulation {
-    reduced,  ///< what the scene needs and no more
-    full,     ///< all 13 variables, the tensor as given in body axes
+    reduced,         ///< what the scene needs and no more
+    full_principal,  ///< all 13 variables, in the principal frame
+    full,            ///< all 13 variables, the tensor as given in body axes
 };
+
+/// "reduced", "full in the principal frame", "full as written"
+const char* name_of(Formulation formulation);
 
 enum class System { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
 enum class Symmetry { spherical, symmetric, asymmetric };
@@ -62,7 +66,7 @@ struct Problem {
     Formulation formulation = Formulation::reduced;
     ExactBody<double> body;  ///< rounded once from 128 bits
     PrincipalFrame principal;
-    Quaternion<double> q_BP;  ///< posed axes to body axes: principal.q_BP, or 1 where `full`
+    Quaternion<double> q_BP;  ///< posed axes to body axes: principal.q_BP, or 1 where the tensor is as written
     PrincipalInertia<double> principal_inertia;
     FullInertia<double> full_inertia;  ///< body axes
     Vector3<double> axis;              ///< posed axes, unit: the axis of a principal_axis_rotation

@@ -30,7 +30,7 @@ void note(const Problem& problem, const Sample& sample, Scales& scales) {
         if (std::isfinite(value)) scale = std::max(scale, value);
     };
     raise(scales.angular_velocity, length(sample.angular_velocity_B));
-    if (problem.body.pivoted && problem.formulation != Formulation::full) return;
+    if (problem.body.pivoted && problem.formulation == Formulation::reduced) return;
     raise(scales.position, length(sample.position_W));
     raise(scales.velocity, length(sample.velocity_W));
 }

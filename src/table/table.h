@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -11,6 +12,13 @@ namespace polhode {
 
 /// Empty (a number that does not exist), a word, a real number or a count.
 using Cell = std::variant<std::monostate, std::string, double, long>;
+
+/// The value, or an empty cell.
+template <class T>
+Cell cell_of(const std::optional<T>& value) {
+    if (value) return *value;
+    return {};
+}
 
 /// Every writer throws std::invalid_argument for a table without columns and for a row that is not as long as the
 /// header; those for machines (csv, json) also for two columns of one name.

@@ -113,6 +113,13 @@ RC_GTEST_PROP(RightHandSide, LoadedMotionIsTheMomentumForm, ()) {
     check_momentum_form(problem, s, rates_by<LoadedMotion<double>>(problem, s), true);
 }
 
+RC_GTEST_PROP(RightHandSide, FullMotionInThePrincipalFrameIsTheMomentumForm, ()) {
+    const Problem problem = pose(moderate_scene(), Formulation::full_principal);
+    RC_ASSERT(problem.needs.dimension == 13);
+    const Sample s = moderate_state(problem);
+    check_momentum_form(problem, s, rates_by<LoadedMotion<double>>(problem, s), true);
+}
+
 /// The system that the scene is posed as has the derivative of the full one, whatever was left out.
 RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
     const Scene scene = moderate_scene();

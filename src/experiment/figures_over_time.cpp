@@ -1,0 +1,98 @@
+// Pictures of errors against time.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "experiment/report.h"
+#include "measure/growth.h"
+
+namespace polhode {
+namespace {
+
+// EXPERIMENT_SCENE; variations of one scene share its name: they are numbered
+std::string figure_name(const Plan& plan, const PlannedScene& scene) {
+    const auto same = std::count_if(plan.scenes.data(), &scene,
+                                    [&](const PlannedScene& other) { return other.scene.name == scene.scene.name; });
+    std::string name = plan.experiment.name;
+    if (plan.scenes.size() > 1) name += "_" + scene.scene.name;
+    if (same > 0) name += fmt::format("_{}", same + 1);
+    return name;
+}
+
+struct Quantity {
+    const char *title, *label;
+    std::vector<double> ErrorSeries::*values;
+};
+const Quantity attitude{"attitude", "attitude error (rad)", &ErrorSeries::attitude};
+const Quantity momentum{"angular momentum", "|L - L_ref| / max |L_ref|", &ErrorSeries::momentum};
+const Quantity energy{"energy", "|E - E_ref| / max E", &ErrorSeries::energy};
+const Quantity norm{"norm", "||q| - 1|", &ErrorSeries::norm};
+
+}  // namespace
+
+std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Result>& results) {
+    std::vector<NamedFigure> figures;
+    for (const PlannedScene& scene : plan.scenes) {
+        Figure figure;
+        figure.title = fmt::format("{}: {}", plan.experiment.name, scene.label);
+        figure.columns = 3;
+        for (const Quantity& quantity : {attitude, momentum, energy}) {
+            Panel panel;
+            panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
+            panel.log_x = false;
+            for (const PlannedCurve& planned : plan.curves) {
+                int dash = 0;
+                for (const Result* row : rows_of(results, scene, planned)) {
+                    Curve curve;
+                    curve.label = planned.kind == SettingKind::none
+                                      ? std::string(planned.method->name)
+                                      : fmt::format("{}, {} {:.3g}{}", planned.method->name,
+                                                    planned.kind == SettingKind::step ? "h" : "tolerance",
+                                                    row->step_taken.value_or(row->setting),
+                                                    planned.kind == SettingKind::step ? " s" : "");
+                    curve.color = planned.color, curve.dash = dash++, curve.points = false;
+                    const std::vector<double>& y = row->series.*quantity.values;
+                    curve.x.assign(row->series.t.begin(),
+                                   row->series.t.begin() + static_cast<long>(std::min(y.size(), row->series.t.size())));
+                    curve.y = y;
+                    panel.curves.push_back(std::move(curve));
+                }
+            }
+            figure.panels.push_back(std::move(panel));
+        }
+        figure.note = figure_note(plan, false);
+        figures.push_back({figure_name(plan, scene), std::move(figure)});
+    }
+    return figures;
+}
+
+std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vector<Result>& results) {
+    std::vector<NamedFigure> figures;
+    for (const PlannedScene& scene : plan.scenes)
+        for (const double cost : plan.experiment.evaluations_per_revolution) {
+            Figure figure;
+            figure.title = fmt::format("{}: {}, {:g} evaluations a revolution, largest error so far",
+                                       plan.experiment.name, scene.label, cost);
+            figure.columns = 2;
+            for (const Quantity& quantity : {energy, momentum, attitude, norm}) {
+                Panel panel;
+                panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
+                for (const PlannedCurve& planned : plan.curves)
+                    for (const Result* row : rows_of(results, scene, planned)) {
+                        if (row->evaluations_per_revolution != cost) continue;
+                        Envelope envelope = error_envelope(row->series.t, row->series.*quantity.values);
+                        Curve curve;
+                        curve.label = curve_label(planned);
+                        curve.color = planned.color, curve.dash = planned.kind == SettingKind::step;
+                        curve.x = std::move(envelope.t), curve.y = std::move(envelope.error);
+                        panel.curves.push_back(std::move(curve));
+                    }
+                figure.panels.push_back(std::move(panel));
+            }
+            figure.note = figure_note(plan, false);
+            figures.push_back({fmt::format("{}_{:g}", figure_name(plan, scene), cost), std::move(figure)});
+        }
+    return figures;
+}
+
+}  // namespace polhode

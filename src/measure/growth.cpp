@@ -1,0 +1,61 @@
+#include "measure/growth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace polhode {
+namespace {
+
+using Point = std::pair<double, double>;  // log t, log envelope
+
+constexpr double decades = 2;
+constexpr double points_per_decade = 20;
+
+double slope(const Point* begin, const Point* end) {
+    const double n = static_cast<double>(end - begin);
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (const Point* p = begin; p != end; ++p) x += p->first / n, y += p->second / n;
+    for (const Point* p = begin; p != end; ++p) {
+        xx += (p->first - x) * (p->first - x);
+        xy += (p->first - x) * (p->second - y);
+    }
+    return xy / xx;
+}
+
+}  // namespace
+
+Envelope error_envelope(const std::vector<double>& t, const std::vector<double>& error, double from) {
+    Envelope envelope;
+    double largest = 0, next = from;
+    for (std::size_t i = 0; i < std::min(t.size(), error.size()); ++i) {
+        largest = std::max(largest, std::abs(error[i]));
+        if (!(t[i] > 0) || t[i] < next * (1 - 1e-12) || !(largest > 0)) continue;
+        envelope.t.push_back(t[i]), envelope.error.push_back(largest);
+        next = t[i] * std::pow(10, 1 / points_per_decade);
+    }
+    return envelope;
+}
+
+std::optional<Growth> error_growth(const std::vector<double>& t, const std::vector<double>& error, double saturation) {
+    // what lies beyond saturation says nothing
+    const std::size_t count = std::min(t.size(), error.size());
+    std::size_t last = 0;
+    while (last < count && std::abs(error[last]) <= saturation) ++last;
+    if (last < 2) return {};
+    const double to = t[last - 1];
+    const Envelope envelope =
+        error_envelope({t.begin(), t.begin() + static_cast<long>(last)}, error, to * std::pow(10, -decades));
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < envelope.t.size(); ++i)
+        points.emplace_back(std::log(envelope.t[i]), std::log(envelope.error[i]));
+    if (points.size() < 4 || points.back().first - points.front().first < std::log(10.0)) return {};
+    const double middle = (points.front().first + points.back().first) / 2;
+    const auto half = std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.first >= middle; });
+    const Point *begin = points.data(), *end = begin + points.size(), *mid = begin + (half - points.begin());
+    Growth growth{slope(begin, end), 0, envelope.t.front(), to};
+    if (mid - begin >= 2 && end - mid >= 2) growth.uncertainty = std::abs(slope(begin, mid) - slope(mid, end)) / 2;
+    return growth;
+}
+
+}  // namespace polhode

@@ -1,6 +1,7 @@
 // polhode run: experiments into tables and pictures.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +10,7 @@
 
 #include "app/commands.h"
 #include "experiment/experiment.h"
+#include "experiment/locks.h"
 #include "experiment/pattern.h"
 #include "experiment/report.h"
 #include "experiment/sweep.h"
@@ -68,7 +70,17 @@ std::string command_line(const Options& options) {
 bool run_one(const Plan& plan, const RunOptions& options, const std::string& line) {
     const std::string& name = plan.experiment.name;
     if (options.dry_run) {
-        for (const std::string& pending : pending_cases(plan, options)) fmt::print("{}\n", pending);
+        double total = 0;
+        long pending = 0, known = 0;
+        for (const PendingCase& one : pending_cases(plan, options)) {
+            ++pending;
+            if (one.seconds_before) total += *one.seconds_before, ++known;
+            fmt::print("{}{}\n", one.words,
+                       one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
+        }
+        if (!options.quiet)
+            fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s last time, truths aside\n", name, pending,
+                       known, total);
         return true;
     }
     const SweepCount count = run_sweep(plan, options);
@@ -77,6 +89,8 @@ bool run_one(const Plan& plan, const RunOptions& options, const std::string& lin
         return false;
     }
     // whatever is finished in this directory: other shards and earlier runs included
+    const std::atomic<bool> patient{false};
+    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
     const std::vector<Result> results = finished_results(plan, options.directory);
     const std::vector<std::string> remarks = write_report(plan, results, options.directory, line, options.quick);
     if (!options.quiet)
@@ -113,7 +127,7 @@ void add_run(CLI::App& program, int& exit_code) {
     command->add_option("--shard", options->shard, "I/N: the I-th of N parts, over the same directory")
         ->capture_default_str();
     command->add_flag("--quick", options->quick, "Every third setting, short runs");
-    command->add_flag("--dry-run", options->dry_run, "Only list what would run");
+    command->add_flag("--dry-run", options->dry_run, "Only list what would run, and how long it took last time");
     command->add_flag("--quiet", options->quiet, "No progress, no summary");
     command->callback([options, &exit_code] { exit_code = run(*options); });
 }

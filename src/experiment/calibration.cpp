@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,7 +11,7 @@ namespace polhode {
 namespace {
 
 constexpr double pilot_revolutions = 50;
-constexpr double loosest = 1e-1, tightest = 1e-15;
+constexpr int loosest = -1, tightest = -15;  // decades of tolerance
 
 // right-hand sides a revolution; infinite for a run that fails
 double cost(const Problem& problem, const Method& method, const Settings& settings) {
@@ -32,25 +33,31 @@ Calibration step_for(const Problem& problem, const Method& method, double revolu
     return {true, revolution * per_step / evaluations, ""};
 }
 
+// The tightest affordable decade, then a bisection to the next one. Runs that fail are passed over: a tolerance may be
+// too loose for a method as well as too tight.
 Calibration tolerance_for(const Problem& problem, const Method& method, double evaluations) {
     Settings settings;
     settings.record = false, settings.samples = 1;
-    // all between is taken for granted: costs grow as the tolerance falls
-    const auto affordable = [&](double tolerance) {
-        settings.tolerance = tolerance;
-        return cost(problem, method, settings) <= evaluations;
+    double cheapest = std::numeric_limits<double>::infinity();
+    const auto affordable = [&](int exponent, double further = 0) {
+        settings.tolerance = std::pow(10, exponent + further);
+        const double spent = cost(problem, method, settings);
+        cheapest = std::min(cheapest, spent);
+        return spent <= evaluations;
     };
-    if (!affordable(loosest)) {
-        const Trajectory pilot = solve(problem, method, settings);
-        if (pilot.status == Status::unsupported) return {false, 0, pilot.message};
-        return {false, 0, fmt::format("costs more than {:g} evaluations a revolution at any tolerance", evaluations)};
-    }
-    double above = std::log10(loosest), below = std::log10(tightest);
+    settings.tolerance = 1e-3;
+    if (const Trajectory pilot = solve(problem, method, settings); pilot.status == Status::unsupported)
+        return {false, 0, pilot.message};
+    int exponent = tightest;
+    while (exponent <= loosest && !affordable(exponent)) ++exponent;
+    if (exponent > loosest) return {false, 0, fmt::format("costs {:.4g} evaluations a revolution at least", cheapest)};
+    if (exponent == tightest) return {true, two_digits(std::pow(10, tightest)), ""};
+    double below = -1, above = 0;
     while (above - below > 0.02) {
         const double middle = (above + below) / 2;
-        (affordable(std::pow(10, middle)) ? above : below) = middle;
+        (affordable(exponent, middle) ? above : below) = middle;
     }
-    return {true, two_digits(std::pow(10, above)), ""};
+    return {true, two_digits(std::pow(10, exponent + above)), ""};
 }
 
 }  // namespace

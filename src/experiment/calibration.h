@@ -13,9 +13,9 @@ struct Calibration {
     std::string message;  ///< why none was found
 };
 
-/// The coarsest setting is taken that spends at most `evaluations` right-hand sides a revolution, the revolution being
+/// The finest setting that spends at most `evaluations` right-hand sides a revolution, the revolution being
 /// 2 pi / |w(0)|: found from short runs, by counts alone, so that it is the same on every machine. None where the
-/// method costs more than that at its loosest.
+/// method costs more than that at every tolerance.
 Calibration calibrate(const Scene& scene, const Method& method, SettingKind kind, double evaluations);
 
 /// The time of a revolution at the start, 2 pi / |w(0)|, s; infinite for a body at rest.

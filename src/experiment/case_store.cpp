@@ -58,4 +58,15 @@ void save_case(const std::string& directory, const std::string& key, const std::
     write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
 }
 
+void save_duration(const std::string& directory, const std::string& words, double seconds) {
+    write_atomically(path_of(directory, content_hash(words), ".seconds").string(), fmt::format("{:.3g}\n", seconds));
+}
+
+std::optional<double> load_duration(const std::string& directory, const std::string& words) {
+    std::ifstream file(path_of(directory, content_hash(words), ".seconds"));
+    double seconds = 0;
+    if (!(file >> seconds)) return {};
+    return seconds;
+}
+
 }  // namespace polhode

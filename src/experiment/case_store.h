@@ -23,4 +23,8 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result);
 
+/// How long a case took, by the words that name it, whatever program ran it: what a dry run tells.
+void save_duration(const std::string& directory, const std::string& words, double seconds);
+std::optional<double> load_duration(const std::string& directory, const std::string& words);
+
 }  // namespace polhode

@@ -45,8 +45,9 @@ Table growth_table(const Plan& plan, const std::vector<Result>& results) {
                     const std::vector<double>& values = r.series.*q.values;
                     const auto growth = error_growth(r.series.t, values, q.saturation);
                     std::optional<double> largest, exponent, uncertainty;
-                    if (r.status == Status::ok && !values.empty())
-                        largest = *std::max_element(values.begin(), values.end());
+                    // an attitude that is lost at the end says nothing against energy and momentum
+                    const bool whole = r.status == Status::ok || r.status == Status::tolerance_not_met;
+                    if (whole && !values.empty()) largest = *std::max_element(values.begin(), values.end());
                     if (largest && growth) exponent = growth->exponent, uncertainty = growth->uncertainty;
                     for (const auto& value : {largest, exponent, uncertainty}) row.push_back(cell_of(value));
                 }

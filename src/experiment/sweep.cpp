@@ -6,15 +6,15 @@
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <numbers>
 
-#include "experiment/calibration.h"
+#include "experiment/case.h"
 #include "experiment/case_store.h"
 #include "experiment/locks.h"
 #include "experiment/parallel.h"
 #include "experiment/pattern.h"
 #include "experiment/progress.h"
 #include "experiment/timing.h"
+#include "integrators/march.h"
 #include "integrators/truth/reference.h"
 
 namespace polhode {
@@ -22,18 +22,6 @@ namespace {
 
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
-
-// One case on its way: where it stands in the plan, its key, and its result once there is one.
-struct Case {
-    const PlannedScene* scene;
-    const PlannedCurve* curve;
-    std::size_t rank;  // of the setting on its curve
-    std::string key;
-    std::optional<Result> result;
-    Settings settings{};  // what it was run with
-
-    double setting() const { return curve->settings[rank]; }
-};
 
 std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
     std::vector<Case> cases;
@@ -52,98 +40,6 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
         }
     }
     return cases;
-}
-
-Result blank(const Case& c) {
-    Result result;
-    result.scene = c.scene->label;
-    result.method = c.curve->method->name;
-    result.setting_kind = c.curve->kind;
-    result.formulation = c.curve->formulation;
-    if (c.curve->calibrated) {
-        result.evaluations_per_revolution = c.setting();
-        result.setting = c.settings.step.value_or(c.settings.tolerance.value_or(0));
-    } else {
-        result.setting = c.curve->kind == SettingKind::none ? 0 : c.setting();
-    }
-    return result;
-}
-
-// False where no setting costs what it should: then the row says so.
-bool choose_settings(const Experiment& experiment, Case& c) {
-    Settings& settings = c.settings;
-    settings.samples = experiment.samples;
-    settings.max_steps = experiment.max_steps;
-    settings.seconds_limit = experiment.seconds_per_run;
-    settings.formulation = c.curve->formulation;
-    double setting = c.setting();
-    if (c.curve->calibrated) {
-        const Calibration found = calibrate(c.scene->scene, *c.curve->method, c.curve->kind, setting);
-        if (!found.found) {
-            c.result = blank(c);
-            c.result->status = Status::unsupported, c.result->message = found.message;
-            return false;
-        }
-        setting = found.setting;
-    }
-    if (c.curve->kind == SettingKind::step) settings.step = setting;
-    if (c.curve->kind == SettingKind::tolerance) settings.tolerance = setting;
-    return true;
-}
-
-// T by the mean |w| of the truth, in revolutions
-std::optional<double> revolutions(const Reference& reference) {
-    if (!reference.available || reference.samples.size() < 2) return {};
-    double sum = 0;
-    for (const ReferenceSample& s : reference.samples) {
-        const auto& w = s.angular_velocity_B;
-        sum += std::hypot(w[0].high, w[1].high, w[2].high);
-    }
-    const double mean = sum / static_cast<double>(reference.samples.size());
-    return mean * reference.samples.back().t / (2 * std::numbers::pi);
-}
-
-bool keeps_series(Kind kind) { return kind == Kind::drift || kind == Kind::conservation; }
-
-// The untimed run: it takes the steps of the timed one and looks at every sample.
-void measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c) {
-    if (!choose_settings(experiment, c)) return;
-    Result result = blank(c);
-    Settings settings = c.settings;
-    // looking sideways for samples costs more than the run that is limited
-    settings.seconds_limit *= 4;
-    const Trajectory trajectory = solve(problem, *c.curve->method, settings);
-    result.status = trajectory.status, result.message = trajectory.message;
-    result.cut = trajectory.limit_reached;
-    if (trajectory.step > 0) result.step_taken = trajectory.step;
-    if (trajectory.status != Status::unsupported) {
-        result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
-        const ErrorSeries series = error_series(problem.scene, trajectory, reference);
-        result.errors = errors(series, trajectory, reference);
-        if (keeps_series(experiment.kind)) result.series = series, result.revolutions = revolutions(reference);
-    }
-    if (result.status == Status::ok && !reference.available)
-        result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);
-    if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
-        result.errors.attitude_final.value_or(0) > 1) {
-        result.status = Status::tolerance_not_met;
-        result.message = fmt::format("ends {:.3g} rad off", *result.errors.attitude_final);
-    }
-    if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
-        result.status = Status::failed, result.cut = true, result.errors = {};
-        result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
-    }
-    result.seconds_min = trajectory.seconds;  // of this run; timing replaces it
-    c.result = std::move(result);
-}
-
-// The rows of a curve beyond the setting at which it was cut.
-void cut_curve(const Case& at, Case& beyond) {
-    beyond.result = blank(beyond);
-    beyond.result->status = Status::failed;
-    beyond.result->cut = true;
-    beyond.result->message =
-        fmt::format("not run: the curve was cut at {} {:g}", name_of(at.curve->kind), at.setting());
 }
 
 // All cases of one scene: truth, then setting by setting all methods side by side.
@@ -195,7 +91,9 @@ class SceneSweep {
         }
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
             const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
+            const Stopwatch stopwatch;
             if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i]);
+            now[i]->spent = stopwatch.seconds();
         });
         if (interrupted) {
             // errors without timings are no finished cases
@@ -221,6 +119,7 @@ class SceneSweep {
             result.seconds_min.reset();
             if (result.status == Status::ok || result.status == Status::tolerance_not_met) {
                 const TimedRun& run = *timed++;
+                c->spent += run.spent;
                 if (run.failure.empty()) {
                     result.seconds_min = run.minimum(), result.seconds_median = run.median();
                     result.repeats = static_cast<long>(run.seconds.size());
@@ -236,8 +135,10 @@ class SceneSweep {
     }
 
     void store(const Case& c) {
+        const std::string words = words_of(plan_, c);
         save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
-        progress_.advance(fmt::format("{} {} {}", plan_.experiment.name, c.result->scene, c.result->method));
+        save_duration(options_.directory, words, c.spent);
+        progress_.advance(words);
     }
 
     const Plan& plan_;
@@ -247,22 +148,19 @@ class SceneSweep {
     Progress& progress_;
 };
 
-std::string line_of(const Plan& plan, const Case& c) {
-    const std::string setting =
-        c.curve->kind == SettingKind::none ? "" : fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
-    return fmt::format("{} {} {}{}", plan.experiment.name, c.scene->label, c.curve->method->name, setting);
-}
-
 }  // namespace
 
 void interrupt_sweep() { interrupted = true; }
 bool sweep_interrupted() { return interrupted; }
 
-std::vector<std::string> pending_cases(const Plan& plan, const RunOptions& options) {
-    std::vector<std::string> lines;
-    for (const Case& c : cases_of(plan, options))
-        if (!c.result) lines.push_back(line_of(plan, c));
-    return lines;
+std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options) {
+    std::vector<PendingCase> pending;
+    for (const Case& c : cases_of(plan, options)) {
+        if (c.result) continue;
+        const std::string words = words_of(plan, c);
+        pending.push_back({words, load_duration(options.directory, words)});
+    }
+    return pending;
 }
 
 SweepCount run_sweep(const Plan& plan, const RunOptions& options) {

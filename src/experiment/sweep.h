@@ -1,6 +1,7 @@
 // Runs the cases of a plan: errors first, then timings, interleaved over the methods.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,12 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options);
 /// All finished cases of the plan in this directory, whoever ran them, in the plan's order: scene, curve, setting.
 std::vector<Result> finished_results(const Plan& plan, const std::string& directory);
 
-/// What run_sweep() would run, a line each: experiment, scene, method, setting.
-std::vector<std::string> pending_cases(const Plan& plan, const RunOptions& options);
+struct PendingCase {
+    std::string words;                     ///< experiment, scene, method, setting
+    std::optional<double> seconds_before;  ///< how long it took when it last ran in this directory, truth aside
+};
+
+/// What run_sweep() would run.
+std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options);
 
 }  // namespace polhode

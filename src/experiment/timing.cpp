@@ -34,7 +34,9 @@ void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic
         for (std::size_t i = 0; i < runs.size() && !stop; ++i) {
             TimedRun& run = runs[i];
             if (!run.failure.empty()) continue;
+            const Stopwatch stopwatch;
             const Trajectory end = solve(*run.problem, *run.method, run.settings);
+            run.spent += stopwatch.seconds();
             run.limit_reached = end.limit_reached;
             if (end.status != Status::ok)
                 run.failure = end.message;

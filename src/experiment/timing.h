@@ -19,6 +19,7 @@ struct TimedRun {
     std::vector<double> seconds{};  ///< one for each round it took part in
     std::string failure{};          ///< why it has no times
     bool limit_reached = false;     ///< it took longer than its limit
+    double spent = 0;               ///< s, over all rounds, set-up included
 
     double minimum() const;
     double median() const;

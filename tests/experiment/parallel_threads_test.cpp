@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
+#include "experiment/locks.h"
 #include "experiment/parallel.h"
 #include "experiment/report.h"
 #include "experiment/sweep.h"
@@ -79,6 +82,44 @@ TEST(SweepThreads, FourJobsGiveTheRowsOfOne) {
     const std::string one = rows(1);
     EXPECT_NE(one.find("odeint_rosenbrock4,tolerance,"), std::string::npos) << one;
     EXPECT_EQ(rows(4), one);
+}
+
+TEST(FileLock, ManyMayComputeButTimingIsAlone) {
+    const std::string path = (fs::path(testing::TempDir()) / "polhode_lock_test").string();
+    const std::atomic<bool> never{false};
+    std::atomic<int> computing{0}, timing{0}, together{0}, beside{0};
+    parallel_for(40, 4, [&](std::size_t i) {
+        if (i % 4 == 0) {
+            const FileLock alone(path, FileLock::Kind::exclusive, never);
+            if (++timing > 1 || computing > 0) ++beside;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            if (computing > 0) ++beside;
+            --timing;
+        } else {
+            const FileLock shared(path, FileLock::Kind::shared, never);
+            if (++computing > 1) ++together;
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            --computing;
+        }
+    });
+    EXPECT_EQ(beside, 0);
+    EXPECT_GT(together, 0);
+    fs::remove(path);
+}
+
+TEST(FileLock, AnInterruptEndsTheWaitAndAMissingDirectoryIsNoObstacle) {
+    const std::string path = (fs::path(testing::TempDir()) / "polhode_lock_test_2").string();
+    std::atomic<bool> stop{false};
+    const FileLock held(path, FileLock::Kind::exclusive, stop);
+    std::jthread interrupting([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        stop = true;
+    });
+    const FileLock waits(path, FileLock::Kind::exclusive, stop);
+    EXPECT_TRUE(stop);
+    const std::atomic<bool> never{false};
+    const FileLock nowhere("/no/such/directory/lock", FileLock::Kind::exclusive, never);
+    fs::remove(path);
 }
 
 }  // namespace

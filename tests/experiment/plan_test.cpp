@@ -55,6 +55,9 @@ TEST(ExperimentFile, RefusesWithPlaceAndRemedy) {
     place(R"({"name": "a/b", "scenes": ["symmetric"], "methods": ["odeint_rk4"]})", "/name");
     place(head + R"(, "kind": "pie"})", "/kind");
     place(head + R"(, "steps": [1]})", "/steps");
+    place(head + R"(, "settings": {"evaluations_per_revolution": [9]}})", "/settings/evaluations_per_revolution");
+    place(head + R"(, "kind": "conservation", "settings": {"steps": [1]}})", "/settings");
+    place(head + R"(, "max_evaluations": 0})", "/max_evaluations");
     place(head + R"(, "settings": {"steps": [0.1, 0]}})", "/settings/steps/1");
     place(head + R"(, "settings": {"steps": [1e999]}})", "/settings/steps/0");
     place(head + R"(, "settings": {"steps": []}})", "/settings/steps");

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "experiment/calibration.h"
 #include "experiment/report.h"
 
 namespace polhode {
@@ -38,7 +39,7 @@ class Sweep : public testing::Test {
     std::vector<fs::path> stored() const {
         std::vector<fs::path> files;
         for (const auto& entry : fs::directory_iterator(fs::path(options_.directory) / ".cases"))
-            files.push_back(entry.path());
+            if (entry.path().extension() == ".csv") files.push_back(entry.path());
         return files;
     }
     // rows without their times
@@ -108,6 +109,74 @@ TEST_F(Sweep, GivesTheSameRowsForAnyNumberOfJobsAndShards) {
     options_.shards = 3;
     for (options_.shard = 1; options_.shard <= 3; ++options_.shard) run_sweep(plan(), options_);
     EXPECT_EQ(rows(), one);
+}
+
+TEST_F(Sweep, ADryRunKnowsHowLongACaseTookEvenByAnotherProgram) {
+    for (const PendingCase& one : pending_cases(plan(), options_)) EXPECT_FALSE(one.seconds_before);
+    run_sweep(plan(), options_);
+    // other limits, other keys: the same cases to the reader
+    const auto again = pending_cases(plan(R"(, "max_steps": 500000)"), options_);
+    ASSERT_EQ(again.size(), 12U);
+    for (const PendingCase& one : again) EXPECT_GT(one.seconds_before.value_or(0), 0) << one.words;
+}
+
+TEST_F(Sweep, ALimitOnEvaluationsCutsByCountAlone) {
+    // rk4: 4 a step, 30 steps and 60 on the longer scene
+    const Plan p = plan(R"(, "max_evaluations": 130)", R"("odeint_rk4")");
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    ASSERT_EQ(results.size(), 4U);
+    EXPECT_EQ(results[2].status, Status::ok) << results[2].message;
+    EXPECT_EQ(results[2].rhs_evaluations, 120);
+    EXPECT_EQ(results[3].status, Status::failed);
+    EXPECT_TRUE(results[3].cut);
+    EXPECT_FALSE(results[3].errors.attitude_max || results[3].seconds_min);
+    EXPECT_NE(results[3].message.find("130"), std::string::npos) << results[3].message;
+}
+
+TEST_F(Sweep, LeaveOutRunsEveryCaseByAllFormulations) {
+    const Plan p = plan(R"(, "kind": "leave_out")");
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    ASSERT_EQ(results.size(), 36U);
+    const Table table = gain_table(p, results);
+    ASSERT_EQ(table.rows.size(), 6U);  // two scenes; rk4 by step, dopri5 by step and by tolerance
+    for (const auto& row : table.rows) {
+        EXPECT_GT(std::get<double>(row[column_index(table, "gain")]), 0);
+        // 13 variables and 7 take the same steps: the same error where the steps are fixed
+        if (text_of(row[2]) == "step") {
+            EXPECT_NEAR(std::get<double>(row[column_index(table, "error_ratio")]), 1, 1e-6);
+        }
+        EXPECT_EQ(text_of(row[column_index(table, "left_out")]), "p and v; torque");
+    }
+}
+
+TEST_F(Sweep, ConservationSpendsTheSameOnEveryMethod) {
+    const Experiment e = parse_experiment(
+        R"({"name": "t", "kind": "conservation", "scenes": ["symmetric"], "samples": 100, "repeats": 3,
+            "methods": ["odeint_rk4", "odeint_dopri5"], "settings": {"evaluations_per_revolution": [90, 300]}})",
+        "t.json");
+    const Plan p = make_plan(e, "t.json", false);
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    ASSERT_EQ(results.size(), 6U);
+    for (const Result& r : results) {
+        ASSERT_EQ(r.status, Status::ok) << r.message;
+        const double spent = static_cast<double>(*r.rhs_evaluations) / (100 / revolution_time(p.scenes[0].scene));
+        EXPECT_NEAR(spent / *r.evaluations_per_revolution, 1, 0.1) << r.method;
+        EXPECT_NEAR(*r.revolutions, 100 / revolution_time(p.scenes[0].scene), 0.01);  // |w| is constant here
+    }
+    const Table growth = growth_table(p, results);
+    ASSERT_EQ(growth.rows.size(), 6U);
+    // truncation errors of a method that conserves nothing: energy drifts like t, attitude like t^2 in the end
+    const auto number = [&](std::size_t row, const char* column) {
+        return std::get<double>(growth.rows[row][column_index(growth, column)]);
+    };
+    for (std::size_t row = 0; row < 6; ++row) {
+        EXPECT_NEAR(number(row, "energy_exponent"), 1, 0.1);
+        EXPECT_GT(number(row, "attitude_exponent"), 0.9);
+        EXPECT_LT(number(row, "attitude_exponent"), 2.1);
+    }
 }
 
 TEST_F(Sweep, AnInducedFailureIsARowAndCutsItsCurveOnly) {

@@ -35,7 +35,7 @@ TEST(Calibrate, StepsAndTolerancesSpendWhatWasAskedFor) {
             ASSERT_TRUE(found.found) << method << ": " << found.message;
             // the start-up of a multistep method weighs more in the short pilot run
             const double ratio = spent(scene, method, kind, found.setting) / evaluations;
-            EXPECT_LT(ratio, 1.03) << method;
+            EXPECT_LT(ratio, 1.1) << method;
             EXPECT_GT(ratio, 0.75) << method;
         }
 }

@@ -40,6 +40,30 @@ class Budget {
     std::string message_;
 };
 
+/// Steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit.
+class Pace {
+  public:
+    /// `steps` have been taken before t = 0.
+    Pace(const Settings& settings, double duration, long steps)
+        : most_(10 * static_cast<double>(settings.max_steps)), duration_(duration), marked_steps_(steps) {}
+
+    bool keeps(long steps, double t) {
+        constexpr long span = 1 << 14;
+        if (steps - marked_steps_ < span) return true;
+        const double needed = static_cast<double>(span) * (duration_ - t) / (t - marked_time_);
+        marked_steps_ = steps, marked_time_ = t;
+        return needed <= most_;
+    }
+    static std::string message(double t) {
+        return "no progress at t = " + std::to_string(t) + ": the tolerance is too small for binary64";
+    }
+
+  private:
+    double most_, duration_;
+    long marked_steps_;
+    double marked_time_ = 0;
+};
+
 /// Seconds since construction.
 class Stopwatch {
   public:
@@ -57,11 +81,11 @@ bool record(const Problem& problem, const Sample& sample, double bound, Trajecto
 
 Trajectory unsupported(std::string message);
 
-/// A method that goes step by step and holds its own state. A game update is one directly; a scheme for first-order
-/// systems is one through SystemStepper.
+/// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
+/// scheme for first-order systems is one through SystemStepper. One whose step can fail has `bool failed() const` and
+/// `void explain(Trajectory&)`, which gives status and message; it stays where it is after a failure.
 template <class S>
-concept Stepper = std::constructible_from<S, const Problem&> &&
-    requires(S s, const S c, const Segment& segment, double t, double h) {
+concept Stepper = requires(S s, const S c, const Segment& segment, double t, double h) {
     { s.restart() } -> std::same_as<void>;       // back to t = 0
     { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then other loads
     { s.step(t, h) } -> std::same_as<void>;      // from t to t + h
@@ -109,9 +133,11 @@ class SystemStepper {
 };
 
 /// Fixed steps. Every sample time is met by whole steps; an event inside a step cuts it in two. The steps do not
-/// depend on Settings::record.
-template <Stepper S>
-Trajectory march(const Problem& problem, const Settings& settings) {
+/// depend on Settings::record. `options` are what the stepper is made from beside the problem.
+template <Stepper S, class... Options>
+requires std::constructible_from<S, const Problem&, const Options&...> Trajectory march(const Problem& problem,
+                                                                                        const Settings& settings,
+                                                                                        const Options&... options) {
     Trajectory trajectory;
     const double T = problem.scene.duration;
     const long N = settings.samples;
@@ -124,12 +150,16 @@ Trajectory march(const Problem& problem, const Settings& settings) {
         budget.forbid(trajectory);
         return trajectory;
     }
-    S stepper(problem);
+    S stepper(problem, options...);
     const auto keep = [&](double t) {
         const bool fine = record(problem, stepper.sample(t), bound, trajectory);
         if constexpr (requires { stepper.orthogonality_defect(); })
             if (fine) trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
         return fine;
+    };
+    const auto failed = [&] {
+        if constexpr (requires { stepper.failed(); }) return stepper.failed();
+        return false;
     };
     // false when the run ended early
     const auto run = [&](bool recording) {
@@ -153,6 +183,7 @@ Trajectory march(const Problem& problem, const Settings& settings) {
                 const double stop = i + 1 == per_sample ? end : begin + static_cast<double>(i + 1) * h;
                 if (next == problem.segments.size() || problem.segments[next].begin > stop) {
                     stepper.step(t, h);
+                    if (failed()) break;
                     continue;
                 }
                 while (next < problem.segments.size() && problem.segments[next].begin <= stop) {
@@ -162,6 +193,11 @@ Trajectory march(const Problem& problem, const Settings& settings) {
                     pass_events(event);
                 }
                 if (stop > t) stepper.step(t, stop - t);
+                if (failed()) break;
+            }
+            if (failed()) {
+                if constexpr (requires { stepper.explain(trajectory); }) stepper.explain(trajectory);
+                return false;
             }
             if (!stepper.finite()) {
                 record(problem, stepper.sample(end), bound, trajectory);
@@ -211,7 +247,6 @@ concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const S
 template <ControlledStepper S>
 Trajectory march_controlled(const Problem& problem, const Settings& settings, S stepper) {
     constexpr int attempts_per_step = 1000;
-    constexpr long pace_steps = 1 << 14;
     Trajectory trajectory;
     const double T = problem.scene.duration, bound = energy_bound(problem);
     const long N = settings.samples;
@@ -245,20 +280,9 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
         return fail(Status::tolerance_not_met,
                     std::to_string(attempts_per_step) + " rejected attempts at one step, at t = " + std::to_string(t));
     };
-    // steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit
-    long marked_steps = 0;
-    double marked_time = 0;
-    const auto keeps_pace = [&](double t) {
-        if (budget.steps() - marked_steps < pace_steps) return true;
-        const double needed = static_cast<double>(pace_steps) * (T - t) / (t - marked_time);
-        marked_steps = budget.steps(), marked_time = t;
-        if (needed <= 10 * static_cast<double>(settings.max_steps)) return true;
-        return fail(Status::tolerance_not_met,
-                    "no progress at t = " + std::to_string(t) + ": the tolerance is too small for binary64");
-    };
     const auto run = [&](bool recording) {
         stepper.restart();
-        marked_steps = budget.steps(), marked_time = 0;
+        Pace pace(settings, T, budget.steps());
         long k = 0;
         for (std::size_t i = 0; i < problem.segments.size(); ++i) {
             const Segment& segment = problem.segments[i];
@@ -279,7 +303,8 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                 std::optional<S> before;
                 if (looking) before = stepper;
                 double from = t, side_step = h;
-                if (!advance(stepper, t, h, segment.end) || !keeps_pace(t)) return false;
+                if (!advance(stepper, t, h, segment.end)) return false;
+                if (!pace.keeps(budget.steps(), t)) return fail(Status::tolerance_not_met, Pace::message(t));
                 while (recording && k <= N && sample_time(T, k, N) <= t) {
                     const double at = sample_time(T, k, N);
                     if (at == t) {

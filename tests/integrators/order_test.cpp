@@ -41,7 +41,7 @@ struct Judge {
 /// One error for each step size first, first / sqrt 2, first / 2, .. down to the floor; empty where the method does not
 /// take the scene.
 std::vector<double> errors(const Judge& judge, const Method& method) {
-    constexpr long most_steps = 400000;
+    constexpr long most_steps = 100000;
     std::vector<double> found;
     const Problem problem = pose(judge.scene);
     const double T = judge.scene.duration;

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
+#include <limits>
 #include <stdexcept>
 
 #include "scene/scene_file.h"
@@ -47,22 +48,54 @@ void put(std::string& text, double value) {
     text.append(buffer, end.ptr).append(" ");
 }
 
-double take(std::istream& in) {
-    std::string word;
-    in >> word;
-    double value = 0;
-    const char* end = word.data() + word.size();
-    const auto [stop, fault] = std::from_chars(word.data(), end, value, std::chars_format::hex);
-    if (word.empty() || stop != end || fault != std::errc{}) throw std::runtime_error("no number");
-    return value;
-}
+// Words between blanks, one after the other; throws std::runtime_error where one is not what is asked for.
+class Words {
+  public:
+    explicit Words(std::string_view text) : rest_(text) {}
 
-std::string encoded(const std::string& key, const Truth& truth) {
+    std::string_view line() {
+        const std::size_t end = rest_.find('\n');
+        if (end == rest_.npos) throw std::runtime_error("torn");
+        const std::string_view line = rest_.substr(0, end);
+        rest_.remove_prefix(end + 1);
+        return line;
+    }
+    std::string_view word() {
+        rest_.remove_prefix(std::min(rest_.find_first_not_of(" \n"), rest_.size()));
+        const std::string_view word = rest_.substr(0, rest_.find_first_of(" \n"));
+        if (word.empty()) throw std::runtime_error("torn");
+        rest_.remove_prefix(word.size());
+        return word;
+    }
+    double real() {
+        const std::string_view text = word();
+        double value = 0;
+        const auto [stop, fault] =
+            std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::hex);
+        if (stop != text.data() + text.size() || fault != std::errc{}) throw std::runtime_error("no number");
+        return value;
+    }
+    std::size_t count(std::size_t most) {
+        const std::string_view text = word();
+        std::size_t value = 0;
+        const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (stop != text.data() + text.size() || fault != std::errc{} || value > most)
+            throw std::runtime_error("no count");
+        return value;
+    }
+    std::size_t left() const { return rest_.size(); }
+
+  private:
+    std::string_view rest_;
+};
+
+}  // namespace
+
+std::string encode(const std::string& key, const Truth& truth) {
     const Reference& reference = truth.reference;
-    std::string text = fmt::format("{}\n{}\n{}\n{}\n", cache_version, key, reference.message, reference.samples.size());
-    put(text, reference.available ? 1 : 0);
+    std::string text = fmt::format("{}\n{}\n{}\n{} {} {} ", cache_version, key, reference.message,
+                                   reference.samples.size(), reference.available ? 1 : 0, truth.steps);
     put(text, reference.bound);
-    put(text, static_cast<double>(truth.steps));
     put(text, truth.seconds);
     text += '\n';
     for (std::size_t i = 0; i < reference.samples.size(); ++i) {
@@ -75,41 +108,55 @@ std::string encoded(const std::string& key, const Truth& truth) {
     return text.append(checksum_word).append(checksum).append("\n");
 }
 
-// throws where the text is not what encoded() wrote
-Truth decoded(const std::string& key, const std::string& text) {
+std::optional<Truth> decode(const std::string& key, std::string_view text) {
     const std::size_t mark = text.rfind(checksum_word);
-    if (mark == std::string::npos) throw std::runtime_error("torn");
-    const std::string body = text.substr(0, mark);
-    if (text.substr(mark) != std::string(checksum_word) + content_hash(body) + "\n") throw std::runtime_error("torn");
-    std::istringstream in(body);
-    std::string version, own_key, count;
-    Truth truth;
-    std::getline(in, version), std::getline(in, own_key), std::getline(in, truth.reference.message);
-    std::getline(in, count);
-    if (version != cache_version || own_key != key) throw std::runtime_error("foreign");
-    truth.reference.available = take(in) != 0;
-    truth.reference.bound = take(in);
-    truth.steps = static_cast<long>(take(in));
-    truth.seconds = take(in);
-    truth.reference.samples.resize(std::stoul(count));
-    truth.decimals.resize(truth.reference.samples.size());
-    for (std::size_t i = 0; i < truth.decimals.size(); ++i) {
-        truth.reference.samples[i].t = take(in);
-        each_pair(truth.reference.samples[i], [&](Pair& pair) { pair.high = take(in), pair.low = take(in); });
-        for (std::string& decimal : truth.decimals[i]) in >> decimal;
+    if (mark == text.npos) return {};
+    const std::string_view body = text.substr(0, mark);
+    if (text.substr(mark) != std::string(checksum_word) + content_hash(body) + "\n") return {};
+    try {
+        Words in(body);
+        Truth truth;
+        if (in.line() != cache_version || in.line() != key) return {};
+        truth.reference.message = in.line();
+        // a sample takes 48 words, each with a blank: no room is made for what the text cannot hold
+        const std::size_t samples = in.count(in.left() / 96);
+        truth.reference.available = in.count(1) == 1;
+        truth.steps = static_cast<long>(in.count(std::numeric_limits<long>::max()));
+        truth.reference.bound = in.real();
+        truth.seconds = in.real();
+        truth.reference.samples.resize(samples);
+        truth.decimals.resize(samples);
+        for (std::size_t i = 0; i < samples; ++i) {
+            truth.reference.samples[i].t = in.real();
+            each_pair(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
+            for (std::string& decimal : truth.decimals[i]) decimal = in.word();
+        }
+        return truth;
+    } catch (const std::runtime_error&) {
+        return {};
     }
-    if (!in) throw std::runtime_error("torn");
-    return truth;
 }
 
-}  // namespace
+namespace {
 
-std::string cache_key(const Scene& scene, long samples, int digits) {
+std::string key_of(const Scene& scene, const std::string& samples, int digits) {
     Scene bare = scene;
     bare.name = "truth";
     bare.about.clear(), bare.source.clear();
     bare.tolerated_attitude.reset();
     return content_hash(fmt::format("{}\n{}\n{}\n{}", cache_version, samples, digits, write_scene(bare)));
+}
+
+}  // namespace
+
+std::string cache_key(const Scene& scene, long samples, int digits) {
+    return key_of(scene, std::to_string(samples), digits);
+}
+
+std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits) {
+    std::string text = "at ";
+    for (const double t : times) put(text, t);
+    return key_of(scene, text, digits);
 }
 
 std::string cache_path(const std::string& key) {
@@ -121,12 +168,7 @@ std::optional<Truth> cached(const std::string& key) {
     const std::string path = cache_path(key);
     std::ifstream file(path, std::ios::binary);
     if (path.empty() || !file) return {};
-    try {
-        const std::string text{std::istreambuf_iterator<char>(file), {}};
-        return decoded(key, text);
-    } catch (const std::exception&) {
-        return {};
-    }
+    return decode(key, std::string{std::istreambuf_iterator<char>(file), {}});
 }
 
 void keep(const std::string& key, const Truth& truth) {
@@ -134,7 +176,7 @@ void keep(const std::string& key, const Truth& truth) {
     if (path.empty()) return;
     try {
         fs::create_directories(fs::path(path).parent_path());
-        write_atomically(path, encoded(key, truth));
+        write_atomically(path, encode(key, truth));
     } catch (const std::exception&) {
         // left uncached
     }

@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "integrators/truth/attempt.h"
 #include "scene/scene.h"
@@ -10,13 +12,22 @@
 namespace polhode::truth {
 
 /// Changes whenever computed digits might: files of another version are left alone.
-constexpr const char* cache_version = "polhode truth 1";
+constexpr const char* cache_version = "polhode truth 2";
 
 /// The hash of all that the truth depends on: the scene without its name and texts, samples, digits, version.
 std::string cache_key(const Scene& scene, long samples, int digits);
 
+/// Likewise for samples at times of the caller's own.
+std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits);
+
 /// The truth kept under `key`; nothing where there is none, or the file is torn, foreign or of another version.
 std::optional<Truth> cached(const std::string& key);
+
+/// The text of a cache file: lines of version, key and message, then numbers, then a checksum over all of it.
+std::string encode(const std::string& key, const Truth& truth);
+
+/// The truth that encode() wrote; nothing where the text is torn, of another key or version, or anything else.
+std::optional<Truth> decode(const std::string& key, std::string_view text);
 
 /// Keeps it, atomically. A cache that cannot be written is no fault: the truth is computed again.
 void keep(const std::string& key, const Truth& truth);

@@ -61,9 +61,8 @@ Attempt attempted(const Problem& problem, const std::vector<double>& times, doub
 }
 
 // Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
-Truth computed(const Scene& scene, long samples, int digits) {
+Truth computed(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
-    const std::vector<double> times = times_of(scene, samples);
     double local = digits + 8, most_agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
@@ -82,23 +81,47 @@ Truth computed(const Scene& scene, long samples, int digits) {
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }
 
+// The truth kept under `key`, or else computed at those times and kept.
+Truth found(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits) {
+    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
+    const auto start = std::chrono::steady_clock::now();
+    Truth made = computed(scene, times, digits);
+    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    truth::keep(key, made);
+    return made;
+}
+
+// Why there can be no truth; empty where there can.
+std::string refusal(const Scene& scene, int digits) {
+    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
+    validate(scene, scene.name);
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<UserTorque>(load)) return "no truth: a user's torque has none";
+    if (digits > most_truth_digits)
+        return fmt::format("no truth to {} digits: {} at most can be asked for", digits, most_truth_digits);
+    return "";
+}
+
 }  // namespace
 
 Truth truth::find_truth(const Scene& scene, long samples, int digits) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
-    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
-    validate(scene, scene.name);
-    for (const Load& load : scene.loads)
-        if (std::holds_alternative<UserTorque>(load)) return none("no truth: a user's torque has none");
-    if (digits > most_truth_digits)
-        return none(fmt::format("no truth to {} digits: {} at most can be asked for", digits, most_truth_digits));
-    const std::string key = truth::cache_key(scene, samples, digits);
-    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
-    const auto start = std::chrono::steady_clock::now();
-    Truth found = computed(scene, samples, digits);
-    found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    truth::keep(key, found);
-    return found;
+    if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
+    return found(scene, truth::cache_key(scene, samples, digits), times_of(scene, samples), digits);
+}
+
+Reference reference(const Scene& scene, const std::vector<double>& times, int digits) {
+    if (times.empty()) throw std::invalid_argument("there are no times");
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (!std::isfinite(times[i]) || !(i == 0 ? times[i] >= 0 : times[i] > times[i - 1]))
+            throw std::invalid_argument("the times do not increase from 0 on");
+    Scene timed = scene;
+    if (times.back() > 0) timed.duration = times.back();
+    const long samples = static_cast<long>(times.size()) - 1;
+    // the usual times: their truth may be there already
+    if (samples > 0 && times == times_of(timed, samples)) return reference(timed, samples, digits);
+    if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
+    return found(timed, truth::cache_key(timed, times, digits), times, digits).reference;
 }
 
 Reference reference(const Scene& scene, long samples, int digits) {

@@ -18,6 +18,10 @@ namespace polhode {
 /// ~/.cache/polhode. Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample or digit.
 Reference reference(const Scene& scene, long samples, int digits = 25);
 
+/// The same at times of the caller's own (s), increasing from 0 or later. The run lasts to the last of them, also
+/// beyond the scene's duration. Throws std::invalid_argument where the times are none or not in order.
+Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25);
+
 /// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, to the digits asked for.
 using DecimalColumns = std::array<std::string, 13>;
 

@@ -17,6 +17,7 @@ void add_solve(CLI::App& program, int& exit_code);
 void add_describe(CLI::App& program, int& exit_code);
 void add_run(CLI::App& program, int& exit_code);
 void add_truth(CLI::App& program, int& exit_code);
+void add_check(CLI::App& program, int& exit_code);
 void add_list(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.

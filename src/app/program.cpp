@@ -71,6 +71,11 @@ int run_program(int argc, const char* const* argv, std::span<const AddCommand> c
     program.failure_message(CLI::FailureMessage::simple);
     int exit_code = 0;
     for (const AddCommand add : commands) add(program, exit_code);
+    // an empty value is a slip of a script's, not a wish for the default
+    for (CLI::App* command : program.get_subcommands({}))
+        for (CLI::Option* option : command->get_options())
+            if (option->get_expected_max() > 0)
+                option->check([](const std::string& value) { return value.empty() ? "is empty" : std::string(); }, "");
     try {
         require_command(program, argc, argv);
         program.parse(argc, argv);

@@ -127,10 +127,6 @@ void add_solve(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
-    // an empty value is a slip of a script's, not a wish for the default
-    for (CLI::Option* option : command->get_options())
-        if (option->get_expected_max() > 0)
-            option->check([](const std::string& value) { return value.empty() ? "is empty" : std::string(); }, "");
     command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -2,9 +2,47 @@
 
 #include <regex.h>
 
+#include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 namespace polhode {
+namespace {
+
+// The system's regcomp overflows the stack on deep nesting and unrolls every counted repetition; back references take
+// exponential time.
+void require_harmless(const std::string& expression) {
+    const auto refuse = [](const char* why) { throw std::invalid_argument(why); };
+    if (expression.size() > 500) refuse("it has more than 500 characters");
+    if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
+    long depth = 0, unrolled = 1;
+    for (std::size_t i = 0; i < expression.size(); ++i) {
+        const auto digit = [&](std::size_t at) {
+            return at < expression.size() && std::isdigit(static_cast<unsigned char>(expression[at])) != 0;
+        };
+        if (expression[i] == '\\') {
+            if (digit(i + 1)) refuse("back references are not available");
+            ++i;
+        } else if (expression[i] == '(') {
+            if (++depth > 50) refuse("its parentheses are nested deeper than 50");
+        } else if (expression[i] == ')') {
+            --depth;
+        } else if (expression[i] == '{') {
+            long largest = 1;
+            for (++i; digit(i) || (i < expression.size() && expression[i] == ',');) {
+                long count = 0;
+                for (; digit(i); ++i) count = std::min(10 * count + (expression[i] - '0'), 100'000L);
+                largest = std::max(largest, count);
+                if (i < expression.size() && expression[i] == ',') ++i;
+            }
+            unrolled = std::min(unrolled * largest, 100'000L);
+            if (unrolled > 1000) refuse("its counted repetitions multiply to more than 1000");
+            --i;
+        }
+    }
+}
+
+}  // namespace
 
 struct Pattern::Compiled {
     regex_t expression{};
@@ -13,6 +51,7 @@ struct Pattern::Compiled {
 
 Pattern::Pattern(const std::string& expression) {
     if (expression.empty()) return;
+    require_harmless(expression);
     regex_t compiled{};
     if (const int fault = regcomp(&compiled, expression.c_str(), REG_EXTENDED | REG_NOSUB)) {
         char reason[128];

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -24,9 +25,9 @@ double positive(const JsonNode& node, const char* what) {
     return value;
 }
 
-long positive_count(const JsonNode& node) {
+long positive_count(const JsonNode& node, long most) {
     const long value = node.whole_number();
-    if (value < 1) node.fail(node.described(), "must be at least 1");
+    if (value < 1 || value > most) node.fail(node.described(), fmt::format("give 1 to {}", most));
     return value;
 }
 
@@ -37,6 +38,14 @@ std::vector<std::string> strings(const JsonNode& node) {
     return result;
 }
 
+// To 12 digits, so that decades are decades.
+double tidy(double value) {
+    const std::string decimal = fmt::format("{:.12g}", value);
+    double rounded = value;
+    std::from_chars(decimal.data(), decimal.data() + decimal.size(), rounded);
+    return rounded;
+}
+
 // A list, or {"from", "to", "count"} with logarithmic spacing; from coarse to fine either way.
 std::vector<double> settings_list(const JsonNode& node, const char* what) {
     std::vector<double> values;
@@ -44,14 +53,15 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         node.only({"from", "to", "count"});
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
-        const long count = positive_count(node.required("count", "how many values"));
-        if (count > 10000) node.fail("has more than 10000 values", "a smaller count");
-        // to 12 digits, so that decades are decades
-        const auto tidy = [](double value) { return std::stod(fmt::format("{:.12g}", value)); };
+        const long count = positive_count(node.required("count", "how many values"), 10'000);
+        // a ratio beyond binary64 is taken in two parts
+        const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
             const double along = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
+            const double value =
+                in_one ? from * std::pow(to / from, along) : std::pow(from, 1 - along) * std::pow(to, along);
             const bool end = i == 0 || i == count - 1;
-            values.push_back(end ? (i == 0 ? from : to) : tidy(from * std::pow(to / from, along)));
+            values.push_back(end ? (i == 0 ? from : to) : tidy(value));
         }
     } else {
         for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
@@ -75,6 +85,7 @@ Kind kind_named(const JsonNode& node) {
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
     if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
     try {
+        if (entry.size() == 2) throw std::invalid_argument("it is empty");
         return Pattern(entry.substr(1, entry.size() - 2));
     } catch (const std::invalid_argument& error) {
         throw InputError(file, place, "is no regular expression: " + one_line(error.what(), 100),
@@ -115,7 +126,10 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     std::string label;
     for (const auto& [pointer, value] : changes) {
         try {
-            json[ordered_json::json_pointer(pointer)] = ordered_json::parse(value);
+            // a key may be added to an object that is there; nothing else may
+            const ordered_json::json_pointer place(pointer);
+            const ordered_json& parent = json.at(place.parent_pointer());
+            (place.empty() || parent.is_object() ? json[place] : json.at(place)) = ordered_json::parse(value);
         } catch (const nlohmann::json::exception& error) {
             throw InputError(file, "/vary", one_line(pointer, 80) + " does not point into " + base.label,
                              one_line(error.what(), 160));
@@ -124,9 +138,20 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     }
     PlannedScene scene;
     scene.label = base.label + "{" + label + "}";
-    scene.scene = parse_scene(json.dump(), scene.label);
+    try {
+        scene.scene = parse_scene(json.dump(), scene.label);
+    } catch (const InputError& error) {
+        throw InputError(file, "/vary", error);
+    }
     scene.canonical = write_scene(scene.scene);
     return scene;
+}
+
+// 1 to 64 letters, digits, _ or -
+bool names_files(const std::string& name) {
+    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    });
 }
 
 std::vector<double> thinned(const std::vector<double>& values) {
@@ -148,8 +173,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
                "seconds_per_run", "max_steps", "max_evaluations"});
     Experiment e;
     e.name = root.required("name", "the experiment's name").string();
-    // it names files
-    if (!Pattern("^[A-Za-z0-9_-]{1,64}$").matches(e.name))
+    if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
     if (const JsonNode* node = root.find("about")) e.about = node->string();
     if (const JsonNode* node = root.find("kind")) e.kind = kind_named(*node);
@@ -175,13 +199,11 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
             e.vary.push_back(std::move(variation));
         }
     }
-    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node);
-    if (const JsonNode* node = root.find("repeats")) {
-        e.repeats = static_cast<int>(std::min(positive_count(*node), 1000000L));
-    }
+    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node, 1'000'000);
+    if (const JsonNode* node = root.find("repeats")) e.repeats = static_cast<int>(positive_count(*node, 1'000'000));
     if (const JsonNode* node = root.find("seconds_per_run")) e.seconds_per_run = positive(*node, "a time");
-    if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node);
-    if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node);
+    if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
+    if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);
     return e;
 }
 
@@ -202,6 +224,11 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         e.evaluations_per_revolution = thinned(e.evaluations_per_revolution);
         e.repeats = std::min(e.repeats, 3), e.seconds_per_run = std::min(e.seconds_per_run, 0.05);
     }
+    double variants = 1;
+    for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
+    if (variants > 10'000)
+        throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
+                         "give 10000 at the most: all values are combined with all");
     std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
     for (const Variation& variation : e.vary) {
         std::vector<std::vector<std::pair<std::string, std::string>>> next;
@@ -213,7 +240,12 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         combinations = std::move(next);
     }
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
-        const Scene scene = find_scene(name);
+        Scene scene;
+        try {
+            scene = find_scene(name);
+        } catch (const InputError& error) {
+            throw InputError(file, "/scenes", error);
+        }
         const PlannedScene base{scene.name, scene, write_scene(scene)};
         for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
     }
@@ -243,6 +275,10 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
                              : takes_step(*method) ? "give steps"
                                                    : "give tolerances");
     }
+    double cases = 0;
+    for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
+    cases *= static_cast<double>(plan.scenes.size());
+    if (cases > 1e6) throw InputError(file, "", fmt::format("makes {:.12g} cases", cases), "give 1000000 at the most");
     return plan;
 }
 

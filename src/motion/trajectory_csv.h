@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "motion/trajectory.h"
 
@@ -11,5 +13,46 @@ namespace polhode {
 /// of the centre of mass (m, m/s). Shortest decimals that read back to the same binary64. A trajectory whose status is
 /// not ok ends in a comment line that says so.
 std::string trajectory_csv(const Trajectory& trajectory);
+
+/// One line of a trajectory file, as it stands there.
+struct TrajectoryRow {
+    double t = 0;                        ///< s
+    Quaternion<double> q;                ///< body to world, of any length but zero
+    Vector3<double> angular_velocity_W;  ///< rad/s, world axes
+    Vector3<double> position_W;          ///< of the centre of mass, or of the body's origin, m
+    Vector3<double> velocity_W;          ///< of the centre of mass, m/s
+
+    bool operator==(const TrajectoryRow&) const = default;
+};
+
+/// What a trajectory file says. Blocks that it lacks are zero.
+struct TrajectoryFile {
+    std::vector<TrajectoryRow> rows;    ///< at least one; t >= 0 and increasing
+    bool has_angular_velocity = false;  ///< wx, wy, wz
+    bool has_position = false;          ///< px, py, pz
+    bool has_origin = false;            ///< ox, oy, oz in their place: position_W is the body's origin
+    bool has_velocity = false;          ///< vx, vy, vz
+
+    bool operator==(const TrajectoryFile&) const = default;
+};
+
+/// Reads trajectory files: columns by name, in any order; t and q must be there, of w, p, v and o (the body's origin,
+/// in place of p) whole blocks or nothing; `bound`, which `truth` writes, is read past. Numbers are the binary64
+/// nearest to the decimal written, whatever the locale. Lines may end in \r\n, a byte order mark may stand in front,
+/// `#` begins a comment line, spaces may stand around a cell. Throws InputError ("FILE: line 3, column qw: FAULT;
+/// REMEDY"): no header or no sample, an unknown, missing or repeated column, a line of another length than the header,
+/// what is no finite number, a time below 0 or not above the one before, a quaternion without a direction (of length
+/// below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64 KiB.
+TrajectoryFile parse_trajectory(std::string_view text, const std::string& file);
+
+/// Reads and parses a file of at most 1 GiB. Throws InputError, also when it cannot be read.
+TrajectoryFile read_trajectory(const std::string& path);
+
+/// The file with its own columns in the usual order; reads back to the same rows.
+std::string write_trajectory(const TrajectoryFile& file);
+
+/// The samples of a file: w turned into body axes and the body's origin exchanged for its centre of mass (m, from the
+/// origin, body axes) by each row's attitude, in 128 bits and rounded once.
+std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass);
 
 }  // namespace polhode

@@ -249,9 +249,9 @@ void JsonNode::only(std::initializer_list<std::string_view> known) const {
     }
 }
 
-std::string read_text(const std::string& path) {
+std::string read_text(const std::string& path, std::size_t largest, const char* expected) {
     const auto refuse = [&](const std::string& fault) {
-        throw InputError(path, "", fault, "give the path of a readable JSON file");
+        throw InputError(path, "", fault, fmt::format("give the path of {}", expected));
     };
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
@@ -261,7 +261,7 @@ std::string read_text(const std::string& path) {
         errno = 0;
         const std::size_t count = std::fread(block, 1, sizeof block, file.get());
         text.append(block, count);
-        if (text.size() > largest_file) refuse("has more than 16 MiB");
+        if (text.size() > largest) refuse(fmt::format("has more than {} MiB", largest >> 20));
         if (std::ferror(file.get())) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
         if (count < sizeof block) return text;
     }

@@ -86,8 +86,10 @@ class JsonDocument {
     const JsonNode* root_ = nullptr;
 };
 
-/// The text of a file of at most 16 MiB. Throws InputError where it cannot be read (missing, a directory, too big).
-std::string read_text(const std::string& path);
+/// The text of a file of at most `largest` bytes. Throws InputError where it cannot be read (missing, a directory, too
+/// big): the remedy names what was `expected`.
+std::string read_text(const std::string& path, std::size_t largest = std::size_t{16} << 20,
+                      const char* expected = "a readable JSON file");
 
 /// `text` as a JSON string, quotes included.
 std::string json_string(std::string_view text);

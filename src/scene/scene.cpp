@@ -9,6 +9,9 @@ InputError::InputError(const std::string& file, const std::string& place, const 
     : std::runtime_error(one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") +
                          one_line(fault, 300) + "; " + one_line(remedy, 400)) {}
 
+InputError::InputError(const std::string& file, const std::string& place, const InputError& inner)
+    : std::runtime_error(one_line(file, 200) + ": " + one_line(place, 100) + ": " + one_line(inner.what(), 900)) {}
+
 Window window_of(const Load& load) {
     return std::visit(
         [](const auto& one) {

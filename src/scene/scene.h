@@ -121,6 +121,8 @@ struct Scene {
 class InputError : public std::runtime_error {
   public:
     InputError(const std::string& file, const std::string& place, const std::string& fault, const std::string& remedy);
+    /// A fault in what `file` brings in at `place`: "FILE: PLACE: " and the fault's own line.
+    InputError(const std::string& file, const std::string& place, const InputError& inner);
 };
 
 /// Throws InputError (file = the scene's name) where the scene breaks a rule of the file format: not finite, mass or

@@ -1,103 +1,50 @@
 // The program as a user's script sees it: exit codes, stdout, stderr, files.
-#include <fcntl.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
+#include "app/program_fixture.h"
+#include "bad_files.h"
 #include "integrators/method.h"
 #include "motion/trajectory_csv.h"
-#include "scene/bad_scenes.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Outcome {
-    int exit_code;  ///< -1 where a signal ended it
-    std::string out, err;
-    double seconds;
+// tests/ROOM/bad through the real program: exit code 2, one line on stderr, nothing written, at once
+class BadFiles : public Program {
+  protected:
+    void expect_refused_whole(const std::string& room, const std::string& ending,
+                              const std::function<std::vector<std::string>(const std::string&)>& command) const {
+        for (const BadFile& bad : bad_files(room, ending)) {
+            const Outcome outcome = run(command(bad.path));
+            SCOPED_TRACE(bad.path + "\n" + outcome.err);
+            EXPECT_EQ(outcome.exit_code, 2);
+            EXPECT_EQ(outcome.out, "");
+            EXPECT_EQ(lines(outcome.err), 1);
+            EXPECT_NE(outcome.err.find(fs::path(bad.path).filename().string()), std::string::npos);
+            EXPECT_NE(outcome.err.find(bad.place), std::string::npos) << "wanted: " << bad.place;
+            EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
+            EXPECT_LT(outcome.seconds, 1);
+        }
+    }
 };
 
-std::string read(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
+TEST_F(BadFiles, ScenesAreRefused) {
+    expect_refused_whole("scene", ".json", [](const std::string& path) -> std::vector<std::string> {
+        return {"solve", path, "--output", "trajectory.csv"};
+    });
 }
 
-long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+TEST_F(BadFiles, ExperimentsAreRefused) {
+    expect_refused_whole("experiment", ".json", [](const std::string& path) -> std::vector<std::string> {
+        return {"run", path, "--output", "tables"};
+    });
+}
 
-class Program : public testing::Test {
-  protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "polhode-XXXXXX").string();
-        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-        directory = pattern;
-    }
-    void TearDown() override { fs::remove_all(directory); }
-
-    // Runs the program in `directory`; its output goes through files beside it, so that nothing can block.
-    Outcome run(std::vector<std::string> arguments) const {
-        const std::string out = directory.string() + ".out", err = directory.string() + ".err";
-        arguments.insert(arguments.begin(), "polhode");
-        std::vector<char*> argv;
-        for (std::string& argument : arguments) argv.push_back(argument.data());
-        argv.push_back(nullptr);
-        const auto start = std::chrono::steady_clock::now();
-        const pid_t child = ::fork();
-        if (child == 0) {
-            const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-            const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-            if (::chdir(directory.c_str()) != 0) ::_exit(99);
-            ::dup2(o, 1), ::dup2(e, 2);
-            ::execv(POLHODE_PROGRAM, argv.data());
-            ::_exit(98);
-        }
-        int status = 0;
-        ::waitpid(child, &status, 0);
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err), seconds};
-        fs::remove(out), fs::remove(err);
-        return outcome;
-    }
-
-    void expect_refused(const std::vector<std::string>& arguments, const std::string& named) const {
-        const Outcome outcome = run(arguments);
-        SCOPED_TRACE(testing::PrintToString(arguments) + "\n" + outcome.err);
-        EXPECT_EQ(outcome.exit_code, 2);
-        EXPECT_EQ(outcome.out, "");
-        EXPECT_EQ(lines(outcome.err), 1);
-        EXPECT_EQ(outcome.err.find("polhode: "), 0u);
-        EXPECT_NE(outcome.err.find(named), std::string::npos) << "wanted: " << named;
-        EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
-    }
-
-    fs::path directory;
-};
-
-TEST_F(Program, RefusesEveryBadSceneInOneLineAndWritesNothing) {
-    const std::vector<BadScene> all = bad_scenes();
-    ASSERT_GE(all.size(), 60u);
-    for (const BadScene& bad : all) {
-        const Outcome outcome = run({"solve", bad.path, "--output", "trajectory.csv"});
-        SCOPED_TRACE(bad.path + "\n" + outcome.err);
-        EXPECT_EQ(outcome.exit_code, 2);
-        EXPECT_EQ(outcome.out, "");
-        EXPECT_EQ(lines(outcome.err), 1);
-        EXPECT_NE(outcome.err.find(fs::path(bad.path).filename().string()), std::string::npos);
-        EXPECT_NE(outcome.err.find(bad.place), std::string::npos) << "wanted: " << bad.place;
-        EXPECT_TRUE(fs::is_empty(directory));
-        EXPECT_LT(outcome.seconds, 1);
-    }
+TEST_F(BadFiles, TrajectoriesAreRefused) {
+    expect_refused_whole("motion", ".csv", [](const std::string& path) -> std::vector<std::string> {
+        return {"check", "free_asymmetric", path};
+    });
 }
 
 TEST_F(Program, RefusesBadUsage) {
@@ -118,6 +65,10 @@ TEST_F(Program, RefusesBadUsage) {
             expect_refused({"solve", scene, option, value}, option);
     for (const char* option : {"--method", "--output"}) expect_refused({"solve", scene, option, ""}, option);
     expect_refused({"solve", ""}, "SCENE");
+    for (const char* option : {"--output", "--digits", "--format"})
+        expect_refused({"truth", scene, option, ""}, option);
+    for (const char* option : {"--output", "--filter", "--shard"})
+        expect_refused({"run", "contrast", option, ""}, option);
     expect_refused({"solve", scene, "--samples", "1000000000"}, "--samples");
     expect_refused({"solve", scene, "--step", "0.1", "--steps", "10"}, "--step");
     expect_refused({"solve", scene, "--step", "0.1", "--tolerance", "1e-6"}, "--step");
@@ -125,6 +76,9 @@ TEST_F(Program, RefusesBadUsage) {
     expect_refused({"solve", scene, "--method", "cvode_adams", "--step", "0.1"}, "takes no step");
     expect_refused({"solve", scene, "--output", "no/such/directory.csv"}, "No such file");
     expect_refused({"solve", scene, "--output", "."}, "Is a directory");
+    for (const std::string& expression :
+         {std::string("("), std::string(100'000, '('), std::string("(((a{1,250}){1,250}){1,250}){1,250}")})
+        expect_refused({"run", "work_precision", "--filter", expression, "--output", "tables"}, "--filter");
     expect_refused({"describe", "nothing_like_it"}, "nothing_like_it");
     expect_refused({"describe", "cvode_adam"}, "did you mean cvode_adams");
     expect_refused({"list", "things"}, "things");
@@ -194,7 +148,7 @@ TEST_F(Program, ReadsAUsersFile) {
 
 TEST_F(Program, HelpsOnEveryCommand) {
     EXPECT_EQ(run({"--help"}).exit_code, 0);
-    for (const char* command : {"solve", "describe", "list", "run"}) {
+    for (const char* command : {"solve", "truth", "check", "describe", "list", "run"}) {
         const Outcome help = run({command, "--help"});
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("--help"), std::string::npos) << command;

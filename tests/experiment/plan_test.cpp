@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "bad_files.h"
 #include "experiment/experiment.h"
 #include "scene/scene_file.h"
 
@@ -76,6 +77,39 @@ TEST(ExperimentFile, RefusesWithPlaceAndRemedy) {
     place(R"({"name": "x", "scenes": ["/nothing/"], "methods": ["odeint_rk4"], "settings": {"steps": [1]}})",
           "/scenes/0");
     place(R"({"name": "x", "scenes": [], "methods": ["odeint_rk4"], "settings": {"steps": [1]}})", "/scenes");
+}
+
+TEST(BadExperiments, EachIsRefusedInOneLineThatNamesFilePlaceAndRemedy) {
+    for (const BadFile& bad : bad_files("experiment", ".json")) {
+        std::string message;
+        try {
+            make_plan(find_experiment(bad.path), bad.path, false);
+        } catch (const InputError& error) {
+            message = error.what();
+        }
+        expect_one_line(bad, message);
+    }
+    EXPECT_GE(bad_files("experiment", ".json").size(), 60u);
+    expect_whole_catalogue("experiment", ".json");
+}
+
+TEST(ExperimentFile, RangesMaySpanAllOfBinary64) {
+    const Experiment e = parsed(R"({"name": "x", "scenes": ["symmetric"], "methods": ["odeint_rk4"],
+        "settings": {"steps": {"from": 1e-300, "to": 1e300, "count": 7},
+                     "tolerances": {"from": 5e-324, "to": 1e-310, "count": 3}}})");
+    ASSERT_EQ(e.steps.size(), 7U);
+    for (std::size_t i = 0; i < 7; ++i)
+        EXPECT_NEAR(std::log10(e.steps[i]), 300 - 100 * static_cast<double>(i), 1e-9) << i;
+    ASSERT_EQ(e.tolerances.size(), 3U);
+    EXPECT_EQ(e.tolerances.back(), 5e-324);
+}
+
+TEST(Plan, AVariationMayAddAKey) {
+    const Plan plan = make_plan(parsed(R"({"name": "x", "scenes": ["symmetric"], "methods": ["odeint_rk4"],
+        "settings": {"steps": [0.1]}, "vary": {"/tolerated": [{"attitude": 0.25}], "/about": ["varied"]}})"),
+                                "e.json", false);
+    ASSERT_EQ(plan.scenes.size(), 1U);
+    EXPECT_EQ(plan.scenes[0].scene.tolerated_attitude, 0.25);
 }
 
 TEST(Plan, VariesScenesInAllCombinations) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <numbers>
 
 #include "integrators/truth/fresh_cache.h"
@@ -159,6 +161,32 @@ TEST(Reference, SamplesAtAnEventShowTheMotionAfterIt) {
     EXPECT_NEAR(end.velocity_W[0].high, 0.5, 1e-15);
     EXPECT_NEAR(end.position_W[1].high, 0.5, 1e-15);
     EXPECT_NEAR(end.position_W[2].high, 3, 1e-15);
+}
+
+// w = (cn, sn, 2 dn)(2 t, k), k^2 = 1/12, as above, at times that no number of samples gives
+TEST(Reference, IsThereAtAnyTimes) {
+    const FreshCache cache;
+    const Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 5);
+    const std::vector<double> times{0.1, 0.3, 0x1p-20 + 2, 2.5, 5.5};  // also beyond the scene's end
+    const R k = sqrt(R(1) / 12);
+    for (int round = 0; round < 2; ++round) {  // computed, then from the cache
+        const Reference truth = reference(scene, times);
+        ASSERT_TRUE(truth.available) << truth.message;
+        ASSERT_EQ(truth.samples.size(), times.size());
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            EXPECT_EQ(truth.samples[i].t, times[i]);
+            R cn, dn;
+            const R sn = boost::math::jacobi_elliptic(k, R(2 * R(times[i])), &cn, &dn);
+            EXPECT_LT(distance(value(truth.samples[i].angular_velocity_B), {cn, sn, 2 * dn}), promised);
+        }
+    }
+    // the usual times share the usual truth
+    const Reference usual = reference(scene, 4), same = reference(scene, {0, 1.25, 2.5, 3.75, 5});
+    EXPECT_EQ(usual.message, same.message);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cache.directory()), {}), 2);
+    for (const std::vector<double>& bad :
+         {std::vector<double>{}, {-1, 0}, {0, 1, 1}, {2, 1}, {0, std::numeric_limits<double>::infinity()}})
+        EXPECT_THROW(reference(scene, bad), std::invalid_argument);
 }
 
 TEST(Reference, UsersTorqueHasNoTruth) {

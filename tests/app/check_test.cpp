@@ -1,0 +1,160 @@
+// polhode check: verdicts, exit codes and formats.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/program_fixture.h"
+#include "motion/trajectory_csv.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+// A body that spins about its axis z at 2 rad/s, thrown at (1, 0, 0) m/s: q = (cos t, 0, 0, sin t), p = (t, 0, 0).
+class Check : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        ::setenv("POLHODE_CACHE", (directory / "cache").c_str(), 1);
+        write("spin.json", scene(""));
+        write("judged.json", scene(R"(, "tolerated": {"attitude": 1e-3})"));
+    }
+    void TearDown() override {
+        ::unsetenv("POLHODE_CACHE");
+        Program::TearDown();
+    }
+
+    static std::string scene(const std::string& more) {
+        return R"({"name": "spin", "duration": 4, "body": {"mass": 2, "inertia": [1, 2, 2.5], "center_of_mass": [0.5, 0, 0]},
+                   "initial": {"angular_velocity": [0, 0, 2], "velocity": [1, 0, 0]})" +
+               more + "}";
+    }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(directory / name) << text; }
+
+    // the motion at these times, `angle` ahead of the truth at the last of them
+    static TrajectoryFile motion(const std::vector<double>& times, double angle = 0) {
+        TrajectoryFile file;
+        file.has_angular_velocity = file.has_position = file.has_velocity = true;
+        for (const double t : times) {
+            const double half = t + (t == times.back() ? angle / 2 : 0);
+            file.rows.push_back({t, {std::cos(half), 0, 0, std::sin(half)}, {0, 0, 2}, {t, 0, 0}, {1, 0, 0}});
+        }
+        return file;
+    }
+    nlohmann::json checked(const TrajectoryFile& file) const {
+        write("run.csv", write_trajectory(file));
+        const Outcome outcome = run({"check", "spin.json", "run.csv", "--format", "json"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_EQ(outcome.err, "");
+        const auto report = nlohmann::json::parse(outcome.out, nullptr, false);
+        return report.is_discarded() ? nlohmann::json() : report["trajectories"][0];
+    }
+};
+
+const std::vector<double> odd_times{0.125, 0.3, 1, 1.0625, 3.9};
+
+TEST_F(Check, MeasuresWhatTheFileIsWrongBy) {
+    TrajectoryFile file = motion(odd_times, 1e-4);
+    file.rows[2].angular_velocity_W[0] = 0.002;  // of 2 rad/s
+    file.rows[1].position_W[1] = 0.25;
+    file.rows[1].velocity_W[2] = -0.5;
+    file.rows[3].q = {1.25 * std::cos(1.0625), 0, 0, 1.25 * std::sin(1.0625)};
+    const auto report = checked(file);
+    EXPECT_EQ(report["verdict"], "reported");
+    EXPECT_EQ(report["samples"], 5);
+    EXPECT_EQ(report["attitude_error_max_time"], 3.9);
+    EXPECT_NEAR(report["attitude_error_max"], 1e-4, 1e-15);
+    EXPECT_NEAR(report["attitude_error_final"], 1e-4, 1e-15);
+    EXPECT_NEAR(report["omega_error_max"], 1e-3, 1e-15);
+    EXPECT_NEAR(report["position_error_max"], 0.25, 1e-15);
+    EXPECT_NEAR(report["velocity_error_max"], 0.5, 1e-15);
+    EXPECT_NEAR(report["norm_error_max"], 0.25, 1e-15);
+    // E = 5 J of rotation and 1 J of translation; the velocity is off by 2 (0.5)^2 / 2 J
+    EXPECT_NEAR(report["energy_error_max"], 0.25 / 6, 1e-14);
+    // L = 5 kg m^2/s along z, off by I_xx' 0.002 in the body's turned axes: between 1 and 2 kg m^2
+    EXPECT_GT(report["momentum_error_max"], 0.002 / 5);
+    EXPECT_LT(report["momentum_error_max"], 0.004 / 5);
+}
+
+TEST_F(Check, AFileOfTheTruthIsExactToRounding) {
+    const auto report = checked(motion(odd_times));
+    for (const char* name : {"attitude_error_max", "omega_error_max", "energy_error_max", "momentum_error_max",
+                             "position_error_max", "velocity_error_max", "norm_error_max"})
+        EXPECT_LT(report[name], 1e-15) << name;
+}
+
+TEST_F(Check, JudgesOnlyWhatTheColumnsTell) {
+    TrajectoryFile file = motion(odd_times);
+    file.has_angular_velocity = file.has_position = file.has_velocity = false;
+    const auto bare = checked(file);
+    for (const char* name : {"omega_error_max", "energy_error_max", "momentum_error_max", "position_error_max"})
+        EXPECT_TRUE(bare[name].is_null()) << name;
+    EXPECT_LT(bare["attitude_error_max"], 1e-15);
+    // the origin, half a metre behind the centre of mass on the body's x
+    file.has_origin = true;
+    for (TrajectoryRow& row : file.rows)
+        row.position_W = {row.t - 0.5 * std::cos(2 * row.t), -0.5 * std::sin(2 * row.t), 0};
+    const auto with_origin = checked(file);
+    EXPECT_LT(with_origin["position_error_max"], 1e-15);
+    EXPECT_TRUE(with_origin["energy_error_max"].is_null());
+}
+
+TEST_F(Check, ALimitDecidesTheExitCode) {
+    write("good.csv", write_trajectory(motion(odd_times, 1e-6)));
+    write("bad.csv", write_trajectory(motion(odd_times, 2e-3)));
+    EXPECT_EQ(run({"check", "spin.json", "bad.csv"}).exit_code, 0);
+    EXPECT_EQ(run({"check", "judged.json", "good.csv"}).exit_code, 0);
+    const Outcome failed = run({"check", "judged.json", "good.csv", "bad.csv"});
+    EXPECT_EQ(failed.exit_code, 1);
+    EXPECT_NE(failed.out.find("good.csv: passed: "), std::string::npos) << failed.out;
+    EXPECT_NE(
+        failed.out.find("bad.csv: failed: attitude error at most 0.002 rad, at t = 3.9 s; more than the 0.001 rad "
+                        "allowed (tolerated by the scene)"),
+        std::string::npos)
+        << failed.out;
+    // the option goes before the scene
+    EXPECT_EQ(run({"check", "judged.json", "bad.csv", "--max-attitude", "0.01"}).exit_code, 0);
+    EXPECT_EQ(run({"check", "judged.json", "good.csv", "--max-attitude", "1e-9"}).exit_code, 1);
+}
+
+TEST_F(Check, WritesTestReports) {
+    write("good.csv", write_trajectory(motion(odd_times)));
+    write("a&b<c>.csv", write_trajectory(motion(odd_times, 2e-3)));
+    const Outcome outcome = run({"check", "judged.json", "good.csv", "a&b<c>.csv", "--format", "junit"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.out.find("<testsuites tests=\"2\" failures=\"1\">"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("name=\"a&amp;b&lt;c>.csv\">\n      <failure message=\"attitude error at most 0.002"),
+              std::string::npos)
+        << outcome.out;
+}
+
+TEST_F(Check, TakesWhatSolveAndTruthWrite) {
+    ASSERT_EQ(run({"solve", "spin.json", "--samples", "7", "--output", "solved.csv"}).exit_code, 0);
+    ASSERT_EQ(run({"truth", "spin.json", "--samples", "7", "--output", "true.csv"}).exit_code, 0);
+    const Outcome outcome = run({"check", "spin.json", "solved.csv", "true.csv", "--max-attitude", "1e-9"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(run({"check", "spin.json", "true.csv", "--max-attitude", "1e-15"}).exit_code, 0);
+}
+
+TEST_F(Check, RefusesWhatItCannotJudge) {
+    // beyond the scene's end, but for the rounding of a clock that adds up steps
+    write("longer.csv", write_trajectory(motion({0, 4.1})));
+    write("rounded.csv", write_trajectory(motion({0, 4.000000000000002})));
+    const Outcome longer = run({"check", "spin.json", "longer.csv"});
+    EXPECT_EQ(longer.exit_code, 2);
+    EXPECT_EQ(longer.out, "");
+    EXPECT_NE(longer.err.find("longer.csv: column t: goes on to 4.1 s"), std::string::npos) << longer.err;
+    EXPECT_EQ(run({"check", "spin.json", "rounded.csv"}).exit_code, 0);
+    // one bad file among good ones: nothing is judged
+    write("torn.csv", "t,qw,qx,qy,qz\n0,1,0");
+    const Outcome torn = run({"check", "spin.json", "rounded.csv", "torn.csv"});
+    EXPECT_EQ(torn.exit_code, 2);
+    EXPECT_EQ(torn.out, "");
+    for (const char* value : {"0", "-1", "nan", "inf", "x", ""})
+        EXPECT_EQ(run({"check", "spin.json", "rounded.csv", "--max-attitude", value}).exit_code, 2) << value;
+    EXPECT_EQ(run({"check", "spin.json"}).exit_code, 2);
+    EXPECT_EQ(run({"check", "spin.json", "rounded.csv", "--format", "xml"}).exit_code, 2);
+    EXPECT_EQ(run({"check", "no_such_scene", "rounded.csv"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace polhode

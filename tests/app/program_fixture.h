@@ -1,0 +1,85 @@
+// The program run as a user's script runs it, in a directory of the test's own.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace polhode {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int exit_code;  ///< -1 where a signal ended it
+    std::string out, err;
+    double seconds;
+};
+
+inline std::string read(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+inline long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+class Program : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (fs::temp_directory_path() / "polhode-XXXXXX").string();
+        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+        directory = pattern;
+    }
+    void TearDown() override { fs::remove_all(directory); }
+
+    // Runs the program in `directory`; its output goes through files beside it, so that nothing can block. `prepare`
+    // is called in the new process first.
+    Outcome run(std::vector<std::string> arguments, const std::function<void()>& prepare = {}) const {
+        const std::string out = directory.string() + ".out", err = directory.string() + ".err";
+        arguments.insert(arguments.begin(), "polhode");
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        const auto start = std::chrono::steady_clock::now();
+        const pid_t child = ::fork();
+        if (child == 0) {
+            const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+            const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+            if (::chdir(directory.c_str()) != 0) ::_exit(99);
+            ::dup2(o, 1), ::dup2(e, 2);
+            if (prepare) prepare();
+            ::execv(POLHODE_PROGRAM, argv.data());
+            ::_exit(98);
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err), seconds};
+        fs::remove(out), fs::remove(err);
+        return outcome;
+    }
+
+    void expect_refused(const std::vector<std::string>& arguments, const std::string& named) const {
+        const Outcome outcome = run(arguments);
+        SCOPED_TRACE(testing::PrintToString(arguments) + "\n" + outcome.err);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(lines(outcome.err), 1);
+        EXPECT_EQ(outcome.err.find("polhode: "), 0u);
+        EXPECT_NE(outcome.err.find(named), std::string::npos) << "wanted: " << named;
+        EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
+    }
+
+    fs::path directory;
+};
+
+}  // namespace polhode

@@ -1,0 +1,57 @@
+// The catalogues of bad files: tests/ROOM/bad/NAME, each with one fault of its own, and tests/ROOM/bad_places.tsv,
+// which says what the message of each must name.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace polhode {
+
+struct BadFile {
+    std::string path, place;  ///< `place`: what the message must name
+};
+
+inline std::vector<BadFile> bad_files(const std::string& room, const std::string& ending) {
+    const std::string directory = POLHODE_SOURCE_DIR "/tests/" + room;
+    std::vector<BadFile> all;
+    std::ifstream table(directory + "/bad_places.tsv");
+    for (std::string line; std::getline(table, line);) {
+        if (line.starts_with('#')) continue;
+        const std::size_t tab = line.find('\t');
+        std::string path = directory;
+        path.append("/bad/").append(line, 0, tab).append(ending);
+        all.push_back({path, line.substr(tab + 1)});
+    }
+    return all;
+}
+
+/// FILE: PLACE: FAULT; REMEDY
+inline void expect_one_line(const BadFile& bad, const std::string& message) {
+    SCOPED_TRACE(bad.path + "\n" + message);
+    ASSERT_FALSE(message.empty()) << "accepted";
+    EXPECT_EQ(message.find_first_of(std::string("\n\r\t\0\x7f", 5)), std::string::npos);
+    const std::string name = std::filesystem::path(bad.path).filename().string();
+    const std::size_t file = message.find(name + ": ");
+    ASSERT_NE(file, std::string::npos);
+    EXPECT_NE(message.find(bad.place, file + name.size()), std::string::npos) << "wanted: " << bad.place;
+    EXPECT_NE(message.find("; ", file), std::string::npos);
+    EXPECT_LT(message.size(), 1300u);
+}
+
+/// Every file of the catalogue is listed, once.
+inline void expect_whole_catalogue(const std::string& room, const std::string& ending) {
+    std::vector<std::string> listed, there;
+    for (const BadFile& bad : bad_files(room, ending)) listed.push_back(bad.path);
+    for (const auto& entry : std::filesystem::directory_iterator(POLHODE_SOURCE_DIR "/tests/" + room + "/bad"))
+        there.push_back(entry.path().string());
+    std::sort(listed.begin(), listed.end());
+    std::sort(there.begin(), there.end());
+    EXPECT_EQ(listed, there);
+}
+
+}  // namespace polhode

@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <clocale>
+#include <cmath>
+#include <limits>
+
+#include "bad_files.h"
+#include "motion/trajectory_csv.h"
+#include "scene/random_scene.h"
+
+namespace polhode {
+namespace {
+
+std::string fault_of(const std::string& text) {
+    try {
+        parse_trajectory(text, "run.csv");
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TrajectoryFile random_file() {
+    TrajectoryFile file;
+    file.has_angular_velocity = *rc::gen::arbitrary<bool>();
+    file.has_velocity = *rc::gen::arbitrary<bool>();
+    const int position = *rc::gen::inRange(0, 3);
+    file.has_position = position == 1, file.has_origin = position == 2;
+    const int rows = *rc::gen::inRange(1, 6);
+    double t = 0;
+    for (int i = 0; i < rows; ++i) {
+        TrajectoryRow row;
+        row.t = t, t += positive_number();
+        const double length = std::exp2(*rc::gen::inRange(-300, 300));
+        const Quaternion<double> q = random_orientation();
+        row.q = {length * q.w, length * q.x, length * q.y, length * q.z};
+        if (file.has_angular_velocity) row.angular_velocity_W = random_vector();
+        if (position > 0) row.position_W = random_vector();
+        if (file.has_velocity) row.velocity_W = random_vector();
+        file.rows.push_back(row);
+    }
+    return file;
+}
+
+RC_GTEST_PROP(TrajectoryFile, ReadsBackTheSameBits, ()) {
+    const TrajectoryFile file = random_file();
+    RC_ASSERT(parse_trajectory(write_trajectory(file), "written") == file);
+}
+
+TEST(TrajectoryFile, ReadsWhatSolveWrites) {
+    Trajectory trajectory;
+    for (int k = 0; k < 3; ++k) {
+        Sample s;
+        s.t = k * 0.1, s.q = {std::cos(0.3 * k), std::sin(0.3 * k), 0, 0};
+        s.angular_velocity_B = {0.6 / 0.1, 1.0 / 3, 0}, s.position_W = {k / 7.0, 1e-300, 1e22};
+        s.velocity_W = {5e-324, -0.0, 0.1};
+        trajectory.samples.push_back(s);
+    }
+    trajectory.status = Status::failed, trajectory.message = "stopped";
+    const TrajectoryFile file = parse_trajectory(trajectory_csv(trajectory), "solved");
+    ASSERT_EQ(file.rows.size(), 3u);
+    EXPECT_TRUE(file.has_angular_velocity && file.has_position && file.has_velocity && !file.has_origin);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Sample& s = trajectory.samples[k];
+        EXPECT_EQ(file.rows[k], (TrajectoryRow{s.t, s.q, angular_velocity_W(s), s.position_W, s.velocity_W}));
+    }
+    EXPECT_TRUE(std::signbit(file.rows[0].velocity_W[1]));
+}
+
+TEST(TrajectoryFile, TakesColumnsByNameInAnyOrder) {
+    const TrajectoryFile file = parse_trajectory("qz,ox,t,oy,qw,oz,qx,qy,bound\n4,5,0.5,6,1,7,2,3,1e-17\n", "f");
+    ASSERT_EQ(file.rows.size(), 1u);
+    EXPECT_TRUE(file.has_origin && !file.has_position && !file.has_velocity && !file.has_angular_velocity);
+    EXPECT_EQ(file.rows[0], (TrajectoryRow{0.5, {1, 2, 3, 4}, {}, {5, 6, 7}, {}}));
+}
+
+TEST(TrajectoryFile, TakesWhatOtherProgramsWrite) {
+    const TrajectoryFile plain = parse_trajectory("t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n", "f");
+    for (const char* text : {
+             "\xef\xbb\xbft,qw,qx,qy,qz\r\n0,1,0,0,0\r\n1,0,1,0,0\r\n",                // as spreadsheets save it
+             "# by hand\nt, qw, qx,\tqy , qz\n 0, 1, 0, 0, 0\n# half-way\n1,0,1,0,0",  // spaces, comments, no last \n
+             "t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n\n \r\n",                           // blank lines at the end
+             "t,qw,qx,qy,qz\n+0.0,1.,0e5,.0,00\n1e0,0,10E-1,0,0\n",                    // decimals in other words
+             "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // too small is nearest to zero
+         })
+        EXPECT_EQ(parse_trajectory(text, "f"), plain) << text;
+}
+
+TEST(TrajectoryFile, NumbersAreTheNearestBinary64) {
+    const auto time = [](const std::string& decimal) {
+        return parse_trajectory("t,qw,qx,qy,qz\n" + decimal + ",1,0,0,0\n", "f").rows[0].t;
+    };
+    EXPECT_EQ(time("0.1"), 0x1.999999999999ap-4);
+    EXPECT_EQ(time("0.1000000000000000055511151231257827021181583404541015625"), 0.1);
+    EXPECT_EQ(time("9007199254740993.0000000000000000000001"), 0x1p53 + 2);
+    EXPECT_EQ(time("3e-324"), 5e-324);
+    EXPECT_EQ(time("1.7976931348623158e308"), std::numeric_limits<double>::max());
+    EXPECT_EQ(time("0.0000000000000000000000000000001e31"), 1);
+    // a locale with a decimal comma changes nothing
+    for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE"})
+        if (std::setlocale(LC_ALL, name) != nullptr) {
+            EXPECT_EQ(time("0.5"), 0.5);
+        }
+    std::setlocale(LC_ALL, "C");
+}
+
+TEST(TrajectoryFile, MessagesTellWhereAndWhat) {
+    EXPECT_EQ(fault_of("t,qw,qx,qy,qz\n0,1,0,0,0\n1,1,nan,0,0\n"),
+              "run.csv: line 3, column qx: nan is not finite; give a finite number");
+    EXPECT_EQ(fault_of("t,qw,qx,qy,qs\n"),
+              "run.csv: line 1, column 5: is named qs; known columns: t, qw, qx, qy, qz, "
+              "wx, wy, wz, px, py, pz, ox, oy, oz, vx, vy, vz, bound");
+    EXPECT_EQ(fault_of("t,qw,qx,qy,qz\n# c\n0.5,1,0,0,0\n0.5,1,0,0,0\n"),
+              "run.csv: line 4, column t: 0.5 s does not come after the 0.5 s of the sample before; give each time "
+              "once, in order");
+    EXPECT_EQ(fault_of("t,qw,qx,qy,qz,wx\n"), "run.csv: line 1: column wy is missing; give all of wx,wy,wz, or none");
+}
+
+TEST(BadTrajectories, EachIsRefusedInOneLineThatNamesFilePlaceAndRemedy) {
+    for (const BadFile& bad : bad_files("motion", ".csv")) {
+        std::string message;
+        try {
+            read_trajectory(bad.path);
+        } catch (const InputError& error) {
+            message = error.what();
+        }
+        expect_one_line(bad, message);
+    }
+    EXPECT_GE(bad_files("motion", ".csv").size(), 50u);
+    expect_whole_catalogue("motion", ".csv");
+}
+
+TEST(BadTrajectories, FilesThatCannotBeReadAreNamed) {
+    for (const char* path : {"/nowhere/run.csv", POLHODE_SOURCE_DIR}) {
+        try {
+            read_trajectory(path);
+            FAIL() << path;
+        } catch (const InputError& error) {
+            EXPECT_EQ(std::string(error.what()).find(path), 0u);
+            EXPECT_NE(std::string(error.what()).find("give the path of a readable CSV file"), std::string::npos);
+        }
+    }
+}
+
+// a quarter turn about z: the body's x is the world's y
+TEST(SamplesOf, TurnsRatesAndMovesTheOrigin) {
+    TrajectoryFile file;
+    file.has_angular_velocity = file.has_origin = true;
+    file.rows = {{0, {3, 0, 0, 3}, {0, 2, 5}, {10, 20, 30}, {}}};
+    const std::vector<Sample> samples = samples_of(file, {1, 0, 0.5});
+    ASSERT_EQ(samples.size(), 1u);
+    EXPECT_EQ(samples[0].angular_velocity_B, Vector3<double>(2, 0, 5));
+    EXPECT_EQ(samples[0].position_W, Vector3<double>(10, 21, 30.5));
+    EXPECT_EQ(samples[0].q, (Quaternion<double>{3, 0, 0, 3}));
+}
+
+}  // namespace
+}  // namespace polhode

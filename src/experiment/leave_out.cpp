@@ -23,8 +23,8 @@ std::vector<Point> points_of(const std::vector<Result>& results, const PlannedSc
     return points;
 }
 
-// log(seconds) where log(error) has this value, by least squares through the curve; the mean time of a curve that
-// does not spread over a factor of three in error
+// Seconds at this error, by a least-squares line through log time over log error; not beyond the curve's own errors,
+// and the mean time of a curve that does not spread over a factor of three.
 std::optional<double> seconds_at(const std::vector<Point>& points, double log_error) {
     if (points.empty()) return {};
     const double n = static_cast<double>(points.size());
@@ -37,7 +37,7 @@ std::optional<double> seconds_at(const std::vector<Point>& points, double log_er
     const auto [low, high] = std::minmax_element(
         points.begin(), points.end(), [](const Point& a, const Point& b) { return a.log_error < b.log_error; });
     if (high->log_error - low->log_error < std::log(3.0)) return std::exp(y);
-    return std::exp(y + xy / xx * (log_error - x));
+    return std::exp(y + xy / xx * (std::clamp(log_error, low->log_error, high->log_error) - x));
 }
 
 // geometric mean over the settings of the error of the one over that of the other

@@ -30,6 +30,33 @@ Table for_people(const Table& table) {
                           {"message", "message"}});
 }
 
+const std::vector<ColumnChoice> gain_for_people{{"scene", "scene"},
+                                                {"method", "method"},
+                                                {"setting_kind", "setting"},
+                                                {"variables", "variables"},
+                                                {"attitude_error", "attitude error (rad)"},
+                                                {"seconds_as_written", "full (s)"},
+                                                {"seconds_principal_frame", "full, principal frame (s)"},
+                                                {"seconds_reduced", "reduced (s)"},
+                                                {"gain", "gain"},
+                                                {"error_ratio", "error at equal settings"},
+                                                {"left_out", "left out"}};
+
+const std::vector<ColumnChoice> growth_for_people{{"scene", "scene"},
+                                                  {"evaluations_per_revolution", "evaluations a revolution"},
+                                                  {"method", "method"},
+                                                  {"setting_kind", "setting"},
+                                                  {"setting", "value"},
+                                                  {"energy_error", "energy"},
+                                                  {"energy_exponent", "energy, exponent"},
+                                                  {"momentum_error", "momentum"},
+                                                  {"momentum_exponent", "momentum, exponent"},
+                                                  {"attitude_error", "attitude (rad)"},
+                                                  {"attitude_exponent", "attitude, exponent"},
+                                                  {"norm_error", "norm"},
+                                                  {"norm_exponent", "norm, exponent"},
+                                                  {"message", "message"}};
+
 void write_table(const Table& full, const Table& short_form, const std::string& caption, const std::string& path,
                  const std::string& name) {
     write_atomically(path + ".csv", csv(full));
@@ -130,8 +157,10 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
     write_table(full, for_people(full), caption, base, name);
 
     // a second table of what the rows say
-    const auto write_finding = [&](const char* word, const Table& table, const char* title) {
-        write_table(table, table, title + (": " + caption), base + "_" + word, name + "_" + word);
+    const auto write_finding = [&](const char* word, const Table& table, const char* title,
+                                   const std::vector<ColumnChoice>& choices = {}) {
+        write_table(table, choices.empty() ? table : select(table, choices), fmt::format("{}: {}", title, caption),
+                    base + "_" + word, name + "_" + word);
     };
     std::vector<NamedFigure> figures;
     switch (plan.experiment.kind) {
@@ -152,10 +181,10 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
             figures = tolerance_figures(plan, results);
             break;
         case Kind::leave_out:
-            write_finding("gain", gain_table(plan, results), "What leaving out is worth");
+            write_finding("gain", gain_table(plan, results), "What leaving out is worth", gain_for_people);
             break;
         case Kind::conservation:
-            write_finding("growth", growth_table(plan, results), "Growth of errors");
+            write_finding("growth", growth_table(plan, results), "Growth of errors", growth_for_people);
             figures = conservation_figures(plan, results);
             break;
     }

@@ -15,7 +15,8 @@ class ArkodeFixedStepper {
     void step(double t, double h) {
         if (!failed()) note(session_.fixed_step(t, h));
     }
-    Sample sample(double) const { return session_.sample(); }
+    // at the time that the caller says it is: its sum of steps may round otherwise
+    Sample sample(double t) const { return session_.sample_at(t); }
     bool finite() const {
         double sum = 0;
         for (int i = 0; i < SystemType::dimension; ++i) sum += session_.y()[i] * 0;

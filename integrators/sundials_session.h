@@ -42,7 +42,10 @@ class SundialsSession {
     double* y() { return Vector::data(state_.get()); }
 
     /// The motion at time(), as the solver left it.
-    Sample sample() { return sample_of<SystemType>(*problem_, t_, y()); }
+    Sample sample() { return sample_at(t_); }
+
+    /// The same where the caller keeps the time: time() may differ from t by rounding.
+    Sample sample_at(double t) { return sample_of<SystemType>(*problem_, t, y()); }
 
     /// The time at which the right-hand side was not finite, since restart().
     std::optional<double> not_finite_at() const { return not_finite_at_; }

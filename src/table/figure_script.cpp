@@ -5,39 +5,17 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
-#include <stdexcept>
 
 #include "table/axis.h"
 #include "table/curve_style.h"
 #include "table/decimal.h"
 #include "table/figure.h"
 #include "table/figure_layout.h"
+#include "table/gnuplot_terminal.h"
 
 namespace polhode {
 
 namespace {
-
-/// A string in double quotes in which nothing has a meaning: no escape, no command substitution, no end.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7f || c == '"' || c == '\\' || c == '`') {
-            out += fmt::format("\\{:03o}", byte);
-        } else {
-            out += c;
-        }
-    }
-    return out + '"';
-}
-
-/// Text in a picture: on one line.
-std::string quoted_line(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    }
-    return quoted(text);
-}
 
 struct Point {
     double x = 0, y = 0;
@@ -57,11 +35,10 @@ std::vector<Point> drawable_points(const Panel& panel, const Curve& curve) {
 class Script {
   public:
     Script(const Figure& figure, const std::string& terminal, const std::string& path)
-        : figure_(figure), layout_(layout_of(figure)), svg_(terminal == "svg") {
-        if (!svg_ && terminal != "pdf") {
-            throw std::invalid_argument(fmt::format("a figure's terminal is svg or pdf, not '{}'", terminal));
-        }
-        open(path);
+        : figure_(figure), layout_(layout_of(figure)), terminal_(terminal) {
+        text = terminal_.opening(layout_.width, layout_.height, text_size, path);
+        line("set multiplot");
+        line("unset key");
         for (std::size_t i = 0; i < figure.panels.size(); ++i) panel(i);
         page();
         line("unset multiplot");
@@ -73,34 +50,12 @@ class Script {
   private:
     void line(const std::string& command) { text += command + '\n'; }
 
-    /// In the terminal's unit: pixels of 1/96 inch in SVG, as in CSS; 4/3 points in PDF, where Pango assumes 96 an
-    /// inch.
-    double font_size(double points) const { return svg_ ? std::round(points * 40 / 3) / 10 : points * 3 / 4; }
-    std::string font(double points) const { return fmt::format("\",{:g}\"", font_size(points)); }
+    std::string font(double points) const { return terminal_.font(points); }
+    double line_width(double points) const { return terminal_.line_width(points); }
     /// The terminals draw circles and squares smaller than the other markers, by shares of their own.
     double point_size(int marker) const {
         const bool small = marker <= 7;
-        return svg_ ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
-    }
-    double line_width(double points) const { return svg_ ? points * 4 / 3 : points * 3; }
-
-    void open(const std::string& path) {
-        line("set encoding utf8");
-        if (svg_) {
-            line(
-                fmt::format("set terminal svg size {:.0f},{:.0f} dynamic enhanced background \"white\" "
-                            "font \"DejaVu Sans,Verdana,sans-serif,{:g}\" linewidth 1",
-                            layout_.width * 4 / 3, layout_.height * 4 / 3, font_size(text_size)));
-        } else {
-            line(
-                fmt::format("set terminal pdfcairo size {:.4f}in,{:.4f}in enhanced font \"DejaVu Sans,{:g}\" "
-                            "fontscale 1 linewidth 0.5 rounded",
-                            layout_.width / 72, layout_.height / 72, font_size(text_size)));
-        }
-        // a leading | would be a command to gnuplot, a leading ~ the home directory
-        if (!path.empty()) line("set output " + quoted(path.front() == '/' ? path : "./" + path));
-        line("set multiplot");
-        line("unset key");
+        return terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
     }
 
     std::string on_page(double x, double y) const {
@@ -134,8 +89,8 @@ class Script {
         const double middle = (plot.left + plot.right) / 2;
         const auto label = [&](const std::string& words, double x, double y, const std::string& style, double size) {
             if (words.empty()) return;
-            line(fmt::format("set label {} at {} center {} noenhanced front font {}", quoted_line(words), on_page(x, y),
-                             style, font(size)));
+            line(fmt::format("set label {} at {} center {} noenhanced front font {}", gnuplot_quoted_line(words),
+                             on_page(x, y), style, font(size)));
         };
         label(panel.title, middle, plot.top - 8, "", title_size);
         label(panel.x_label, middle, plot.bottom + 21, "", text_size);
@@ -265,8 +220,8 @@ class Script {
         frame({0, 0, layout_.width, layout_.height});
         line("unset border");
         const auto label = [&](const std::string& words, double x, double y, const char* place, double size) {
-            line(fmt::format("set label {} at {} {} noenhanced font {}", quoted_line(words), on_page(x, y), place,
-                             font(size)));
+            line(fmt::format("set label {} at {} {} noenhanced font {}", gnuplot_quoted_line(words), on_page(x, y),
+                             place, font(size)));
         };
         if (!figure_.title.empty()) label(figure_.title, layout_.width / 2, 10, "center", figure_title_size);
         // the lines of the legend are plotted: the SVG terminal runs arrows of one colour into one dash pattern
@@ -312,7 +267,7 @@ class Script {
 
     const Figure& figure_;
     const FigureLayout layout_;
-    const bool svg_;
+    const GnuplotTerminal terminal_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <string_view>
 #include <thread>
 
 namespace polhode {
@@ -59,6 +60,19 @@ bool ended_in_time(pid_t process, std::chrono::milliseconds time_limit, int& sta
     return false;
 }
 
+/// Cairo writes the time of day into a PDF's /CreationDate (D:yyyymmddhhmmssZ): the date
+/// becomes the epoch.
+void clear_creation_date(std::string& pdf) {
+    const std::string_view key = "/CreationDate (D:";
+    const std::size_t place = pdf.rfind(key);
+    if (place == std::string::npos) return;
+    const std::string_view epoch = "19700101000000";
+    std::size_t i = place + key.size();
+    for (const char digit : epoch) {
+        if (i < pdf.size() && pdf[i] >= '0' && pdf[i] <= '9') pdf[i++] = digit;
+    }
+}
+
 }  // namespace
 
 GnuplotRun run_gnuplot(const std::string& script, std::chrono::milliseconds time_limit) {
@@ -90,6 +104,17 @@ GnuplotRun run_gnuplot(const std::string& script, std::chrono::milliseconds time
     if (WIFSIGNALED(status)) return {"", fmt::format("gnuplot was ended by signal {}: {}", WTERMSIG(status), said)};
     if (WEXITSTATUS(status) != 0) return {"", fmt::format("gnuplot failed ({}): {}", WEXITSTATUS(status), said)};
     return {content(output.get()), ""};
+}
+
+GnuplotRun gnuplot_picture(const std::string& script, const std::string& terminal,
+                           std::chrono::milliseconds time_limit) {
+    GnuplotRun run = run_gnuplot(script, time_limit);
+    if (!run.fault.empty()) return run;
+    const bool svg = terminal == "svg";
+    if (run.output.find(svg ? "</svg>" : "%%EOF") == std::string::npos)
+        return {"", svg ? "gnuplot wrote no complete SVG" : "gnuplot wrote no complete PDF"};
+    if (!svg) clear_creation_date(run.output);
+    return run;
 }
 
 }  // namespace polhode

@@ -49,11 +49,12 @@ double damping_number(const Problem& problem) {
 }
 constexpr int usual_digits = 25;
 constexpr double stiff_damping_number = 3000;
+bool is_stiff(const Problem& problem) { return damping_number(problem) > stiff_damping_number; }
 
 Attempt attempted(const Problem& problem, const std::vector<double>& times, double local_digits) {
     // the arithmetic carries at least six digits more than a step does
     const bool narrow = local_digits <= 44;
-    if (damping_number(problem) > stiff_damping_number)
+    if (is_stiff(problem))
         return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
                       : truth::attempt_by_collocation<100>(problem, times, local_digits);
     return narrow ? truth::attempt_by_taylor<50>(problem, times, local_digits)
@@ -122,6 +123,11 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
     if (samples > 0 && times == times_of(timed, samples)) return reference(timed, samples, digits);
     if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
     return found(timed, truth::cache_key(timed, times, digits), times, digits).reference;
+}
+
+std::string_view truth_method(const Problem& problem) {
+    if (problem.needs.user_torque) return "none";
+    return is_stiff(problem) ? "collocation" : "Taylor series";
 }
 
 Reference reference(const Scene& scene, long samples, int digits) {

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "motion/problem.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
 
@@ -21,6 +23,10 @@ Reference reference(const Scene& scene, long samples, int digits = 25);
 /// The same at times of the caller's own (s), increasing from 0 or later. The run lasts to the last of them, also
 /// beyond the scene's duration. Throws std::invalid_argument where the times are none or not in order.
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25);
+
+/// What makes the truth of a posed scene: "Taylor series", "collocation" where the motion is stiff, "none" with a
+/// user's own torque.
+std::string_view truth_method(const Problem& problem);
 
 /// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, to the digits asked for.
 using DecimalColumns = std::array<std::string, 13>;

@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/lookup.h"
+#include "app/polhode_picture.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
+#include "table/atomic_file.h"
 
 namespace polhode {
 namespace {
@@ -43,6 +46,30 @@ std::string describe(const std::string& name) {
     }
 }
 
+// an empty value is a slip of a script's, not a wish for the default
+std::string not_empty(const std::string& value) { return value.empty() ? "is empty" : ""; }
+
+// The scene's polhode to a file. Returns the exit code.
+int draw(const std::string& name, const std::string& path) {
+    if (!path.ends_with(".svg") && !path.ends_with(".pdf"))
+        throw UsageError(fmt::format("--picture: {} ends neither in .svg nor in .pdf; give one that does", path));
+    if (name == "auto" || find_method(name))
+        throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
+    try {
+        require_writable(path);
+    } catch (const std::runtime_error& error) {
+        throw UsageError(error.what());
+    }
+    const Scene scene = find_scene(name);
+    const PolhodeCurve polhode = polhode_curve(pose(scene));
+    std::string fault = polhode.fault;
+    if (fault.empty() && polhode.energy == 0) fault = "the body never turns";
+    if (fault.empty()) fault = draw_polhode(polhode, one_line(scene.name, 60), path);
+    if (fault.empty()) return 0;
+    std::fputs(fmt::format("polhode: no picture: {}\n", one_line(fault, 500)).c_str(), stderr);
+    return 1;
+}
+
 }  // namespace
 
 std::string describe_method(const Method& method) {
@@ -57,13 +84,27 @@ std::string describe_method(const Method& method) {
     return description;
 }
 
-void add_describe(CLI::App& program, int&) {
+void add_describe(CLI::App& program, int& exit_code) {
+    struct Options {
+        std::string name, output, picture;
+    };
     CLI::App* command = program.add_subcommand(
         "describe",
-        "Describes a scene (mass properties, system posed, what was left out, invariants, conditioning) or a method.");
-    const auto name = std::make_shared<std::string>();
-    command->add_option("NAME", *name, "A built-in scene, a scene file or a method")->required();
-    command->callback([name] { write_output("", describe(*name)); });
+        "Describes a scene (mass properties, system posed, what was left out, invariants, conditioning, polhode) or a "
+        "method.");
+    const auto options = std::make_shared<Options>();
+    command->add_option("NAME", options->name, "A built-in scene, a scene file or a method")->required();
+    command->add_option("--output", options->output, "File to write, in place of stdout")->check(not_empty, "");
+    command
+        ->add_option("--picture", options->picture,
+                     "Draws a scene's polhode on its inertia ellipsoid, in 3D by gnuplot, to this .svg or .pdf file; "
+                     "no page is printed unless --output is given too")
+        ->check(not_empty, "");
+    command->callback([options, &exit_code] {
+        if (!options->picture.empty()) exit_code = draw(options->name, options->picture);
+        if (options->picture.empty() || !options->output.empty())
+            write_output(options->output, describe(options->name));
+    });
 }
 
 }  // namespace polhode

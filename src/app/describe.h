@@ -8,7 +8,8 @@
 
 namespace polhode {
 
-/// Mass properties, start, loads, the system posed, what was left out and why, invariants, conditioning at T.
+/// Mass properties, start, loads, the system posed, what was left out and why, invariants, conditioning at T,
+/// and the polhode drawn in characters.
 std::string describe_scene(const Scene& scene);
 
 /// Name, documentation, control, order, what it conserves, source.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/describe.h"
+#include "app/polhode_picture.h"
 #include "integrators/method.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
@@ -220,6 +221,31 @@ void conditioning(Report& report, const Problem& problem) {
                 fmt::format("attitudes at T to {:.1g} rad at best", std::max(by_attitude, by_rate) * 0x1p-53));
 }
 
+void polhode_drawing(Report& report, const Problem& problem) {
+    report.title("Polhode: the angular velocity in principal axes");
+    const PolhodeCurve polhode = polhode_curve(problem);
+    if (!polhode.fault.empty()) {
+        report.line("not drawn: " + polhode.fault);
+        return;
+    }
+    if (polhode.energy == 0) {
+        report.line("none: the body never turns");
+        return;
+    }
+    const auto rounded = [](const Vector3<double>& v) {
+        return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
+    };
+    report.line("ellipsoid", fmt::format("2 E = I1 w1^2 + I2 w2^2 + I3 w3^2, E = {:.6g} J{}", polhode.energy,
+                                         polhode.energy_of_start ? " at t = 0" : ", the largest"));
+    report.line("its semi-axes", rounded(polhode.semi_axes) + " rad/s");
+    report.line("shown", fmt::format("0 s to {:.4g} s{}", polhode.until,
+                                     polhode.closed  ? ", once round"
+                                     : !polhode.free ? "; off the ellipsoid where a torque or an impulse takes it"
+                                                     : ""));
+    report.line("signs", "solid in front, dotted behind; sparse the ellipsoid's outline; o the start");
+    for (const std::string& line : polhode_text(polhode)) report.line(line);
+}
+
 }  // namespace
 
 std::string describe_scene(const Scene& scene) {
@@ -239,6 +265,7 @@ std::string describe_scene(const Scene& scene) {
     system_posed(report, problem);
     invariants(report, problem);
     conditioning(report, problem);
+    polhode_drawing(report, problem);
     return report.text();
 }
 

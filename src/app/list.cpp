@@ -8,6 +8,7 @@
 
 #include "app/commands.h"
 #include "app/lookup.h"
+#include "app/scene_index.h"
 #include "integrators/method.h"
 #include "scene/builtin.h"
 #include "scene/json_document.h"
@@ -97,7 +98,7 @@ const char* name_of(Control control) {
     return "step or tolerance";
 }
 
-// README's table of methods; the others have no more than name and about
+// README's table of methods, the catalogue's of scenes; the others have no more than name and about
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
     Table table{{"name", "about"}, {}};
     if (what == "methods") {
@@ -107,6 +108,8 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
                                   method->order > 0 ? Cell(long(method->order)) : Cell(),
                                   std::string(method->conserves), first_sentence(method->documentation)});
         }
+    } else if (what == "scenes") {
+        table = scene_index();
     } else {
         for (const Entry& entry : entries) table.rows.push_back({entry.name, entry.about});
     }

@@ -179,11 +179,47 @@ TEST_F(Program, ListsAsTextAndAsJson) {
     EXPECT_NE(run({"list", "metrics"}).out.find("attitude_error_max"), std::string::npos);
 }
 
+TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
+    const Outcome listed = run({"list", "scenes", "--format", "markdown"});
+    EXPECT_EQ(listed.exit_code, 0) << listed.err;
+    EXPECT_EQ(lines(listed.out), static_cast<long>(builtin_scene_names().size()) + 2);
+    const std::string index = read(fs::path(POLHODE_SOURCE_DIR) / "experiments/scenes/README.md");
+    EXPECT_TRUE(index.ends_with("\n\n" + listed.out)) << "run experiments/update_readme";
+}
+
+TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {
+    const Outcome page = run({"describe", "free_asymmetric"});
+    const Outcome to_file = run({"describe", "free_asymmetric", "--output", "page.txt"});
+    EXPECT_EQ(to_file.exit_code, 0) << to_file.err;
+    EXPECT_EQ(to_file.out, "");
+    EXPECT_EQ(read(directory / "page.txt"), page.out);
+    for (const char* name : {"polhode.svg", "polhode.pdf"}) {
+        const Outcome drawn = run({"describe", "free_asymmetric", "--picture", name});
+        EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+        EXPECT_EQ(drawn.out + drawn.err, "");
+        const std::string first = read(directory / name);
+        EXPECT_EQ(run({"describe", "free_asymmetric", "--picture", name}).exit_code, 0);
+        EXPECT_EQ(read(directory / name), first) << "other bytes";
+    }
+    EXPECT_NE(read(directory / "polhode.svg").find("</svg>"), std::string::npos);
+    EXPECT_NE(read(directory / "polhode.svg").find("free_asymmetric"), std::string::npos);
+    for (const auto& entry : fs::directory_iterator(directory)) fs::remove(entry);
+    expect_refused({"describe", "free_asymmetric", "--picture", "polhode.png"}, ".svg");
+    expect_refused({"describe", "free_asymmetric", "--picture", ""}, "--picture");
+    expect_refused({"describe", "free_asymmetric", "--picture", "no/such/directory.svg"}, "No such file");
+    expect_refused({"describe", "cvode_adams", "--picture", "polhode.svg"}, "method");
+    const Outcome rest = run({"describe", "at_rest", "--picture", "polhode.svg"});
+    EXPECT_EQ(rest.exit_code, 1);
+    EXPECT_NE(rest.err.find("never turns"), std::string::npos) << rest.err;
+    EXPECT_TRUE(fs::is_empty(directory));
+}
+
 TEST_F(Program, DescribesEverySceneAndMethod) {
     for (const std::string& name : builtin_scene_names()) {
         const Outcome outcome = run({"describe", name});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        for (const char* part : {"Mass properties", "System posed", "Left out, and why", "Invariants", "Conditioning"})
+        for (const char* part :
+             {"Mass properties", "System posed", "Left out, and why", "Invariants", "Conditioning", "Polhode"})
             EXPECT_NE(outcome.out.find(part), std::string::npos) << name << ": " << part;
     }
     for (const Method* method : methods()) {

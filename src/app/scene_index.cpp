@@ -1,0 +1,66 @@
+#include "app/scene_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "integrators/truth/reference.h"
+#include "motion/problem.h"
+#include "scene/message.h"
+#include "scene/scene_file.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+// four digits: the file has the rest
+std::string short_number(double value) { return shortest_decimal(std::stod(fmt::format("{:.3e}", value))); }
+
+std::string body_of(const Problem& problem) {
+    const Vector3<double>& I = problem.principal.moments;
+    const char* symmetry = problem.needs.symmetry == Symmetry::spherical   ? "spherical"
+                           : problem.needs.symmetry == Symmetry::symmetric ? "symmetric"
+                                                                           : "asymmetric";
+    return fmt::format("{}: {}, {}, {}", symmetry, short_number(I[0]), short_number(I[1]), short_number(I[2]));
+}
+
+struct LoadName {
+    const char* operator()(const Gravity&) const { return "gravity"; }
+    const char* operator()(const Torque&) const { return "torque"; }
+    const char* operator()(const Force&) const { return "force"; }
+    const char* operator()(const Impulse&) const { return "impulse"; }
+    const char* operator()(const Drag&) const { return "drag"; }
+    const char* operator()(const Spring&) const { return "spring"; }
+    const char* operator()(const UserTorque&) const { return "torque of the user's own"; }
+};
+
+// each kind once, in file order
+std::string loads_of(const Scene& scene) {
+    std::vector<std::string> names;
+    for (const Load& load : scene.loads) {
+        const std::string name = std::visit(LoadName{}, load);
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+Table scene_index() {
+    Table table{{"name", "about", "duration (s)", "principal moments (kg m^2)", "about point", "loads", "system posed",
+                 "variables", "truth", "source"},
+                {}};
+    for (const std::string& name : builtin_scene_names()) {
+        const Scene scene = find_scene(name);
+        const Problem problem = pose(scene);
+        table.rows.push_back({name, scene.about, short_number(scene.duration), body_of(problem),
+                              std::string(scene.pivot ? "pivot" : "centre of mass"), loads_of(scene),
+                              std::string(name_of(problem.needs.system)), long(problem.needs.dimension),
+                              std::string(truth_method(problem)), scene.source});
+    }
+    return table;
+}
+
+}  // namespace polhode

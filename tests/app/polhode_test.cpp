@@ -160,11 +160,10 @@ TEST(PolhodeView, DrawsThinEllipsoidsThreeToOne) {
 }
 
 TEST(PolhodeText, FitsATerminalAndMarksTheStartInBothViews) {
-    for (const std::string& name : builtin_scene_names()) {
+    for (const char* name : {"free_asymmetric", "explorer_1", "sphere", "lagrange_top", "chaotic_top", "struck_bar"}) {
         SCOPED_TRACE(name);
-        const PolhodeCurve polhode = curve_of(name.c_str());
+        const PolhodeCurve polhode = curve_of(name);
         ASSERT_EQ(polhode.fault, "");
-        if (polhode.energy == 0) continue;
         const std::vector<std::string> drawing = polhode_text(polhode);
         ASSERT_EQ(drawing.size(), 18u);
         long starts = 0;

@@ -33,6 +33,22 @@ bool any_cut(const Figure& figure) {
     return false;
 }
 
+// A picture of more panels than a page holds becomes several: NAME_1, NAME_2, ..
+std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const Figure& whole) {
+    constexpr std::size_t page = 12;
+    std::vector<NamedFigure> pages;
+    for (std::size_t begin = 0; begin < whole.panels.size(); begin += page) {
+        const std::size_t end = std::min(begin + page, whole.panels.size());
+        Figure figure = whole;
+        figure.panels.assign(whole.panels.begin() + static_cast<long>(begin),
+                             whole.panels.begin() + static_cast<long>(end));
+        figure.note = figure_note(plan, any_cut(figure));
+        const bool single = whole.panels.size() <= page;
+        pages.push_back({single ? name : fmt::format("{}_{}", name, begin / page + 1), std::move(figure)});
+    }
+    return pages;
+}
+
 Figure error_against_setting(const Plan& plan, const std::vector<Result>& results, SettingKind kind,
                              std::optional<double> Errors::*error, const char* label) {
     const bool step = kind == SettingKind::step;
@@ -52,7 +68,6 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
                     [&](const Result& r) { return r.errors.*error; }));
         figure.panels.push_back(std::move(panel));
     }
-    figure.note = figure_note(plan, any_cut(figure));
     return figure;
 }
 
@@ -94,8 +109,7 @@ std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vec
                 [](const Result& r) { return r.errors.attitude_max; }));
         figure.panels.push_back(std::move(panel));
     }
-    figure.note = figure_note(plan, any_cut(figure));
-    return {{plan.experiment.name, std::move(figure)}};
+    return paged(plan.experiment.name, plan, figure);
 }
 
 std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector<Result>& results) {
@@ -105,16 +119,19 @@ std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector
     };
     std::vector<NamedFigure> figures;
     for (const SettingKind kind : {SettingKind::step, SettingKind::tolerance})
-        if (has(kind))
-            figures.push_back({fmt::format("{}_{}", plan.experiment.name, name_of(kind)),
-                               error_against_setting(plan, results, kind, &Errors::attitude_final,
-                                                     "attitude error at the end (rad)")});
+        if (has(kind)) {
+            const Figure whole =
+                error_against_setting(plan, results, kind, &Errors::attitude_final, "attitude error at the end (rad)");
+            for (NamedFigure& page : paged(fmt::format("{}_{}", plan.experiment.name, name_of(kind)), plan, whole))
+                figures.push_back(std::move(page));
+        }
     return figures;
 }
 
 std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results) {
-    return {{plan.experiment.name, error_against_setting(plan, results, SettingKind::tolerance, &Errors::attitude_max,
-                                                         "largest attitude error (rad)")}};
+    return paged(plan.experiment.name, plan,
+                 error_against_setting(plan, results, SettingKind::tolerance, &Errors::attitude_max,
+                                       "largest attitude error (rad)"));
 }
 
 }  // namespace polhode

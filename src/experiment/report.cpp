@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
 
 #include "experiment/provenance.h"
 #include "integrators/versions.h"
@@ -63,6 +66,24 @@ void write_table(const Table& full, const Table& short_form, const std::string& 
     write_atomically(path + ".json", json(full));
     write_atomically(path + ".md", markdown(short_form));
     write_atomically(path + ".tex", latex(short_form, caption, "tab:" + name));
+}
+
+// drift.csv is shared by all experiments of this kind: the rows of the others stay.
+void write_drift(const std::string& directory, const std::string& experiment, const std::vector<Result>& results) {
+    const std::filesystem::path path = std::filesystem::path(directory) / "drift.csv";
+    Table table = drift_table(experiment, results);
+    std::ifstream file(path, std::ios::binary);
+    try {
+        const Table old = parse_csv(std::string(std::istreambuf_iterator<char>(file), {}));
+        if (old.columns == table.columns)
+            for (const auto& row : old.rows)
+                if (text_of(row.back()) != experiment) table.rows.push_back(row);
+    } catch (const std::invalid_argument&) {
+        // none there yet, or none of ours
+    }
+    std::stable_sort(table.rows.begin(), table.rows.end(),
+                     [](const auto& a, const auto& b) { return text_of(a.back()) < text_of(b.back()); });
+    write_atomically(path.string(), csv(table));
 }
 
 }  // namespace
@@ -173,7 +194,7 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
             figures = convergence_figures(plan, results);
             break;
         case Kind::drift:
-            write_atomically((std::filesystem::path(directory) / "drift.csv").string(), csv(drift_table(results)));
+            write_drift(directory, name, results);
             figures = drift_figures(plan, results);
             break;
         case Kind::tolerance:

@@ -149,13 +149,15 @@ ErrorSeries series_of(const Table& table) {
     return s;
 }
 
-Table drift_table(const std::vector<Result>& results) {
+Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
     Table table{{"scene", "method", "setting"}, {}};
     table.columns.insert(table.columns.end(), series_columns.begin(), series_columns.end());
+    table.columns.push_back("experiment");
     for (const Result& r : results)
         for (const std::vector<Cell>& line : series_table(r.series).rows) {
             std::vector<Cell> row{r.scene, r.method, r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
             row.insert(row.end(), line.begin(), line.end());
+            row.push_back(experiment);
             table.rows.push_back(std::move(row));
         }
     return table;

@@ -37,8 +37,8 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& result);
 /// The result that row_of() wrote. Throws std::invalid_argument where a cell cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
-/// drift.csv: scene, method, setting, t and the five errors.
-Table drift_table(const std::vector<Result>& results);
+/// drift.csv: scene, method, setting, t and the five errors, then the experiment.
+Table drift_table(const std::string& experiment, const std::vector<Result>& results);
 
 /// The series of one case, without its scene, method and setting; and back.
 Table series_table(const ErrorSeries& series);

@@ -223,6 +223,30 @@ TEST_F(Sweep, WritesTablesPicturesAndProvenance) {
         EXPECT_NE(text("provenance.json").find(key), std::string::npos) << key;
 }
 
+TEST_F(Sweep, DriftExperimentsShareTheirFile) {
+    const auto drift = [&](const std::string& name, const std::string& method) {
+        const Experiment e =
+            parse_experiment(R"({"name": ")" + name + R"(", "kind": "drift", "scenes": ["symmetric"], "methods": [")" +
+                                 method + R"("], "settings": {"steps": [0.1]}, "samples": 4,
+                                                  "vary": {"/duration": [1]}})",
+                             "t.json");
+        const Plan p = make_plan(e, "t.json", false);
+        run_sweep(p, options_);
+        write_report(p, finished_results(p, options_.directory), options_.directory, "polhode run", false);
+        std::ifstream file(fs::path(options_.directory) / "drift.csv", std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    drift("b", "odeint_rk4");
+    const std::string both = drift("a", "odeint_dopri5");
+    EXPECT_EQ(drift("b", "odeint_rk4"), both);  // neither twice nor lost
+    const Table table = parse_csv(both);
+    ASSERT_EQ(table.rows.size(), 10U);
+    EXPECT_EQ(text_of(table.rows[0].back()), "a");
+    EXPECT_EQ(text_of(table.rows[0][1]), "odeint_dopri5");
+    EXPECT_EQ(text_of(table.rows[5].back()), "b");
+    EXPECT_EQ(table.columns[4], "attitude_error");
+}
+
 TEST(Result, RowsReadBack) {
     Result r;
     r.scene = "a,\"b\"", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 1e-7;

@@ -99,6 +99,8 @@ void measure_errors(const Experiment& experiment, const Problem& problem, const 
         result.status = Status::failed, result.cut = true, result.errors = {};
         result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
     }
+    // how far it came before a limit depends on the machine
+    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset();
     result.seconds_min = trajectory.seconds;
     c.result = std::move(result);
 }

@@ -78,7 +78,7 @@ struct Plan {
 
 /// Resolves names and patterns and all variations. Throws InputError (file = `file`) on a name or pattern that
 /// matches nothing, or a pointer that no scene has. `quick` keeps every third setting, from the coarsest, and cuts
-/// repeats to 3 and runs to 0.05 s.
+/// repeats to 3 and runs to 10^5 evaluations.
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick);
 
 }  // namespace polhode

@@ -19,6 +19,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
+// some tens of milliseconds
+constexpr long quick_evaluations = 100000;
+
 double positive(const JsonNode& node, const char* what) {
     const double value = node.number();
     if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
@@ -222,7 +225,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     if (quick) {
         e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);
         e.evaluations_per_revolution = thinned(e.evaluations_per_revolution);
-        e.repeats = std::min(e.repeats, 3), e.seconds_per_run = std::min(e.seconds_per_run, 0.05);
+        e.repeats = std::min(e.repeats, 3), e.max_evaluations = std::min(e.max_evaluations, quick_evaluations);
     }
     double variants = 1;
     for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());

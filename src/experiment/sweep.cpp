@@ -127,6 +127,7 @@ class SceneSweep {
                     result.status = Status::failed, result.message = run.failure;
                     result.cut = run.limit_reached;
                     result.errors = {};
+                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset();
                 }
             }
             store(*c);

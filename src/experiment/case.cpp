@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,7 +31,8 @@ Result blank(const Case& c) {
 bool choose_settings(const Experiment& experiment, Case& c) {
     Settings& settings = c.settings;
     settings.samples = experiment.samples;
-    settings.max_steps = experiment.max_steps;
+    // a step costs an evaluation at least: a run of too many fixed steps is not begun
+    settings.max_steps = std::min(experiment.max_steps, experiment.max_evaluations);
     settings.seconds_limit = experiment.seconds_per_run;
     settings.formulation = c.curve->formulation;
     double setting = c.setting();

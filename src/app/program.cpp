@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <sstream>
 
 #include "app/commands.h"
 #include "integrators/versions.h"
@@ -61,6 +62,22 @@ void write_output(const std::string& path, std::string_view text) {
         throw std::runtime_error(fmt::format("stdout cannot be written: {}", std::strerror(errno)));
 }
 
+namespace {
+
+// Help and versions go through a stream of their own, which keeps its failures to itself.
+int print_help(const CLI::App& program, const CLI::ParseError& request) {
+    std::ostringstream text;
+    const int exit_code = program.exit(request, text, text);
+    try {
+        write_output("", text.str());
+    } catch (const std::runtime_error& error) {
+        return complain(failed, error.what());
+    }
+    return exit_code;
+}
+
+}  // namespace
+
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands) {
     CLI::App program{
         "polhode: poses a rigid body's motion as a differential equation, solves it and measures how "
@@ -81,7 +98,7 @@ int run_program(int argc, const char* const* argv, std::span<const AddCommand> c
         program.parse(argc, argv);
         return exit_code;
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return program.exit(error);
+        if (error.get_exit_code() == 0) return print_help(program, error);
         return complain(bad_usage, fmt::format("{}; see polhode --help", error.what()));
     } catch (const UsageError& error) {
         return complain(bad_usage, error.what());

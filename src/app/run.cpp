@@ -72,12 +72,14 @@ bool run_one(const Plan& plan, const RunOptions& options, const std::string& lin
     if (options.dry_run) {
         double total = 0;
         long pending = 0, known = 0;
+        std::string list;
         for (const PendingCase& one : pending_cases(plan, options)) {
             ++pending;
             if (one.seconds_before) total += *one.seconds_before, ++known;
-            fmt::print("{}{}\n", one.words,
-                       one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
+            list += fmt::format("{}{}\n", one.words,
+                                one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
         }
+        write_output("", list);
         if (!options.quiet)
             fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s last time, truths aside\n", name, pending,
                        known, total);

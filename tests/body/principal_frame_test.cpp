@@ -85,6 +85,29 @@ RC_GTEST_PROP(PrincipalFrame, ShiftsByTheParallelAxisTheorem, ()) {
     RC_ASSERT(misfit(I + parallel_axis(mass, arm), principal_frame(I, mass, arm)) < 2e-15);
 }
 
+/// From the centre of mass to a point and back: what was there, but for the rounding of m r^2, 36 at most.
+RC_GTEST_PROP(ParallelAxis, LeadsThereAndBack, ()) {
+    const Matrix3<double> about_center = moderate_inertia();
+    const double mass = moderate(0.1, 3);
+    const Vector3<double> arm = moderate_vector();
+    const Matrix3<double> shift = parallel_axis(mass, arm), there = about_center + shift;
+    for (int i = 0; i < 3; ++i) RC_ASSERT(distance(there[i] - shift[i], about_center[i]) < 36 * 4e-16);
+    // the shift does not ask which way
+    RC_ASSERT(parallel_axis(mass, arm) == parallel_axis(mass, -arm));
+}
+
+/// A body has moments that keep the triangle inequality about its centre of mass; then it has them about any point, in
+/// any axes, and none is smaller than the least about the centre.
+RC_GTEST_PROP(ParallelAxis, KeepsTheTriangleInequality, ()) {
+    const Matrix3<double> about_center = moderate_inertia();
+    const double mass = moderate(0.1, 3), reach = std::pow(10, moderate(-6, 6));
+    const Vector3<double> I = principal_frame(about_center, 1, {}).moments;
+    const Vector3<double> J = principal_frame(about_center, mass, reach * moderate_vector()).moments;
+    const double largest = std::max({J[0], J[1], J[2]});
+    for (int i = 0; i < 3; ++i) RC_ASSERT(J[i] <= J[(i + 1) % 3] + J[(i + 2) % 3] + 1e-15 * largest);
+    RC_ASSERT(std::min({J[0], J[1], J[2]}) >= std::min({I[0], I[1], I[2]}) - 1e-15 * largest);
+}
+
 TEST(PrincipalFrame, FindsTheAxesOfAKnownTensor) {
     // turned by 30 degrees about z: I_xx = I1 cos^2 + I2 sin^2, I_xy = (I1 - I2) sin cos
     const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bad_files.h"
+#include "motion/moderate_scene.h"
 #include "motion/trajectory_csv.h"
 #include "scene/random_scene.h"
 
@@ -141,6 +142,31 @@ TEST(BadTrajectories, FilesThatCannotBeReadAreNamed) {
             EXPECT_NE(std::string(error.what()).find("give the path of a readable CSV file"), std::string::npos);
         }
     }
+}
+
+/// Rates go into a file in world axes and come back in body axes: two roundings of each turn, some ulp of its length.
+RC_GTEST_PROP(SamplesOf, GivesTheRatesBackThatWereWritten, ()) {
+    Trajectory trajectory;
+    Sample s;
+    s.q = testing::moderate_orientation(), s.angular_velocity_B = testing::moderate_vector();
+    s.position_W = testing::moderate_vector(), s.velocity_W = testing::moderate_vector();
+    // of any length: it scales out
+    const double length = std::exp2(*rc::gen::inRange(-300, 300));
+    s.q = {length * s.q.w, length * s.q.x, length * s.q.y, length * s.q.z};
+    trajectory.samples = {s};
+    const Vector3<double> center = testing::moderate_vector();
+    TrajectoryFile file = parse_trajectory(trajectory_csv(trajectory), "written");
+    const std::vector<Sample> back = samples_of(file, center);
+    RC_ASSERT(back.size() == 1u);
+    RC_ASSERT(back[0].q == s.q);
+    RC_ASSERT(back[0].position_W == s.position_W);
+    RC_ASSERT(back[0].velocity_W == s.velocity_W);
+    RC_ASSERT(testing::distance(back[0].angular_velocity_B, s.angular_velocity_B) < 1e-14);
+    // and p from the origin: p - R c, back again
+    const Vector3<double> arm_W = (1 / squared_norm(s.q)) * rotate(s.q, center);
+    file.has_position = false, file.has_origin = true;
+    file.rows[0].position_W = s.position_W - arm_W;
+    RC_ASSERT(testing::distance(samples_of(file, center)[0].position_W, s.position_W) < 1e-14);
 }
 
 // a quarter turn about z: the body's x is the world's y

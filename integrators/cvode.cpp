@@ -23,6 +23,15 @@ Trajectory bdf(const Problem& problem, const Settings& settings) {
     return solve_by(problem, settings, Multistep::bdf, Iteration::newton);
 }
 
+Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
+    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
+    return with_system(problem, [&]<class SystemType>() {
+        CvodeSession<SystemType> session(problem, Multistep::bdf, Iteration::newton, *settings.tolerance);
+        session.project_onto(Projection<SystemType>(problem));
+        return SundialsRun(problem, settings, session).solve();
+    });
+}
+
 constexpr std::string_view source =
     "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear and "
     "differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396";
@@ -50,6 +59,14 @@ constexpr Method list[] = {
      .conserves = "nothing",
      .control = Control::tolerance,
      .solve = bdf},
+    {.name = "cvode_bdf_projected",
+     .documentation =
+         "`cvode_bdf` with CVODE's projection of each step's end onto |q| = 1 and what the motion keeps, as in "
+         "`odeint_rk4_projected`. The error estimate that governs step and order is not projected.",
+     .source = source,
+     .conserves = "|q| and, where the motion keeps them, E, momenta and spin, to round-off",
+     .control = Control::tolerance,
+     .solve = projected_bdf},
 };
 
 }  // namespace

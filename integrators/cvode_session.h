@@ -3,12 +3,14 @@
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
+#include <cvode/cvode_proj.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <memory>
 #include <optional>
 
+#include "integrators/projection.h"
 #include "integrators/sundials_session.h"
 
 namespace polhode {
@@ -55,6 +57,15 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         }
     }
 
+    /// Projects each step's end; BDF only. Samples inside a step too. The error estimate is left as it is: with it
+    /// projected CVODE 6.4 compares this order's projected estimate with its neighbours' unprojected ones, and stays at
+    /// order 1 (free symmetric body, T = 100, R = 1e-6: 7001 steps instead of 1283).
+    void project_onto(const Projection<SystemType>& projection) {
+        projection_ = projection;
+        demand(CVodeSetProjFn(memory_.get(), correct));
+        demand(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
+    }
+
     /// Back to t = 0, all counts to zero.
     void restart() {
         Base::begin();
@@ -90,6 +101,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     /// The motion at a time within the last step, by the step's own interpolating polynomial.
     std::optional<Sample> sample_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, inside_.get());
+        if (projection_) projection_->project(Vector::data(inside_.get()));
         return sample_of<SystemType>(*this->problem_, t, Vector::data(inside_.get()));
     }
 
@@ -114,6 +126,16 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         void operator()(void* memory) const { CVodeFree(&memory); }
     };
 
+    // the way from y to the manifold; a positive flag asks for a shorter step
+    static int correct(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
+        CvodeSession* self = static_cast<CvodeSession*>(static_cast<Base*>(session));
+        double *change = Vector::data(correction), *from = Vector::data(y);
+        std::copy(from, from + dimension, change);
+        if (!self->projection_->project(change)) return 1;
+        for (int i = 0; i < dimension; ++i) change[i] -= from[i];
+        return CV_SUCCESS;
+    }
+
     // adds CVODE's count, which starts again at every event
     void close() {
         if (!running_) return;
@@ -128,6 +150,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
+    std::optional<Projection<SystemType>> projection_;
     long steps_ = 0;
     bool running_ = false;
 };

@@ -7,12 +7,13 @@
 #include <fmt/format.h>
 
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
-#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/euler.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <limits>
+
+#include "integrators/odeint_pair.h"
 
 namespace polhode {
 namespace {
@@ -31,75 +32,6 @@ template <std::size_t N>
 using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra>;
 template <std::size_t N>
 using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra>;
-
-/// The largest error in units of R (scale_i + |y_i|); infinite where an error is not a number.
-template <std::size_t N>
-class ComponentError {
-  public:
-    ComponentError() = default;
-    ComponentError(double tolerance, const State<N>& scales) : tolerance_(tolerance), scales_(scales) {}
-
-    template <class Algebra>
-    double error(Algebra&, const State<N>& y, const State<N>&, const State<N>& difference, double) const {
-        State<N> ratio;
-        for (std::size_t i = 0; i < N; ++i) ratio[i] = difference[i] / (tolerance_ * (scales_[i] + std::abs(y[i])));
-        return OdeintAlgebra::norm_inf(ratio);
-    }
-
-  private:
-    double tolerance_ = 1;
-    State<N> scales_;
-};
-
-/// Odeint's own rule for the next step; an infinite error gives a NaN, which attempt() looks for.
-struct StepRule : odeint::default_step_adjuster<double, double> {
-    double decrease_step(double h, double error, int error_order) const {
-        if (!std::isfinite(error)) return std::numeric_limits<double>::quiet_NaN();
-        return default_step_adjuster::decrease_step(h, error, error_order);
-    }
-};
-
-/// A Runge-Kutta pair with Odeint's step control.
-template <class SystemType, template <std::size_t> class Scheme>
-class ControlledPair : public ControlledOdeintState<SystemType> {
-    using Base = ControlledOdeintState<SystemType>;
-    static constexpr std::size_t N = SystemType::dimension;
-    using Error = ComponentError<N>;
-    using Controlled = odeint::controlled_runge_kutta<Scheme<N>, Error, StepRule>;
-
-  public:
-    static constexpr int order = Scheme<N>::stepper_order_value;
-
-    ControlledPair(const Problem& problem, double tolerance)
-        : Base(problem, tolerance, order), controlled_(Error(tolerance, this->scales_), StepRule()) {}
-
-    void restart() {
-        Base::restart();
-        forget();
-    }
-    void enter(const Segment& segment) {
-        Base::enter(segment);
-        forget();
-    }
-    Attempt attempt(double& t, double& h) {
-        const State<N> before = this->y_;
-        const double begin = t, tried = h;
-        const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
-        const bool accepted = controlled_.try_step(f, this->y_, t, h) == odeint::success;
-        if (accepted && this->finite()) return Attempt::accepted;
-        if (!accepted && h < tried) return Attempt::rejected;
-        this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
-        forget();
-        return Attempt::not_finite;
-    }
-
-  private:
-    void forget() {
-        if constexpr (requires { controlled_.reset(); }) controlled_.reset();
-    }
-
-    Controlled controlled_;
-};
 
 /// Odeint's Bulirsch-Stoer takes two numbers as tolerances: R, and R times the smallest of the components' scales.
 template <class SystemType>
@@ -152,15 +84,6 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     State<N> rate_;
     bool has_rate_ = false;
 };
-
-template <template <std::size_t> class Scheme>
-Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
-    if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);
-    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
-    return with_system(problem, [&]<class SystemType>() {
-        return march_controlled(problem, settings, ControlledPair<SystemType, Scheme>(problem, *settings.tolerance));
-    });
-}
 
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);

@@ -313,43 +313,45 @@ Sample first_sample(const Problem& problem) {
 std::vector<Conserved> conserved(const Problem& problem) {
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
-    const auto keep = [&](const char* name, const char* formula, decltype(Conserved::of) of,
+    const auto keep = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,
                           const VectorD& direction = VectorD()) {
-        Conserved one{name, formula, {}, of, direction};
+        Conserved one{kind, name, formula, {}, of, direction};
         one.value = of(problem, one, start);
         found.push_back(std::move(one));
     };
     const bool pivoted = problem.body.pivoted, has_energy = keeps_energy(problem);
-    if (has_energy) keep("energy", "E, kinetic and potential, J", energy);
+    if (has_energy) keep(ConservedKind::energy, "energy", "E, kinetic and potential, J", energy);
 
     const Kicks angular = angular_kicks(problem);
     if (angular.none()) {
-        keep("angular momentum",
+        keep(ConservedKind::angular_momentum, "angular momentum",
              pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
              angular_momentum);
     } else {
         for (const VectorD& u : angular.kept_directions())
-            keep("angular momentum along u",
+            keep(ConservedKind::angular_momentum_component, "angular momentum along u",
                  pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
                  angular_momentum_along, u);
     }
     if (!pivoted) {
         const Kicks linear = linear_kicks(problem);
         if (linear.none()) {
-            keep("linear momentum", "m v, world axes, kg m/s", linear_momentum);
+            keep(ConservedKind::linear_momentum, "linear momentum", "m v, world axes, kg m/s", linear_momentum);
         } else {
             for (const VectorD& u : linear.kept_directions())
-                keep("linear momentum along u", "m v . u, kg m/s", linear_momentum_along, u);
+                keep(ConservedKind::linear_momentum_component, "linear momentum along u", "m v . u, kg m/s",
+                     linear_momentum_along, u);
         }
     }
     if (const auto axis = symmetry_axis(problem); axis && keeps_spin(problem, *axis))
-        keep("spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
+        keep(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
     if (const auto field = only_field(problem); has_energy && pivoted && field) {
         if (equatorial_axes(problem, field->moment, 2))
-            keep("Kovalevskaya's integral", "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
+            keep(ConservedKind::integral_of_a_special_top, "Kovalevskaya's integral",
+                 "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
         if (equatorial_axes(problem, field->moment, 4) && turns_across(problem, *field, start))
-            keep("Goryachev and Chaplygin's integral", "r (p^2 + q^2) - (m g l / C) p g3, s^-3",
-                 goryachev_chaplygin_integral);
+            keep(ConservedKind::integral_of_a_special_top, "Goryachev and Chaplygin's integral",
+                 "r (p^2 + q^2) - (m g l / C) p g3, s^-3", goryachev_chaplygin_integral);
     }
     return found;
 }

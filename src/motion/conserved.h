@@ -8,8 +8,19 @@
 
 namespace polhode {
 
+enum class ConservedKind {
+    energy,
+    angular_momentum,
+    angular_momentum_component,
+    linear_momentum,
+    linear_momentum_component,
+    spin,
+    integral_of_a_special_top  ///< Kovalevskaya's, Goryachev and Chaplygin's
+};
+
 /// A quantity that stays what it is at t = 0+ (after any impulse there) until the end.
 struct Conserved {
+    ConservedKind kind;
     std::string name;           ///< "E", "L . u along gravity", ..
     std::string formula;        ///< what it is, with units
     std::vector<double> value;  ///< one number, or three of a vector in world axes

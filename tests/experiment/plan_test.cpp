@@ -144,7 +144,7 @@ TEST(Plan, GivesEachMethodTheSettingsItTakes) {
 }
 
 TEST(Plan, AMethodThatAPatternFindsMayHaveNoSetting) {
-    const Plan plan = make_plan(parsed(R"({"name": "x", "scenes": ["symmetric"], "methods": ["/odeint_rk4|cvode_bdf/"],
+    const Plan plan = make_plan(parsed(R"({"name": "x", "scenes": ["symmetric"], "methods": ["/odeint_rk4$|cvode_bdf/"],
         "settings": {"steps": [0.1]}})"),
                                 "e.json", false);
     ASSERT_EQ(plan.curves.size(), 1U);

@@ -16,7 +16,7 @@ std::optional<double> number(const std::string& text) {
     if (text.empty()) return {};
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a number: " + text);
+    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a number");
     return value;
 }
 
@@ -24,20 +24,20 @@ std::optional<long> count(const std::string& text) {
     if (text.empty()) return {};
     long value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a count: " + text);
+    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a count");
     return value;
 }
 
 Status status_named(const std::string& name) {
     for (Status s : {Status::ok, Status::unsupported, Status::diverged, Status::tolerance_not_met, Status::failed})
         if (name == name_of(s)) return s;
-    throw std::invalid_argument("not a status: " + name);
+    throw std::invalid_argument("not a status");
 }
 
 SettingKind setting_kind_named(const std::string& name) {
     for (SettingKind k : {SettingKind::none, SettingKind::step, SettingKind::tolerance})
         if (name == name_of(k)) return k;
-    throw std::invalid_argument("not a kind of setting: " + name);
+    throw std::invalid_argument("not a kind of setting");
 }
 
 Formulation formulation_named(const std::string& name) {
@@ -144,8 +144,12 @@ ErrorSeries series_of(const Table& table) {
     ErrorSeries s;
     std::vector<double>* const blocks[] = {&s.t, &s.attitude, &s.omega, &s.energy, &s.momentum, &s.norm};
     for (std::size_t k = 0; k < table.rows.size(); ++k)
-        for (std::size_t c = 0; c < series_columns.size(); ++c)
-            if (const auto value = number(text(table, k, series_columns[c].c_str()))) blocks[c]->push_back(*value);
+        for (std::size_t c = 0; c < series_columns.size(); ++c) {
+            const auto value = number(text(table, k, series_columns[c].c_str()));
+            if (!value && c == 0) throw std::invalid_argument("a sample without its time");
+            if (value && blocks[c]->size() < k) throw std::invalid_argument("an error behind a gap");
+            if (value) blocks[c]->push_back(*value);
+        }
     return s;
 }
 

@@ -42,6 +42,7 @@ Table drift_table(const std::string& experiment, const std::vector<Result>& resu
 
 /// The series of one case, without its scene, method and setting; and back.
 Table series_table(const ErrorSeries& series);
+/// Throws std::invalid_argument where a cell cannot be read, a time is missing or a column has a gap.
 ErrorSeries series_of(const Table& table);
 
 }  // namespace polhode

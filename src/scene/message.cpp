@@ -104,7 +104,10 @@ std::vector<std::string> near_misses(std::string_view word, const std::vector<st
     std::vector<std::pair<std::size_t, std::string>> ranked;
     if (word.empty() || word.size() > 100) return {};
     for (const std::string& candidate : candidates) {
-        std::size_t distance = edit_distance(word, candidate);
+        // the lengths alone may say that it is too far
+        const std::size_t longer = std::max(word.size(), candidate.size());
+        const std::size_t gap = longer - std::min(word.size(), candidate.size());
+        std::size_t distance = 3 * gap <= longer ? edit_distance(word, candidate) : longer;
         const bool contained = word.size() >= 3 && candidate.size() >= 3 &&
                                (candidate.find(word) != std::string::npos || word.find(candidate) != std::string::npos);
         if (contained) distance = std::min(distance, std::size_t{2});

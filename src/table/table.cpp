@@ -17,6 +17,14 @@ namespace polhode {
 
 namespace {
 
+/// A text of the file's own, fit for a message of one line.
+std::string shown(std::string_view text) {
+    std::string line(text.substr(0, 60));
+    for (char& c : line)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return text.size() > 60 ? line + "..." : line;
+}
+
 /// The name that stands twice, if any.
 std::optional<std::string> repeated_name(const std::vector<std::string>& columns) {
     std::set<std::string_view> seen;
@@ -82,7 +90,7 @@ class CsvReader {
         if (!at_end() && text_[place_] == '\n' && place_ > begin && text_[place_ - 1] == '\r') --place_;
         std::string field(text_.substr(begin, place_ - begin));
         if (field.find('"') != std::string::npos) {
-            fault(line_, fmt::format("a quote inside the unquoted field '{}'", field));
+            fault(line_, fmt::format("a quote inside the unquoted field '{}'", shown(field)));
         }
         return field;
     }
@@ -168,7 +176,7 @@ Table parse_csv(std::string_view text) {
     Table table;
     table.columns = reader.record();
     if (const auto name = repeated_name(table.columns)) {
-        CsvReader::fault(1, fmt::format("two columns are named '{}'", *name));
+        CsvReader::fault(1, fmt::format("two columns are named '{}'", shown(*name)));
     }
     while (!reader.at_end()) {
         const int line = reader.line();

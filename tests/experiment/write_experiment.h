@@ -1,0 +1,48 @@
+// An experiment as a file that reads back to it.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.h"
+#include "scene/json_document.h"
+#include "table/decimal.h"
+
+namespace polhode {
+
+inline std::string write_experiment(const Experiment& e) {
+    const auto strings = [](const std::vector<std::string>& values) {
+        std::string list;
+        for (const std::string& value : values) list += (list.empty() ? "" : ", ") + json_string(value);
+        return "[" + list + "]";
+    };
+    const auto numbers = [](const std::vector<double>& values) {
+        std::string list;
+        for (const double value : values) list += (list.empty() ? "" : ", ") + shortest_decimal(value);
+        return "[" + list + "]";
+    };
+    const char* kinds[] = {"sweep", "convergence", "drift", "tolerance", "leave_out", "conservation"};
+    const char* kind = kinds[static_cast<int>(e.kind)];
+    std::string settings, vary;
+    const auto list = [&](const char* key, const std::vector<double>& values) {
+        if (!values.empty())
+            settings += fmt::format("{}\"{}\": {}", settings.empty() ? "" : ", ", key, numbers(values));
+    };
+    list("steps", e.steps), list("tolerances", e.tolerances);
+    list("evaluations_per_revolution", e.evaluations_per_revolution);
+    const std::string evaluations = e.max_evaluations == Experiment().max_evaluations
+                                        ? ""
+                                        : fmt::format(", \"max_evaluations\": {}", e.max_evaluations);
+    for (const Variation& variation : e.vary)
+        vary += fmt::format("{}{}: [{}]", vary.empty() ? "" : ", ", json_string(variation.pointer),
+                            fmt::join(variation.values, ", "));
+    return fmt::format(
+        "{{\"name\": {}, \"about\": {}, \"kind\": \"{}\", \"scenes\": {}, \"methods\": {}, \"settings\": {{{}}}, "
+        "\"vary\": {{{}}}, \"samples\": {}, \"repeats\": {}, \"seconds_per_run\": {}, \"max_steps\": {}{}}}",
+        json_string(e.name), json_string(e.about), kind, strings(e.scenes), strings(e.methods), settings, vary,
+        e.samples, e.repeats, shortest_decimal(e.seconds_per_run), e.max_steps, evaluations);
+}
+
+}  // namespace polhode

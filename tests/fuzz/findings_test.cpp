@@ -1,0 +1,55 @@
+// What the fuzz targets start from and what they have found: each file once more, in every build.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "fuzz/oracles.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Target {
+    const char* name;
+    void (*oracle)(std::string_view);
+    std::vector<std::string> also;  // seeds that stand elsewhere
+};
+
+class Findings : public testing::TestWithParam<Target> {};
+
+TEST_P(Findings, HoldStill) {
+    const std::string tests = POLHODE_SOURCE_DIR "/tests/";
+    std::vector<std::string> directories = GetParam().also;
+    for (const char* kind : {"seeds", "findings"})
+        directories.push_back(tests + "fuzz/" + kind + "/" + GetParam().name);
+    int files = 0;
+    for (const std::string& directory : directories) {
+        if (!fs::exists(directory)) continue;
+        for (const auto& entry : fs::directory_iterator(directory)) {
+            if (!entry.is_regular_file()) continue;
+            std::ifstream file(entry.path(), std::ios::binary);
+            const std::string text(std::istreambuf_iterator<char>(file), {});
+            EXPECT_NO_THROW(GetParam().oracle(text)) << entry.path();
+            ++files;
+        }
+    }
+    EXPECT_GT(files, 0);
+}
+
+std::string name_of(const testing::TestParamInfo<Target>& info) { return info.param.name; }
+
+const std::string top = POLHODE_SOURCE_DIR;
+
+INSTANTIATE_TEST_SUITE_P(
+    Fuzz, Findings,
+    testing::Values(Target{"scene", oracles::scene, {top + "/experiments/scenes", top + "/tests/scene/bad"}},
+                    Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
+                    Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
+                    Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
+    name_of);
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,122 @@
+// What holds for any bytes that a reader is given: they are refused by one error of one line, or what they say survives
+// being written and read. Each throws std::logic_error where that is not so. The fuzz targets try them on millions of
+// inputs, findings_test.cpp on what was found.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "experiment/result.h"
+#include "experiment/write_experiment.h"
+#include "integrators/truth/cache.h"
+#include "motion/problem.h"
+#include "motion/trajectory_csv.h"
+#include "scene/builtin.h"
+#include "scene/scene_file.h"
+#include "table/content_hash.h"
+#include "table/table.h"
+
+namespace polhode::oracles {
+
+inline void require(bool holds, const char* what) {
+    if (!holds) throw std::logic_error(what);
+}
+
+/// True for one input in `n`, always the same ones: what is too slow for all of them.
+inline bool one_in(std::uint32_t n, std::string_view input) {
+    std::uint32_t hash = 2166136261u;
+    for (const char c : input) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+    return hash % n == 0;
+}
+
+inline void require_one_line(std::string_view message) {
+    for (const char c : message)
+        require(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f, "the message is not one line of text");
+    require(message.size() < 1300, "the message is too long");
+}
+
+/// parse(), or nothing where it throws InputError: "fuzz: PLACE: FAULT; REMEDY".
+template <class Parse>
+auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
+    try {
+        return parse();
+    } catch (const InputError& error) {
+        const std::string_view message = error.what();
+        require_one_line(message);
+        require(message.starts_with("fuzz: "), "the message does not name the file");
+        require(message.find("; ") != message.npos, "the message has no remedy");
+        return {};
+    }
+}
+
+inline void scene(std::string_view text) {
+    const std::optional<Scene> scene = parsed([&] { return parse_scene(text, "fuzz"); });
+    if (!scene) return;
+    const std::string written = write_scene(*scene);
+    require(write_scene(parse_scene(written, "written")) == written, "a scene does not read back");
+    if (one_in(256, text)) pose(*scene);
+}
+
+inline void experiment(std::string_view text) {
+    const std::optional<Experiment> experiment = parsed([&] { return parse_experiment(text, "fuzz"); });
+    if (!experiment) return;
+    const std::string written = write_experiment(*experiment);
+    require(write_experiment(parse_experiment(written, "written")) == written, "an experiment does not read back");
+    // its plan, where that is small and reads no files
+    std::size_t variants = 1;
+    for (const Variation& variation : experiment->vary)
+        variants = std::min<std::size_t>(variants * variation.values.size(), 100);
+    if (variants > 20 || !one_in(64, text)) return;
+    for (const std::string& name : experiment->scenes)
+        if (builtin_scene_text(name).empty()) return;
+    parsed([&] { return make_plan(*experiment, "fuzz", false); });
+}
+
+inline void trajectory(std::string_view text) {
+    const std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
+    if (!file) return;
+    require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
+    require(samples_of(*file, {1, 2, 3}).size() == file->rows.size(), "samples are lost");
+}
+
+/// Result tables, the files of finished cases and of their series.
+inline void table(std::string_view text) {
+    try {
+        const Table table = parse_csv(text);
+        require(csv(parse_csv(csv(table))) == csv(table), "a table does not read back");
+        require(csv(with_numbers(table)) == csv(table), "numbers change a table");
+        if (table.columns == result_columns()) {
+            Table rows{result_columns(), {}};
+            for (std::size_t i = 0; i < table.rows.size(); ++i) rows.rows.push_back(row_of("e", result_of(table, i)));
+            Table again{result_columns(), {}};
+            const Table read = parse_csv(csv(rows));
+            for (std::size_t i = 0; i < read.rows.size(); ++i) again.rows.push_back(row_of("e", result_of(read, i)));
+            require(csv(again) == csv(rows), "results do not read back");
+        } else if (table.columns == series_table({}).columns) {
+            const std::string series = csv(series_table(series_of(table)));
+            require(csv(series_table(series_of(parse_csv(series)))) == series, "a series does not read back");
+        }
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
+}
+
+/// Files of the truth's cache, with a checksum that fits.
+inline void cache(std::string_view text) {
+    const std::string key = "key";
+    std::string sealed(text);
+    sealed.append("checksum ").append(content_hash(text)).append("\n");
+    require(!truth::decode(key, text), "a text without a checksum is taken");
+    const std::optional<truth::Truth> truth = truth::decode(key, sealed);
+    if (!truth) return;
+    const std::string written = truth::encode(key, *truth);
+    const std::optional<truth::Truth> back = truth::decode(key, written);
+    require(back.has_value(), "a truth is written that is not read");
+    require(truth::encode(key, *back) == written, "a truth does not read back");
+}
+
+}  // namespace polhode::oracles

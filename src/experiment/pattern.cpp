@@ -9,13 +9,17 @@
 namespace polhode {
 namespace {
 
-// The system's regcomp overflows the stack on deep nesting and unrolls every counted repetition; back references take
-// exponential time.
+// The system's regcomp overflows the stack on deep nesting and unrolls every repetition but * and ?; back references
+// take exponential time.
 void require_harmless(const std::string& expression) {
     const auto refuse = [](const char* why) { throw std::invalid_argument(why); };
     if (expression.size() > 500) refuse("it has more than 500 characters");
     if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
     long depth = 0, unrolled = 1;
+    const auto repeat = [&](long times) {
+        unrolled = std::min(unrolled * times, 100'000L);
+        if (unrolled > 1000) refuse("its repetitions multiply to more than 1000");
+    };
     for (std::size_t i = 0; i < expression.size(); ++i) {
         const auto digit = [&](std::size_t at) {
             return at < expression.size() && std::isdigit(static_cast<unsigned char>(expression[at])) != 0;
@@ -35,9 +39,10 @@ void require_harmless(const std::string& expression) {
                 largest = std::max(largest, count);
                 if (i < expression.size() && expression[i] == ',') ++i;
             }
-            unrolled = std::min(unrolled * largest, 100'000L);
-            if (unrolled > 1000) refuse("its counted repetitions multiply to more than 1000");
+            repeat(largest);
             --i;
+        } else if (expression[i] == '+') {
+            repeat(2);  // a+ becomes aa*
         }
     }
 }

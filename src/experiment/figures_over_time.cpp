@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "experiment/report.h"
 #include "measure/growth.h"
@@ -40,8 +41,8 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
             Panel panel;
             panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
             panel.log_x = false;
+            std::map<const Method*, int> dashes;  // one for each setting of a method, steps and tolerances alike
             for (const PlannedCurve& planned : plan.curves) {
-                int dash = 0;
                 for (const Result* row : rows_of(results, scene, planned)) {
                     Curve curve;
                     curve.label = planned.kind == SettingKind::none
@@ -50,7 +51,9 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                                                     planned.kind == SettingKind::step ? "h" : "tolerance",
                                                     row->step_taken.value_or(row->setting),
                                                     planned.kind == SettingKind::step ? " s" : "");
-                    curve.color = planned.color, curve.dash = dash++, curve.points = false;
+                    curve.color = planned.color, curve.dash = dashes[planned.method]++;
+                    // beyond the palette colours come again, told apart by their markers
+                    curve.points = planned.color >= palette_size;
                     const std::vector<double>& y = row->series.*quantity.values;
                     curve.x.assign(row->series.t.begin(),
                                    row->series.t.begin() + static_cast<long>(std::min(y.size(), row->series.t.size())));

@@ -7,6 +7,9 @@
 
 namespace polhode {
 
+/// So many indices differ in colour; beyond it the colours come again with other markers.
+constexpr int palette_size = 16;
+
 struct Curve {
     std::string label;   ///< in the legend; curves of one label share one entry over all panels; none if empty
     int color = 0;       ///< index into a fixed palette of colour and marker: one a method, the same in every picture.

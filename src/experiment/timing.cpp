@@ -11,7 +11,6 @@ namespace polhode {
 namespace {
 
 constexpr double shortest_timing = 1e-4;  // s: a thousand times the clock's grain and the cost of reading it
-constexpr int fewest_rounds = 3;
 
 }  // namespace
 
@@ -30,7 +29,7 @@ void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic
         run.settings.repetitions =
             static_cast<int>(std::clamp(std::ceil(shortest_timing / std::max(run.expected, 1e-9)), 1.0, 1000.0));
     }
-    for (int round = 0; round < std::max(rounds, fewest_rounds); ++round) {
+    for (int round = 0; round < rounds; ++round) {
         for (std::size_t i = 0; i < runs.size() && !stop; ++i) {
             TimedRun& run = runs[i];
             if (!run.failure.empty()) continue;

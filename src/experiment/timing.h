@@ -26,7 +26,7 @@ struct TimedRun {
 };
 
 /// Times all runs to their end state only, round by round, each once a round, so that whatever disturbs the machine
-/// disturbs all alike; `rounds` of them, but at least three. A run below 0.1 ms is repeated inside one timing until it
+/// disturbs all alike. A run below 0.1 ms is repeated inside one timing until it
 /// is above.
 void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop);
 

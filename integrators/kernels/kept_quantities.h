@@ -3,9 +3,18 @@
 // quantities of motion/conserved.h (energy but for the constant part of a translation in closed form).
 #pragma once
 
+#include <type_traits>
+#include <vector>
+
+#include "motion/conserved.h"
 #include "motion/problem.h"
 
 namespace polhode {
+
+/// conserved(), whatever formulation the problem was posed by. Directions are those of the reduced one.
+inline std::vector<Conserved> conserved_by(const Problem& problem) {
+    return conserved(problem.formulation == Formulation::full ? pose(problem.scene) : problem);
+}
 
 /// I w in posed axes, kg m^2/s.
 template <class SystemType, class S>

@@ -131,7 +131,8 @@ TEST(FixedSteps, AllocateNothing) {
     const Problem problem = pose(heavy_top(10));
     for (const char* method :
          {"odeint_euler", "odeint_rk4", "odeint_cash_karp54", "odeint_dopri5", "odeint_fehlberg78",
-          "odeint_adams_bashforth_moulton", "article_as_written", "article_mended", "article_body_frame"}) {
+          "odeint_adams_bashforth_moulton", "odeint_rk4_projected", "odeint_fehlberg78_projected", "arkode_erk4",
+          "arkode_erk4_relaxed", "article_as_written", "article_mended", "article_body_frame"}) {
         const auto allocated = [&](double steps) {
             Settings settings;
             settings.step = 10 / steps, settings.samples = 1;

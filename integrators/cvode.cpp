@@ -40,7 +40,8 @@ constexpr Method list[] = {
     {.name = "cvode_adams",
      .documentation =
          "CVODE's Adams-Moulton formulas of order 1 to 12 in Nordsieck form, for non-stiff motion. The implicit "
-         "equation is solved by functional iteration, which needs no Jacobian. "
+         "equation is solved by functional iteration, which needs no Jacobian, to a thousandth of what the error test "
+         "allows. "
          "Relative tolerance R, absolute tolerance R times the component's scale. Steps are CVODE's own and "
          "stop exactly at every event, where the history is dropped; samples between come from the dense output of "
          "the step they fall in (the interpolating polynomial of the step's own order), so the steps do not depend "

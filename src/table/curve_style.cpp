@@ -9,9 +9,9 @@ namespace {
 
 /// Sixteen colours on white. The first eight are told apart by the colour-blind: Okabe & Ito 2008 without its yellow,
 /// with black and a brown; the others lie between them, and their markers differ from those of their neighbours.
-constexpr std::array<const char*, palette_size> palette = {"#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7", "#e69f00",
-                                                 "#56b4e9", "#7f4f24", "#c1121f", "#8a8a8a", "#6a3d9a", "#808000",
-                                                 "#17becf", "#ff8fab", "#1b4d3e", "#9acd32"};
+constexpr std::array<const char*, palette_size> palette = {
+    "#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7", "#e69f00", "#56b4e9", "#7f4f24",
+    "#c1121f", "#8a8a8a", "#6a3d9a", "#808000", "#17becf", "#ff8fab", "#1b4d3e", "#9acd32"};
 /// gnuplot's circle, square, triangle, diamond, inverted triangle, pentagon: filled; the open one is one less.
 constexpr std::array<int, 6> filled_markers = {7, 5, 9, 13, 11, 15};
 

@@ -38,19 +38,19 @@ Calibration step_for(const Problem& problem, const Method& method, double revolu
 Calibration tolerance_for(const Problem& problem, const Method& method, double evaluations) {
     Settings settings;
     settings.record = false, settings.samples = 1;
-    double cheapest = std::numeric_limits<double>::infinity();
+    // a step costs an evaluation at least: one that takes more is not affordable
+    settings.max_steps = static_cast<long>(std::min(pilot_revolutions * evaluations, 1e15)) + 1;
     const auto affordable = [&](int exponent, double further = 0) {
         settings.tolerance = std::pow(10, exponent + further);
-        const double spent = cost(problem, method, settings);
-        cheapest = std::min(cheapest, spent);
-        return spent <= evaluations;
+        return cost(problem, method, settings) <= evaluations;
     };
     settings.tolerance = 1e-3;
     if (const Trajectory pilot = solve(problem, method, settings); pilot.status == Status::unsupported)
         return {false, 0, pilot.message};
     int exponent = tightest;
     while (exponent <= loosest && !affordable(exponent)) ++exponent;
-    if (exponent > loosest) return {false, 0, fmt::format("costs {:.4g} evaluations a revolution at least", cheapest)};
+    if (exponent > loosest)
+        return {false, 0, fmt::format("costs more than {:g} evaluations a revolution at any tolerance", evaluations)};
     if (exponent == tightest) return {true, two_digits(std::pow(10, tightest)), ""};
     double below = -1, above = 0;
     while (above - below > 0.02) {

@@ -242,6 +242,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
             }
         combinations = std::move(next);
     }
+    std::vector<PlannedScene> bases;
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
         Scene scene;
         try {
@@ -249,8 +250,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         } catch (const InputError& error) {
             throw InputError(file, "/scenes", error);
         }
-        const PlannedScene base{scene.name, scene, write_scene(scene)};
-        for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
+        bases.push_back({scene.name, scene, write_scene(scene)});
     }
     std::vector<std::string> method_names;
     for (const Method* method : methods()) method_names.emplace_back(method->name);
@@ -280,8 +280,10 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
-    cases *= static_cast<double>(plan.scenes.size());
+    cases *= static_cast<double>(bases.size()) * variants;
     if (cases > 1e6) throw InputError(file, "", fmt::format("makes {:.12g} cases", cases), "give 1000000 at the most");
+    for (const PlannedScene& base : bases)
+        for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
     return plan;
 }
 

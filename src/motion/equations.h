@@ -69,7 +69,8 @@ struct Forcing {
     Vector3<P> torque_W;  ///< constant in world axes, N m
     Matrix3<P> damping;   ///< torque -D w, N m s
     std::vector<ForceAtBodyPoint<P>> body_points;
-    FieldMoments<P> field;  ///< of `body_points`: what the right-hand side reads
+    FieldMoments<P> field;    ///< of `body_points`: what the right-hand side reads
+    bool only_field = false;  ///< no other torque acts: the right-hand side then looks for none
     std::vector<ForceAtWorldPoint<P>> world_points;
     std::vector<SpringTorque<P>> springs;
     std::vector<PosedUserTorque> user_torques;
@@ -80,9 +81,10 @@ struct Forcing {
     bool pivoted = false;       ///< p and v follow the rotation: p = R arm
     Vector3<P> arm;             ///< pivot to centre of mass, posed axes
 
-    bool any_torque() const {
-        return has_torque || has_world_torque || has_damping || !body_points.empty() || !world_points.empty() ||
-               !springs.empty() || !user_torques.empty();
+    bool any_torque() const { return !body_points.empty() || any_torque_beside_field(); }
+    bool any_torque_beside_field() const {
+        return has_torque || has_world_torque || has_damping || !world_points.empty() || !springs.empty() ||
+               !user_torques.empty();
     }
 };
 
@@ -94,6 +96,7 @@ Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w
     Vector3<R> sum = f.has_torque ? cast<R>(f.torque) : Vector3<R>();
     for (int b = 0; b < 3; ++b)
         if (f.field.present[b]) sum = sum + cross(f.field.moment[b], world_axis(q, b));
+    if (f.only_field) return sum;
     if (f.has_world_torque) sum = sum + rotate_back(q, f.torque_W);
     if (f.has_damping) sum = sum - f.damping * w;
     for (const SpringTorque<P>& spring : f.springs) {

@@ -108,6 +108,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
         for (const Load& load : scene.loads)
             if (const auto* user = std::get_if<UserTorque>(&load); user && acts(user->window, segment.begin))
                 segment.forcing.user_torques.push_back(posed_user_torque(*user, problem.q_BP));
+        segment.forcing.only_field = !segment.forcing.any_torque_beside_field();
         problem.segments.push_back(std::move(segment));
     }
     find_needs(problem, exact, q_BP, forcings);

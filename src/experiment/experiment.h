@@ -63,7 +63,7 @@ const char* name_of(SettingKind kind);
 /// One method by one kind of setting: a curve of the picture.
 struct PlannedCurve {
     const Method* method;
-    int color;  ///< the method's place in methods(): its colour in every picture
+    int color;  ///< the method's in pictures: its place in methods(), unless another of the plan has that colour
     SettingKind kind;
     std::vector<double> settings;  ///< one entry, not a number, where the kind is `none`
     Formulation formulation = Formulation::reduced;

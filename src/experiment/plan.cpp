@@ -5,7 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "experiment/experiment.h"
 #include "experiment/pattern.h"
@@ -13,6 +15,7 @@
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
+#include "table/figure.h"
 
 namespace polhode {
 namespace {
@@ -163,6 +166,22 @@ std::vector<double> thinned(const std::vector<double>& values) {
     return kept;
 }
 
+// A method keeps the colour of its place in methods() where no other of the plan has it; of more methods than colours
+// some share one and differ in their markers.
+void tell_colors_apart(std::vector<PlannedCurve>& curves) {
+    std::map<const Method*, int> chosen;
+    std::set<int> taken;
+    for (PlannedCurve& curve : curves) {
+        const auto [place, is_new] = chosen.try_emplace(curve.method, curve.color % palette_size);
+        if (!is_new) continue;
+        int& color = place->second;
+        while (taken.contains(color) && taken.size() < palette_size) color = (color + 1) % palette_size;
+        taken.insert(color);
+    }
+    if (chosen.size() > static_cast<std::size_t>(palette_size)) return;
+    for (PlannedCurve& curve : curves) curve.color = chosen.at(curve.method);
+}
+
 }  // namespace
 
 const char* name_of(SettingKind kind) {
@@ -278,6 +297,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
                              : takes_step(*method) ? "give steps"
                                                    : "give tolerances");
     }
+    tell_colors_apart(plan.curves);
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
     cases *= static_cast<double>(bases.size()) * variants;

@@ -1,10 +1,13 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "bad_files.h"
 #include "experiment/experiment.h"
 #include "scene/scene_file.h"
+#include "table/figure.h"
 
 namespace polhode {
 namespace {
@@ -139,8 +142,6 @@ TEST(Plan, GivesEachMethodTheSettingsItTakes) {
     EXPECT_EQ(plan.curves[1].method, plan.curves[2].method);
     EXPECT_NE(plan.curves[1].kind, plan.curves[2].kind);
     EXPECT_EQ(plan.curves[3].kind, SettingKind::tolerance);
-    for (const PlannedCurve& curve : plan.curves)
-        EXPECT_EQ(methods()[static_cast<std::size_t>(curve.color)], curve.method);
 }
 
 TEST(Plan, AMethodThatAPatternFindsMayHaveNoSetting) {
@@ -159,6 +160,28 @@ TEST(Plan, QuickKeepsEveryThirdSetting) {
     EXPECT_EQ(plan.experiment.repeats, 3);
     EXPECT_EQ(plan.experiment.max_evaluations, 100000);
     EXPECT_EQ(plan.experiment.seconds_per_run, 3);  // what the clock cuts would be another table on another machine
+}
+
+TEST(Plan, MethodsDifferInColorAsLongAsThereAreColors) {
+    for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence"}) {
+        const Plan plan = make_plan(find_experiment(name), name, false);
+        std::map<const Method*, int> of_method;
+        std::map<int, const Method*> of_color;
+        for (const PlannedCurve& curve : plan.curves) {
+            EXPECT_EQ(of_method.try_emplace(curve.method, curve.color).first->second, curve.color);
+            of_color.try_emplace(curve.color, curve.method);
+        }
+        EXPECT_EQ(of_color.size(), of_method.size()) << name;
+    }
+    // and alone each has the colour of its place
+    for (std::size_t place = 0; place < methods().size(); ++place) {
+        const Plan plan = make_plan(parsed(fmt::format(R"({{"name": "x", "scenes": ["symmetric"], "methods": ["{}"],
+                                  "settings": {{"steps": [0.1], "tolerances": [1e-6]}}}})",
+                                                       methods()[place]->name)),
+                                    "e.json", false);
+        for (const PlannedCurve& curve : plan.curves)
+            EXPECT_EQ(static_cast<std::size_t>(curve.color), place % palette_size) << methods()[place]->name;
+    }
 }
 
 TEST(Plan, BuiltInExperimentsAreSound) {

@@ -1,8 +1,10 @@
 // What leaving out is worth: the same curve by all formulations.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "experiment/report.h"
+#include "measure/statistics.h"
 #include "motion/problem.h"
 
 namespace polhode {
@@ -27,17 +29,13 @@ std::vector<Point> points_of(const std::vector<Result>& results, const PlannedSc
 // and the mean time of a curve that does not spread over a factor of three.
 std::optional<double> seconds_at(const std::vector<Point>& points, double log_error) {
     if (points.empty()) return {};
-    const double n = static_cast<double>(points.size());
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (const Point& p : points) x += p.log_error / n, y += p.log_seconds / n;
-    for (const Point& p : points) {
-        xx += (p.log_error - x) * (p.log_error - x);
-        xy += (p.log_error - x) * (p.log_seconds - y);
-    }
+    std::vector<std::pair<double, double>> logs;
+    for (const Point& p : points) logs.emplace_back(p.log_error, p.log_seconds);
+    const Line line = least_squares_line(logs);
     const auto [low, high] = std::minmax_element(
         points.begin(), points.end(), [](const Point& a, const Point& b) { return a.log_error < b.log_error; });
-    if (high->log_error - low->log_error < std::log(3.0)) return std::exp(y);
-    return std::exp(y + xy / xx * (std::clamp(log_error, low->log_error, high->log_error) - x));
+    if (high->log_error - low->log_error < std::log(3.0)) return std::exp(line.y_mean);
+    return std::exp(line.at(std::clamp(log_error, low->log_error, high->log_error)));
 }
 
 // geometric mean over the settings of the error of the one over that of the other

@@ -1,11 +1,10 @@
 #include "experiment/timing.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "integrators/march.h"
+#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -16,12 +15,7 @@ constexpr double shortest_timing = 1e-4;  // s: a thousand times the clock's gra
 
 double TimedRun::minimum() const { return *std::min_element(seconds.begin(), seconds.end()); }
 
-double TimedRun::median() const {
-    std::vector<double> sorted = seconds;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t half = sorted.size() / 2;
-    return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-}
+double TimedRun::median() const { return polhode::median(seconds); }
 
 void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop) {
     for (TimedRun& run : runs) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiment/report.h"
+#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -17,11 +18,9 @@ std::optional<double> digits(const std::vector<const Result*>& rows, double tole
     return {};
 }
 
-std::optional<double> middle(std::vector<double> values) {
+std::optional<double> middle(const std::vector<double>& values) {
     if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+    return median(values);
 }
 
 std::optional<double> worst(const std::vector<double>& values) {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+
+#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -11,17 +14,6 @@ using Point = std::pair<double, double>;  // log t, log envelope
 
 constexpr double decades = 2;
 constexpr double points_per_decade = 20;
-
-double slope(const Point* begin, const Point* end) {
-    const double n = static_cast<double>(end - begin);
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (const Point* p = begin; p != end; ++p) x += p->first / n, y += p->second / n;
-    for (const Point* p = begin; p != end; ++p) {
-        xx += (p->first - x) * (p->first - x);
-        xy += (p->first - x) * (p->second - y);
-    }
-    return xy / xx;
-}
 
 }  // namespace
 
@@ -52,9 +44,12 @@ std::optional<Growth> error_growth(const std::vector<double>& t, const std::vect
     if (points.size() < 4 || points.back().first - points.front().first < std::log(10.0)) return {};
     const double middle = (points.front().first + points.back().first) / 2;
     const auto half = std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.first >= middle; });
-    const Point *begin = points.data(), *end = begin + points.size(), *mid = begin + (half - points.begin());
-    Growth growth{slope(begin, end), 0, envelope.t.front(), to};
-    if (mid - begin >= 2 && end - mid >= 2) growth.uncertainty = std::abs(slope(begin, mid) - slope(mid, end)) / 2;
+    const std::span<const Point> all(points);
+    const std::size_t mid = static_cast<std::size_t>(half - points.begin());
+    Growth growth{least_squares_line(all).slope, 0, envelope.t.front(), to};
+    if (mid >= 2 && all.size() - mid >= 2)
+        growth.uncertainty =
+            std::abs(least_squares_line(all.first(mid)).slope - least_squares_line(all.subspan(mid)).slope) / 2;
     return growth;
 }
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
+
+#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -12,14 +15,7 @@ namespace {
 using Point = std::pair<double, double>;  // log step, log error
 
 double slope(const std::vector<Point>& points, std::size_t begin, std::size_t end) {
-    const double n = static_cast<double>(end - begin);
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t i = begin; i < end; ++i) x += points[i].first / n, y += points[i].second / n;
-    for (std::size_t i = begin; i < end; ++i) {
-        xx += (points[i].first - x) * (points[i].first - x);
-        xy += (points[i].first - x) * (points[i].second - y);
-    }
-    return xy / xx;
+    return least_squares_line(std::span(points).subspan(begin, end - begin)).slope;
 }
 
 // converging before saturated, then long before short, then steep before flat

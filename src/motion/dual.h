@@ -34,6 +34,11 @@ struct Dual {
         for (int i = 0; i < N; ++i) c.slope[i] = a.value * b.slope[i] + a.slope[i] * b.value;
         return c;
     }
+    friend Dual operator/(const Dual& a, const Dual& b) {
+        Dual c(a.value / b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = (a.slope[i] - c.value * b.slope[i]) / b.value;
+        return c;
+    }
     friend Dual operator*(double a, const Dual& b) {
         Dual c(a * b.value);
         for (int i = 0; i < N; ++i) c.slope[i] = a * b.slope[i];

@@ -43,7 +43,7 @@ struct Conditioning {
 };
 
 struct ConditioningSettings {
-    std::optional<double> tolerance;  ///< relative; default 1e-13, 1e-9 where the motion is stiff
+    std::optional<double> tolerance;  ///< relative; default 1e-14, 1e-9 where the motion is stiff
     long max_steps = 2'000'000;       ///< beyond it not available
 };
 

@@ -15,11 +15,11 @@
 
 namespace polhode::truth {
 
-/// What a run came to.
-template <class P>
+/// What a run came to. Sample: what the formulation makes of a state.
+template <class P, class Sample = Motion<P>>
 struct Run {
-    std::string fault;               ///< why it stopped early; empty if it did not
-    std::vector<Motion<P>> motions;  ///< one a sample
+    std::string fault;            ///< why it stopped early; empty if it did not
+    std::vector<Sample> motions;  ///< one a sample
     long steps = 0;
 };
 
@@ -52,10 +52,10 @@ void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&&
 }
 
 template <class P, class Form>
-Run<P> taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
-              const Vector3<double>& moments, const TaylorSettings& settings) {
-    Run<P> run;
+auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
+            const Vector3<double>& moments, const TaylorSettings& settings) {
     Form form(scene);
+    Run<P, decltype(form.motion(nullptr))> run;
     const int n = form.dimension();
     std::vector<P> y(n), at_sample(n);
     std::vector<Block> blocks = form.blocks(scales, moments);

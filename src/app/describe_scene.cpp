@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include "app/describe.h"
 #include "app/polhode_picture.h"
-#include "integrators/method.h"
+#include "integrators/conditioning.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
 #include "scene/message.h"
@@ -168,57 +169,50 @@ void invariants(Report& report, const Problem& problem) {
     }
 }
 
-// Angle between the attitudes at T, rad.
-double attitude_difference(const Sample& a, const Sample& b) {
-    const Quaternion<double> r = conjugate(a.q) * b.q;
-    return 2 * std::atan2(std::hypot(r.x, r.y, r.z), std::abs(r.w));
-}
+// A description is read at once: about half a second of work.
+constexpr long conditioning_steps = 100'000;
+// what an attitude may be off where the scene does not say: 1/20 of a degree
+constexpr double default_tolerated_attitude = 1e-3;
 
-std::optional<Sample> at_end(const Scene& scene) {
-    const Problem problem = pose(scene);
-    Settings settings;
-    settings.samples = 1, settings.max_steps = 2'000'000, settings.seconds_limit = 2;
-    const Trajectory trajectory = solve(problem, *choose_method(problem).method, settings);
-    if (trajectory.status != Status::ok) return std::nullopt;
-    return trajectory.samples.back();
-}
-
-// By how much small changes of the start have grown at T: the largest attitude change over six of them, each 1e-5 rad
-// about a body axis or 1e-5 of the largest rate along one, per unit of the change. Central differences.
+// How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
 void conditioning(Report& report, const Problem& problem) {
-    constexpr double size = 1e-5;
-    report.title("Conditioning at T");
-    const Scene& scene = problem.scene;
-    const Vector3<double>& w = problem.body.angular_velocity_B;
-    const double rate = std::max({std::abs(w[0]), std::abs(w[1]), std::abs(w[2]), 1 / scene.duration});
-    double by_attitude = 0, by_rate = 0;
-    for (int i = 0; i < 6; ++i) {
-        std::optional<Sample> end[2];
-        for (int side = 0; side < 2; ++side) {
-            Scene moved = scene;
-            moved.initial.angular_velocity = w, moved.initial.angular_velocity_frame = Frame::body;
-            moved.initial.orientation = problem.body.q;
-            const double change = side == 0 ? size : -size;
-            if (i < 3) {
-                Quaternion<double> turn{std::cos(change / 2), 0, 0, 0};
-                (i == 0 ? turn.x : i == 1 ? turn.y : turn.z) = std::sin(change / 2);
-                moved.initial.orientation = normalized(problem.body.q * turn);
-            } else {
-                moved.initial.angular_velocity[i - 3] += change * rate;
-            }
-            end[side] = at_end(moved);
-            if (!end[side]) {
-                report.line("not known: the perturbed motions could not be solved within 2 s each");
-                return;
-            }
-        }
-        const double growth = attitude_difference(*end[0], *end[1]) / (2 * size);
-        (i < 3 ? by_attitude : by_rate) = std::max(i < 3 ? by_attitude : by_rate, growth);
+    report.title("Conditioning");
+    const double T = problem.scene.duration;
+    constexpr long intervals = 2000;
+    std::vector<double> times;
+    for (long k = 0; k <= intervals; ++k) times.push_back(sample_time(T, k, intervals));
+    ConditioningSettings settings;
+    settings.max_steps = conditioning_steps;
+    const Conditioning found = polhode::conditioning(problem, times, settings);
+    if (found.times.empty()) {
+        report.line("not known: " + found.message);
+        return;
     }
-    report.line("to the attitude at t = 0", fmt::format("{:.3g} rad at T for each rad", by_attitude));
-    report.line("to the rate at t = 0", fmt::format("{:.3g} rad at T for each relative change of w", by_rate));
-    report.line("so binary64 can tell",
-                fmt::format("attitudes at T to {:.1g} rad at best", std::max(by_attitude, by_rate) * 0x1p-53));
+    const std::size_t last = found.times.size() - 1;
+    const std::string end = found.available ? "T" : fmt::format("t = {:.4g} s", found.times[last]);
+    const Peak state = found.state_peak();
+    if (!found.available) report.line("only until " + end, found.message);
+    report.line(fmt::format("kappa({})", found.available ? "T" : fmt::format("{:.4g} s", found.times[last])),
+                fmt::format("{:.4g} = ||d state / d state(0)||, each block in units of its scale", found.state[last]));
+    report.line("its peak", fmt::format("{:.4g}, at t = {:.4g} s", state.value, state.time));
+    report.line("of it the attitude",
+                fmt::format("{:.4g} rad at {} for each relative change of the start; at most "
+                            "{:.4g} rad, at t = {:.4g} s",
+                            found.attitude[last], end, found.attitude_peak().value, found.attitude_peak().time));
+    for (const auto& [name, roundoff] :
+         {std::pair("floor in binary64", float64_roundoff), std::pair("floor in binary32", float32_roundoff)})
+        report.line(name, fmt::format("{:.2g} rad at {}, {:.2g} rad at worst: by rounding the start alone",
+                                      found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
+    const double tolerated = problem.scene.tolerated_attitude.value_or(default_tolerated_attitude);
+    std::size_t k = 0;
+    while (k <= last && !(found.floor(k, float32_roundoff) > tolerated)) ++k;
+    const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
+                              : found.available ? "the whole run"
+                                                : "at least until " + end;
+    report.line("a float engine",
+                fmt::format("can be judged {}: so long its floor is within {} rad ({})", until, number(tolerated),
+                            problem.scene.tolerated_attitude ? "the scene's tolerated attitude error" : "by default"));
+    report.line("by", found.message);
 }
 
 void polhode_drawing(Report& report, const Problem& problem) {

@@ -6,53 +6,60 @@
 
 namespace polhode {
 
-template <int N>
+/// S: the scalar of value and derivatives; P: that of the parameters, which have none.
+template <int N, class S = double, class P = S>
 struct Dual {
-    double value = 0;
-    std::array<double, N> slope{};
+    S value{};
+    std::array<S, N> slope{};
 
     Dual() = default;
-    explicit Dual(double v) : value(v) {}
+    explicit Dual(const P& v) : value(v) {}
 
     friend Dual operator+(const Dual& a, const Dual& b) {
-        Dual c(a.value + b.value);
+        Dual c;
+        c.value = a.value + b.value;
         for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] + b.slope[i];
         return c;
     }
     friend Dual operator-(const Dual& a, const Dual& b) {
-        Dual c(a.value - b.value);
+        Dual c;
+        c.value = a.value - b.value;
         for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] - b.slope[i];
         return c;
     }
     friend Dual operator-(const Dual& a) {
-        Dual c(-a.value);
+        Dual c;
+        c.value = -a.value;
         for (int i = 0; i < N; ++i) c.slope[i] = -a.slope[i];
         return c;
     }
     friend Dual operator*(const Dual& a, const Dual& b) {
-        Dual c(a.value * b.value);
+        Dual c;
+        c.value = a.value * b.value;
         for (int i = 0; i < N; ++i) c.slope[i] = a.value * b.slope[i] + a.slope[i] * b.value;
         return c;
     }
     friend Dual operator/(const Dual& a, const Dual& b) {
-        Dual c(a.value / b.value);
+        Dual c;
+        c.value = a.value / b.value;
         for (int i = 0; i < N; ++i) c.slope[i] = (a.slope[i] - c.value * b.slope[i]) / b.value;
         return c;
     }
-    friend Dual operator*(double a, const Dual& b) {
-        Dual c(a * b.value);
+    friend Dual operator*(const P& a, const Dual& b) {
+        Dual c;
+        c.value = a * b.value;
         for (int i = 0; i < N; ++i) c.slope[i] = a * b.slope[i];
         return c;
     }
-    friend Dual operator*(const Dual& a, double b) { return b * a; }
-    friend Dual operator+(const Dual& a, double b) {
+    friend Dual operator*(const Dual& a, const P& b) { return b * a; }
+    friend Dual operator+(const Dual& a, const P& b) {
         Dual c = a;
-        c.value += b;
+        c.value = c.value + b;
         return c;
     }
-    friend Dual operator+(double a, const Dual& b) { return b + a; }
-    friend Dual operator-(const Dual& a, double b) { return a + (-b); }
-    friend Dual operator-(double a, const Dual& b) { return -b + a; }
+    friend Dual operator+(const P& a, const Dual& b) { return b + a; }
+    friend Dual operator-(const Dual& a, const P& b) { return a + (-b); }
+    friend Dual operator-(const P& a, const Dual& b) { return -b + a; }
 };
 
 /// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.

@@ -1,16 +1,20 @@
 // polhode check: trajectories of anyone's making against the truth.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/check_report.h"
 #include "app/commands.h"
+#include "experiment/altered_motion.h"
+#include "integrators/conditioning.h"
 #include "integrators/truth/reference.h"
-#include "measure/judge.h"
-#include "scene/json_document.h"
+#include "motion/convention.h"
+#include "motion/sample_clock.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
 #include "table/decimal.h"
@@ -19,157 +23,121 @@ namespace polhode {
 namespace {
 
 struct Options {
-    std::string scene, format = "text";
+    std::string scene, format = "text", convention;
     std::vector<std::string> trajectories;
     std::optional<double> max_attitude;
 };
 
-/// One file and what came of it.
-struct Checked {
-    std::string path;
-    TrajectoryFile file;
-    Judgement judgement;
-    double truth_bound = 0;
-};
-
-/// What a file is held to.
-struct Limit {
-    std::optional<double> attitude;  ///< rad
-    const char* from = "";           ///< who set it
-
-    bool exceeded_by(const Checked& checked) const {
-        return attitude && !(checked.judgement.attitude_max <= *attitude);
+Convention convention_of(const Options& options) {
+    if (options.convention.empty()) return {};
+    try {
+        return parse_convention(options.convention);
+    } catch (const std::invalid_argument& error) {
+        throw UsageError(fmt::format("--convention: {}", error.what()));
     }
-    const char* verdict(const Checked& checked) const {
-        return !attitude ? "reported" : exceeded_by(checked) ? "failed" : "passed";
-    }
-};
-
-// The name of each number, and the number where there is one.
-std::vector<std::pair<const char*, std::optional<double>>> numbers(const Judgement& j) {
-    return {{"attitude_error_max", j.attitude_max}, {"attitude_error_final", j.attitude_final},
-            {"omega_error_max", j.omega_max},       {"energy_error_max", j.energy_max},
-            {"momentum_error_max", j.momentum_max}, {"position_error_max", j.position_max},
-            {"velocity_error_max", j.velocity_max}, {"norm_error_max", j.norm_max}};
 }
 
-std::string sentence(const Limit& limit, const Checked& c) {
-    std::string text = fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement.attitude_max,
-                                   shortest_decimal(c.judgement.attitude_max_time));
-    if (limit.attitude)
-        text += fmt::format("; {}{} rad allowed ({})", limit.exceeded_by(c) ? "more than the " : "",
-                            shortest_decimal(*limit.attitude), limit.from);
-    return text;
+// A file in our conventions, with what had to be done to it.
+TrajectoryFile prepared(const Scene& scene, const Convention& convention, CheckedFile& checked) {
+    TrajectoryFile file = read_trajectory(checked.path, convention.quaternion);
+    convert(file, convention);
+    if (const std::optional<double> dt = restore_clock(file, scene.duration))
+        checked.remarks.push_back(fmt::format(
+            "the times are those of a binary32 clock: taken for the multiples of {} s that they are rounded from",
+            shortest_decimal(*dt)));
+    const double last = file.rows.back().t;
+    // a clock that adds up steps ends beside the duration by rounding
+    if (last > scene.duration * (1 + 1e-9))
+        throw InputError(checked.path, "column t",
+                         fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
+                                     shortest_decimal(scene.duration)),
+                         "give times in s within the scene's duration, or a scene that lasts longer");
+    checked.samples = file.rows.size(), checked.from = file.rows.front().t, checked.until = last;
+    return file;
 }
 
-std::string text(const Limit& limit, const std::vector<Checked>& all) {
-    std::string report;
-    for (const Checked& c : all) {
-        report += fmt::format("{}: {}: {}\n", one_line(c.path, 300), limit.verdict(c), sentence(limit, c));
-        report += fmt::format("  {:<22}{}, t = {} to {} s\n", "samples", c.file.rows.size(),
-                              shortest_decimal(c.file.rows.front().t), shortest_decimal(c.file.rows.back().t));
-        for (const auto& [name, value] : numbers(c.judgement))
-            report += fmt::format("  {:<22}{}\n", name, value ? fmt::format("{:.3e}", *value) : "not in the file");
-        report += fmt::format("  {:<22}{:.2e}\n", "bound of the truth", c.truth_bound);
+// The floors at the ends of the file's spans and in between, and what they say of the file.
+void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, CheckedFile& checked) {
+    if (!(checked.until > 0)) return;
+    constexpr int between = 20;
+    std::vector<double> times;
+    double begin = 0;
+    for (const ErrorSpan& span : checked.judgement.over_time) {
+        for (int i = 1; i < between; ++i) times.push_back(begin + (span.until - begin) * i / between);
+        times.push_back(begin = span.until);
     }
-    return report;
-}
-
-std::string json(const Scene& scene, const Limit& limit, const std::vector<Checked>& all) {
-    std::string report =
-        fmt::format("{{\"scene\": {}, \"max_attitude\": {}, \"trajectories\": [", json_string(scene.name),
-                    limit.attitude ? shortest_decimal(*limit.attitude) : "null");
-    for (const Checked& c : all) {
-        report += fmt::format("{}\n  {{\"file\": {}, \"verdict\": \"{}\", \"samples\": {}, \"from\": {}, \"until\": {}",
-                              &c == &all.front() ? "" : ",", json_string(one_line(c.path, 4096)), limit.verdict(c),
-                              c.file.rows.size(), shortest_decimal(c.file.rows.front().t),
-                              shortest_decimal(c.file.rows.back().t));
-        report += fmt::format(", \"attitude_error_max_time\": {}", shortest_decimal(c.judgement.attitude_max_time));
-        for (const auto& [name, value] : numbers(c.judgement))
-            report += fmt::format(", \"{}\": {}", name, value ? shortest_decimal(*value) : "null");
-        report += fmt::format(", \"truth_bound\": {}}}", shortest_decimal(c.truth_bound));
+    const Conditioning kappa = conditioning(scene, times);
+    if (!kappa.available) {
+        checked.remarks.push_back("the floors are not known: " + kappa.message);
+        return;
     }
-    return report + "\n]}\n";
-}
-
-std::string xml_attribute(const std::string& text) {
-    std::string escaped;
-    for (const char c : one_line(text, 4096)) {
-        if (c == '&')
-            escaped += "&amp;";
-        else if (c == '<')
-            escaped += "&lt;";
-        else if (c == '"')
-            escaped += "&quot;";
-        else
-            escaped += c;
+    RoundingFloor so_far;
+    // where nothing is asked for: an error of a radian leaves nothing to judge
+    const double allowed = limit.attitude.value_or(1);
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
+        so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
+        if (so_far.float32 > allowed && !checked.float_judged_until)
+            checked.float_judged_until = k > 0 ? times[k - 1] : 0;
+        if ((k + 1) % between == 0) checked.floor_over_time.push_back(so_far);
     }
-    return '"' + escaped + '"';
-}
-
-// A test case for each file, as continuous integration reads them.
-std::string junit(const Scene& scene, const Limit& limit, const std::vector<Checked>& all) {
-    std::string cases;
-    int failures = 0;
-    for (const Checked& c : all) {
-        cases += fmt::format("    <testcase classname={} name={}", xml_attribute("polhode check " + scene.name),
-                             xml_attribute(c.path));
-        if (limit.exceeded_by(c)) {
-            ++failures;
-            cases +=
-                fmt::format(">\n      <failure message={}/>\n    </testcase>\n", xml_attribute(sentence(limit, c)));
-        } else {
-            cases += "/>\n";
-        }
-    }
-    return fmt::format(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<testsuites tests=\"{0}\" failures=\"{1}\">\n"
-        "  <testsuite name={2} tests=\"{0}\" failures=\"{1}\">\n{3}  </testsuite>\n</testsuites>\n",
-        all.size(), failures, xml_attribute("polhode check " + scene.name), cases);
+    checked.floor = so_far;
+    const double error = checked.judgement.attitude.max;
+    // rounding at each step comes on top of that of the start: a few times the floor is the floor
+    constexpr double a_few = 4;
+    if (error <= a_few * so_far.float64)
+        checked.remarks.emplace_back("at the float64 floor: as good as binary64 can be on this scene");
+    else if (error <= a_few * so_far.float32)
+        checked.remarks.emplace_back("at the float32 floor: as good as a float engine can be on this scene");
+    if (checked.float_judged_until)
+        checked.remarks.push_back(fmt::format(
+            "beyond t = {:.4g} s no float engine can be judged: the rounding of the initial data to binary32 "
+            "alone leads to more than {} rad",
+            *checked.float_judged_until, shortest_decimal(allowed)));
 }
 
 int run(const Options& options) {
     if (options.max_attitude) require_positive("--max-attitude", *options.max_attitude);
+    const Convention convention = convention_of(options);
     const Scene scene = find_scene(options.scene);
+    AttitudeLimit limit{options.max_attitude, "--max-attitude"};
+    if (!limit.attitude) limit = {scene.tolerated_attitude, "tolerated by the scene"};
     // all are read before any is judged: a slip in the last must not cost the time of the first
-    std::vector<Checked> all;
+    std::vector<CheckedFile> all;
+    std::vector<TrajectoryFile> files;
     for (const std::string& path : options.trajectories) {
-        Checked& checked = all.emplace_back();
-        checked.path = path, checked.file = read_trajectory(path);
-        // a clock that adds up steps ends beside the duration by rounding
-        if (const double last = checked.file.rows.back().t; last > scene.duration * (1 + 1e-9))
-            throw InputError(path, "column t",
-                             fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
-                                         shortest_decimal(scene.duration)),
-                             "give times in s within the scene's duration, or a scene that lasts longer");
+        all.emplace_back().path = path;
+        files.push_back(prepared(scene, convention, all.back()));
     }
-    for (Checked& checked : all) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        CheckedFile& checked = all[i];
         std::vector<double> times;
-        for (const TrajectoryRow& row : checked.file.rows) times.push_back(row.t);
+        for (const TrajectoryRow& row : files[i].rows) times.push_back(row.t);
         const Reference truth = reference(scene, times);
         if (!truth.available) {
             std::fputs(("polhode: " + one_line(checked.path + ": " + truth.message, 500) + "\n").c_str(), stderr);
             return 1;
         }
-        checked.truth_bound = truth.bound;
-        checked.judgement = judge(scene, checked.file, truth);
+        checked.truth_bound = truth.bound, checked.truth = truth.message;
+        checked.judgement = judge(scene, files[i], truth);
+        checked.diagnoses = diagnose(scene, files[i], altered_motion);
+        compare_with_floors(scene, limit, checked);
+        files[i] = {};
     }
-    Limit limit{options.max_attitude, "--max-attitude"};
-    if (!limit.attitude) limit = {scene.tolerated_attitude, "tolerated by the scene"};
-    write_output("", options.format == "json"    ? json(scene, limit, all)
-                     : options.format == "junit" ? junit(scene, limit, all)
-                                                 : text(limit, all));
-    for (const Checked& checked : all)
-        if (limit.exceeded_by(checked)) return 1;
-    return 0;
+    write_output("", options.format == "json"    ? check_json(scene, limit, all)
+                     : options.format == "junit" ? check_junit(scene, limit, all)
+                                                 : check_text(limit, all));
+    const auto exceeds = [&](const CheckedFile& checked) { return limit.exceeded_by(checked); };
+    return std::any_of(all.begin(), all.end(), exceeds) ? 1 : 0;
 }
 
 }  // namespace
 
 void add_check(CLI::App& program, int& exit_code) {
-    CLI::App* command = program.add_subcommand(
-        "check", "Judges trajectory files against the truth; exit code 1 where an attitude error is too large.");
+    CLI::App* command = program.add_subcommand("check",
+                                               "Judges trajectory files against the truth and says what is wrong where "
+                                               "the fault is known; exit code 1 where an "
+                                               "attitude error is too large.");
     const auto options = std::make_shared<Options>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
@@ -179,6 +147,15 @@ void add_check(CLI::App& program, int& exit_code) {
         ->required();
     command->add_option("--max-attitude", options->max_attitude,
                         "The largest attitude error allowed, rad (default: what the scene tolerates, if it says so)");
+    command->add_option(
+        "--convention", options->convention,
+        "What the files are written in, words joined by commas: y-up or z-up (y-up: the scene's (x, y, z) is (x, z, "
+        "-y) "
+        "there, and (x, z, y) where left-handed), left-handed or right-handed (z-up, left-handed: (x, -y, z)), degrees "
+        "(w in degrees per second), scalar-first or scalar-last (the four columns of the quaternion hold w,x,y,z or "
+        "x,y,z,w in the order in which they stand, whatever their names); or unity (y-up,left-handed), godot (y-up). "
+        "The "
+        "body is taken to be built in the same axes. Default: z-up, right-handed, radians, columns by name");
     command->add_option("--format", options->format, "text, json or junit")
         ->check(CLI::IsMember({"text", "json", "junit"}))
         ->capture_default_str();

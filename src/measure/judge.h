@@ -1,25 +1,70 @@
 // A trajectory file judged against the truth.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "motion/trajectory_csv.h"
 #include "scene/scene.h"
 
 namespace polhode {
 
-/// The largest errors over a file's samples; those that its columns do not tell are empty.
-struct Judgement {
-    double attitude_max = 0;                                    ///< rad
-    double attitude_max_time = 0;                               ///< s, where that is
-    double attitude_final = 0;                                  ///< rad, at the file's last sample
-    double norm_max = 0;                                        ///< ||q| - 1|
-    std::optional<double> omega_max, energy_max, momentum_max;  ///< relative, as ErrorSeries has them
-    std::optional<double> position_max, velocity_max;           ///< m, m/s, of the centre of mass
+/// One error over a file's samples.
+struct ErrorSummary {
+    double max = 0;       ///< the largest
+    double max_time = 0;  ///< s, where that is; the first of equals
+    double final = 0;     ///< at the file's last sample
 };
 
-/// Judges sample by sample; `truth` is available and has the file's times, else std::invalid_argument. Omega and
-/// momentum need w. Energy needs w, and p and v where the scene has no pivot.
-Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth);
+/// The largest errors of the samples up to a time, from the one of the span before on.
+struct ErrorSpan {
+    double until = 0;     ///< s, the last sample's
+    double attitude = 0;  ///< rad
+    double norm = 0;      ///< ||q| - 1|
+    double energy = 0;    ///< relative, as ErrorSeries has it; 0 where Judgement::energy is empty
+    double momentum = 0;  ///< likewise
+};
+
+/// The errors of a file's samples; those that its columns do not tell are empty.
+struct Judgement {
+    ErrorSummary attitude;                                ///< rad
+    ErrorSummary norm;                                    ///< ||q| - 1|
+    std::optional<ErrorSummary> omega, energy, momentum;  ///< relative, as ErrorSeries has them
+    std::optional<ErrorSummary> position, velocity;       ///< m, m/s, of the centre of mass
+    std::vector<ErrorSpan> over_time;                     ///< at most ten, of about the same length in time
+};
+
+/// What the errors are formed in: 128 bits show what a binary64 file is wrong by to its last digit; binary64 takes a
+/// hundredth of the time and resolves about 1e-15.
+enum class JudgedIn { binary128, binary64 };
+
+/// Judges sample by sample; `truth` has the file's times, else std::invalid_argument. Omega and momentum need w. Energy
+/// needs w, and p and v where the scene has no pivot.
+Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
+                JudgedIn arithmetic = JudgedIn::binary128);
+
+/// The same piece by piece, for files whose truth does not fit in memory or is made by several threads.
+class Judge {
+  public:
+    /// Keeps references: both outlive it.
+    Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic);
+    ~Judge();
+    Judge(Judge&&) noexcept;
+
+    /// Judges rows first, first + 1, .. by these samples; each row once, in order within one Judge. Throws
+    /// std::invalid_argument where a time is not the row's.
+    void add(std::size_t first, std::span<const ReferenceSample> truth);
+    /// Takes over what another has judged, of later rows.
+    void append(const Judge& later);
+    Judgement result() const;
+
+    struct State;
+
+  private:
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace polhode

@@ -36,6 +36,10 @@ struct TrajectoryFile {
     bool operator==(const TrajectoryFile&) const = default;
 };
 
+/// What the four columns of a quaternion hold: each what its name says, or w, x, y, z or x, y, z, w in the order in
+/// which the columns stand, whatever they are named.
+enum class QuaternionColumns { by_name, scalar_first, scalar_last };
+
 /// Reads trajectory files: columns by name, in any order; t and q must be there, of w, p, v and o (the body's origin,
 /// in place of p) whole blocks or nothing; `bound`, which `truth` writes, is read past. Numbers are the binary64
 /// nearest to the decimal written, whatever the locale. Lines may end in \r\n, a byte order mark may stand in front,
@@ -43,10 +47,11 @@ struct TrajectoryFile {
 /// REMEDY"): no header or no sample, an unknown, missing or repeated column, a line of another length than the header,
 /// what is no finite number, a time below 0 or not above the one before, a quaternion without a direction (of length
 /// below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64 KiB.
-TrajectoryFile parse_trajectory(std::string_view text, const std::string& file);
+TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
+                                QuaternionColumns quaternion = QuaternionColumns::by_name);
 
 /// Reads and parses a file of at most 1 GiB. Throws InputError, also when it cannot be read.
-TrajectoryFile read_trajectory(const std::string& path);
+TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion = QuaternionColumns::by_name);
 
 /// The file with its own columns in the usual order; reads back to the same rows.
 std::string write_trajectory(const TrajectoryFile& file);

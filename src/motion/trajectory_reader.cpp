@@ -88,7 +88,8 @@ std::optional<double> number(std::string_view text) {
 // One file, line by line.
 class Reader {
   public:
-    Reader(std::string_view text, const std::string& file) : rest_(text), file_(file) {}
+    Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion)
+        : rest_(text), file_(file), quaternion_(quaternion) {}
 
     TrajectoryFile read() {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
@@ -169,10 +170,19 @@ class Reader {
         if (seen[block_p] > 0 && seen[block_o] > 0)
             fail(here(), "has both px,py,pz and ox,oy,oz",
                  "give the centre of mass (p) or the body's origin (o), not both");
+        for (const Column* column : columns_) places_.push_back(column->place);
+        if (quaternion_ != QuaternionColumns::by_name) take_quaternion_in_order();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
         result_.has_origin = seen[block_o] > 0;
         result_.has_velocity = seen[block_v] > 0;
+    }
+
+    // the quaternion's columns as they stand
+    void take_quaternion_in_order() {
+        std::size_t next = quaternion_ == QuaternionColumns::scalar_first ? 0 : 1;  // of w, x, y, z
+        for (std::size_t i = 0; i < columns_.size(); ++i)
+            if (columns_[i]->block == block_q) places_[i] = known_columns()[1 + next++ % 4].place;
     }
 
     void sample() {
@@ -187,7 +197,7 @@ class Reader {
                 fail(at(i), cells_[i].empty() ? "is empty" : one_line(cells_[i], 60) + " is no number",
                      "give a decimal number such as -1.5e-3");
             if (!std::isfinite(*value)) fail(at(i), one_line(cells_[i], 60) + " is not finite", "give a finite number");
-            if (columns_[i]->place != nullptr) *columns_[i]->place(row) = *value;
+            if (places_[i] != nullptr) *places_[i](row) = *value;
         }
         const std::string time = fmt::format("line {}, column t", line_number_);
         if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
@@ -206,18 +216,22 @@ class Reader {
 
     std::string_view rest_, line_;
     const std::string& file_;
+    QuaternionColumns quaternion_;
     long line_number_ = 0;
     std::vector<const Column*> columns_;  // in the file's order
+    std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
     std::vector<std::string_view> cells_;
     TrajectoryFile result_;
 };
 
 }  // namespace
 
-TrajectoryFile parse_trajectory(std::string_view text, const std::string& file) { return Reader(text, file).read(); }
+TrajectoryFile parse_trajectory(std::string_view text, const std::string& file, QuaternionColumns quaternion) {
+    return Reader(text, file, quaternion).read();
+}
 
-TrajectoryFile read_trajectory(const std::string& path) {
-    return parse_trajectory(read_text(path, largest_file, "a readable CSV file"), path);
+TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion) {
+    return parse_trajectory(read_text(path, largest_file, "a readable CSV file"), path, quaternion);
 }
 
 }  // namespace polhode

@@ -1,0 +1,243 @@
+// Trajectories that were broken just so are told what broke them; sound ones, however coarse, are told nothing.
+#include "measure/diagnosis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "experiment/altered_motion.h"
+#include "integrators/method.h"
+#include "motion/convention.h"
+#include "scene/builtin.h"
+#include "scene/scene_file.h"
+#include "whole/broken_engine.h"
+
+namespace polhode {
+namespace {
+
+Scene free_body() { return find_scene("free_asymmetric"); }
+
+Scene tilted_free_body() {
+    Scene scene = free_body();
+    scene.initial.orientation = {0.8, 0.48, 0, 0.36};
+    scene.initial.angular_velocity = {0.3, 2, -0.2};
+    return scene;
+}
+
+Scene heavy_top() {
+    Scene scene = find_scene("lagrange_top");
+    scene.initial.angular_velocity = {0, 0, 12};
+    return scene;
+}
+
+Scene driven_body() {
+    Scene scene = tilted_free_body();
+    scene.name = "driven";
+    scene.loads.push_back(Torque{{0.3, -0.2, 0.1}, Frame::body, {}});
+    scene.loads.push_back(Torque{{0, 0.1, 0.2}, Frame::world, {}});
+    return scene;
+}
+
+Scene damped_body() { return find_scene("damped_spin"); }
+
+std::vector<Scene> scenes() {
+    std::vector<Scene> all{free_body(), tilted_free_body(), heavy_top(), driven_body()};
+    for (Scene& scene : all) scene.duration = 10;
+    return all;
+}
+
+std::string faults(const std::vector<Diagnosis>& diagnoses) {
+    std::string text;
+    for (const Diagnosis& d : diagnoses) text += d.fault + ": " + d.message + "\n";
+    return text;
+}
+
+::testing::AssertionResult is_told(const Scene& scene, const TrajectoryFile& file, const std::string& fault) {
+    const std::vector<Diagnosis> found = diagnose(scene, file, altered_motion);
+    if (!found.empty() && found[0].fault == fault) return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << scene.name << ": wanted " << fault << ", got\n" << faults(found);
+}
+
+// at two steps, in both precisions, and without the columns of w
+void expect_told(const Scene& scene, const Broken& broken, const std::string& fault, bool needs_rates = false) {
+    for (const double step : {1.0 / 60, 1.0 / 240}) {
+        EXPECT_TRUE(is_told(scene, engine_run<double>(scene, broken, step, 1), fault)) << "step " << step;
+        EXPECT_TRUE(is_told(scene, engine_run<float>(scene, broken, step, 2), fault)) << "float, step " << step;
+        if (needs_rates) continue;
+        TrajectoryFile bare = engine_run<double>(scene, broken, step, 1);
+        bare.has_angular_velocity = false;
+        for (TrajectoryRow& row : bare.rows) row.angular_velocity_W = {};
+        EXPECT_TRUE(is_told(scene, bare, fault)) << "no w, step " << step;
+    }
+}
+
+TEST(Diagnosis, GyroscopicTermMissing) {
+    for (const Scene& scene : scenes()) expect_told(scene, {.gyroscopic = 0}, "gyroscopic_term_missing");
+}
+
+TEST(Diagnosis, GyroscopicTermReversed) {
+    for (const Scene& scene : scenes()) expect_told(scene, {.gyroscopic = -1}, "gyroscopic_term_reversed");
+}
+
+TEST(Diagnosis, DampingLeftOn) {
+    for (const Scene& scene : scenes())
+        for (const double damping : {0.05, 0.3}) expect_told(scene, {.damping = damping}, "damping_left_on");
+    Scene scene = damped_body();
+    scene.duration = 10;
+    expect_told(scene, {.damping = 0.1}, "damping_left_on");
+}
+
+TEST(Diagnosis, SpeedClamped) {
+    for (const Scene& scene : scenes()) {
+        const Vector3<double>& w = scene.initial.angular_velocity;
+        expect_told(scene, {.speed_limit = 0.8 * std::sqrt(dot(w, w))}, "speed_clamped");
+    }
+}
+
+TEST(Diagnosis, WrongTimeStep) {
+    for (const Scene& scene : scenes())
+        for (const double step_factor : {0.5, 1.2, 50.0 / 60})
+            expect_told(scene, {.step_factor = step_factor}, "wrong_time_step");
+}
+
+TEST(Diagnosis, FirstOrderQuaternionUpdate) {
+    for (const Scene& scene : scenes()) {
+        // below this step less than 1e-6 rad a row is to be seen: binary32 files have as much noise
+        const Vector3<double>& w = scene.initial.angular_velocity;
+        for (const double turn : {0.06, 0.03}) {
+            const double step = turn / std::sqrt(dot(w, w));
+            EXPECT_TRUE(is_told(scene, engine_run<double>(scene, {.first_order = true}, step, 1),
+                                "first_order_quaternion_update"));
+            EXPECT_TRUE(is_told(scene, engine_run<double>(scene, {.first_order = true}, step, 4),
+                                "first_order_quaternion_update"));
+        }
+    }
+}
+
+// sound motion, as an engine at a fine step has it
+TrajectoryFile sound(const Scene& scene) { return engine_run<double>(scene, {}, 1.0 / 960, 16); }
+
+TEST(Diagnosis, ConventionsOfTheQuaternion) {
+    for (const Scene& scene : {tilted_free_body(), heavy_top(), driven_body()}) {
+        Scene timed = scene;
+        timed.duration = 10;
+        TrajectoryFile last = sound(timed), inverted = last;
+        for (TrajectoryRow& row : last.rows) row.q = {row.q.x, row.q.y, row.q.z, row.q.w};
+        EXPECT_TRUE(is_told(timed, last, "scalar_last_quaternion"));
+        EXPECT_EQ(diagnose(timed, last, altered_motion)[0].convention, "scalar-last");
+        for (TrajectoryRow& row : inverted.rows) row.q = conjugate(row.q);
+        EXPECT_TRUE(is_told(timed, inverted, "inverted_orientation"));
+        for (const char* words : {"y-up", "y-up,left-handed", "left-handed"}) {
+            TrajectoryFile there = sound(timed);
+            const Convention convention = parse_convention(words);
+            for (TrajectoryRow& row : there.rows) row.q = quaternion_to(convention.axes, row.q);
+            EXPECT_TRUE(is_told(timed, there, "other_axes")) << words;
+            EXPECT_EQ(diagnose(timed, there, altered_motion)[0].convention, words);
+        }
+    }
+}
+
+TEST(Diagnosis, UnitsAndAxesOfTheRate) {
+    for (Scene scene : {tilted_free_body(), heavy_top(), driven_body()}) {
+        scene.duration = 10;
+        TrajectoryFile degrees = sound(scene), body = degrees;
+        for (TrajectoryRow& row : degrees.rows)
+            row.angular_velocity_W = (180 / std::numbers::pi) * row.angular_velocity_W;
+        EXPECT_TRUE(is_told(scene, degrees, "angular_velocity_in_degrees"));
+        EXPECT_EQ(diagnose(scene, degrees, altered_motion)[0].convention, "degrees");
+        for (TrajectoryRow& row : body.rows) row.angular_velocity_W = rotate_back(row.q, row.angular_velocity_W);
+        EXPECT_TRUE(is_told(scene, body, "angular_velocity_in_body_axes"));
+    }
+}
+
+TEST(Diagnosis, StartsOfAnotherScene) {
+    for (Scene scene : {tilted_free_body(), driven_body()}) {
+        scene.duration = 10;
+        Scene other = scene;
+        other.initial.angular_velocity_frame = Frame::world;
+        EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "body_for_world_angular_velocity"));
+        other = scene;
+        other.initial.orientation = {0.36, 0.8, 0.48, 0};
+        EXPECT_FALSE(diagnose(scene, engine_run<double>(other, {}, 1.0 / 240, 4), altered_motion).empty());
+    }
+    // of a free body that is slower or faster alone, the time could be wrong as well: not under a torque
+    Scene scene = driven_body();
+    scene.duration = 20;
+    Scene other = scene;
+    other.initial.angular_velocity = (std::numbers::pi / 180) * scene.initial.angular_velocity;
+    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "degrees_for_radians"));
+}
+
+TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
+    Scene scene = heavy_top();
+    scene.duration = 10;
+    Scene other = scene;
+    other.body.center_of_mass = {};
+    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
+    // a thrown body whose file says where its origin is
+    scene = find_scene("thrown_hammer");
+    ASSERT_FALSE(scene.body.center_of_mass == Vector3<double>());
+    std::vector<double> times;
+    for (int k = 0; k <= 100; ++k) times.push_back(scene.duration * k / 100);
+    TrajectoryFile file;
+    file.has_position = true;
+    for (const Sample& s : altered_motion(scene, {}, times))
+        file.rows.push_back({s.t, s.q, {}, s.position_W - rotate(s.q, scene.body.center_of_mass), {}});
+    EXPECT_TRUE(is_told(scene, file, "origin_for_center_of_mass"));
+    file.has_position = false, file.has_origin = true;
+    EXPECT_TRUE(diagnose(scene, file, altered_motion).empty());
+    for (TrajectoryRow& row : file.rows) row.position_W = row.position_W + rotate(row.q, scene.body.center_of_mass);
+    EXPECT_TRUE(is_told(scene, file, "center_of_mass_for_origin"));
+}
+
+TEST(Diagnosis, TwoFaultsAtOnce) {
+    // what several engines do by default
+    for (const Scene& scene : {free_body(), tilted_free_body()}) {
+        Scene timed = scene;
+        timed.duration = 10;
+        EXPECT_TRUE(is_told(timed, engine_run<double>(timed, {.gyroscopic = 0, .damping = 0.1}, 1.0 / 60, 1),
+                            "damping_left_on"));
+    }
+}
+
+// Every scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's method
+// does update the quaternion to first order.
+class SoundMethod : public testing::TestWithParam<const char*> {};
+
+TEST_P(SoundMethod, IsToldNothing) {
+    const Method& method = *find_method(GetParam());
+    int judged = 0;
+    for (const BuiltinText& text : builtin_scenes()) {
+        const std::string name(text.name);
+        const Scene scene = find_scene(name);
+        Settings settings;
+        settings.samples = 200, settings.max_steps = 300'000;
+        std::vector<Settings> all;
+        if (takes_tolerance(method))
+            for (const double tolerance : {1e-2, 1e-4}) settings.tolerance = tolerance, all.push_back(settings);
+        else
+            for (const double steps : {1e3, 1e4}) settings.step = scene.duration / steps, all.push_back(settings);
+        for (const Settings& one : all) {
+            const Trajectory run = solve(scene, method, one);
+            if (run.status != Status::ok) continue;
+            TrajectoryFile file;
+            file.has_angular_velocity = file.has_position = file.has_velocity = true;
+            for (const Sample& s : run.samples)
+                file.rows.push_back({s.t, s.q, angular_velocity_W(s), s.position_W, s.velocity_W});
+            const std::vector<Diagnosis> found = diagnose(scene, file, altered_motion);
+            EXPECT_TRUE(found.empty()) << name << ", " << (one.tolerance ? *one.tolerance : *one.step) << "\n"
+                                       << faults(found);
+            ++judged;
+        }
+    }
+    EXPECT_GT(judged, 40);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, SoundMethod,
+                         testing::Values("cvode_adams", "cvode_bdf", "arkode_erk2", "arkode_dirk3",
+                                         "arkode_erk4_relaxed", "odeint_rk4", "odeint_dopri5", "odeint_rosenbrock4",
+                                         "odeint_rk4_projected", "article_mended", "article_body_frame"));
+
+}  // namespace
+}  // namespace polhode

@@ -9,6 +9,8 @@
 #include <boost/version.hpp>
 #include <nlohmann/json.hpp>
 
+#include "integrators/truth/certified.h"
+
 namespace polhode {
 
 std::string sundials_version() {
@@ -23,12 +25,14 @@ std::string sundials_build() { return POLHODE_SUNDIALS_BUILD; }
 bool sundials_unoptimised() { return POLHODE_SUNDIALS_UNOPTIMISED != 0; }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {
+    const std::string arb = ball_arithmetic_version();
     return {
         {"SUNDIALS", sundials_build()},
         {"Boost", fmt::format("{}.{}.{}", BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100)},
         {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
         {"MPFR", mpfr_get_version()},
         {"GMP", gmp_version},
+        {"Arb", arb.empty() ? "none (no certified truth)" : arb},
         {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
         {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                             NLOHMANN_JSON_VERSION_PATCH)},

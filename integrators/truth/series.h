@@ -11,6 +11,20 @@
 
 namespace polhode::truth {
 
+/// result = the sum of a[j] b[k - j] for j = 0..k.
+template <class T>
+void convolve(T& result, const T* a, const T* b, int k, T& scratch) {
+    result = T(0);
+    if (a != b) {
+        for (int j = 0; j <= k; ++j) add_product(result, a[j], b[k - j], scratch);
+        return;
+    }
+    // a square: each pair once
+    for (int j = 0; 2 * j < k; ++j) add_product(result, a[j], a[k - j], scratch);
+    result += result;
+    if (k % 2 == 0) add_product(result, a[k / 2], a[k / 2], scratch);
+}
+
 template <class T>
 class Series {
   public:
@@ -21,6 +35,10 @@ class Series {
     int dimension() const { return static_cast<int>(recording_.rates.size()); }
     /// The k-th coefficient of the i-th state variable.
     const T& coefficient(int i, int k) const { return row(i)[k]; }
+
+    const Recording<T>& recording() const { return recording_; }
+    /// The first order() coefficients of a node of the tape; of a state variable order() + 1.
+    const T* node_coefficients(int node) const { return row(node); }
 
     /// Expands the solution that starts at y.
     void expand(const T* y) {
@@ -70,16 +88,7 @@ class Series {
                 result += node.factor_b;
             return;
         }
-        const T* b = row(node.b);
-        result = T(0);
-        if (node.a != node.b) {
-            for (int j = 0; j <= k; ++j) add_product(result, a[j], b[k - j], scratch_);
-            return;
-        }
-        // a square: each pair once
-        for (int j = 0; 2 * j < k; ++j) add_product(result, a[j], a[k - j], scratch_);
-        result += result;
-        if (k % 2 == 0) add_product(result, a[k / 2], a[k / 2], scratch_);
+        convolve(result, a, row(node.b), k, scratch_);
     }
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/commands.h"
+#include "integrators/truth/certified.h"
 #include "integrators/truth/reference.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
@@ -56,8 +57,56 @@ std::string json(const Scene& scene, const Options& options, const DecimalRefere
     return text + "\n]}\n";
 }
 
+// `bound` is the largest radius of the line's own numbers.
+std::string csv(const Scene& scene, const CertifiedReference& truth) {
+    std::string text =
+        fmt::format("# {}: {}; proven to {} digits\nt", one_line(scene.name, 100), truth.message, truth.digits);
+    for (const char* name : names) text.append(",").append(name);
+    text += ",bound\n";
+    for (std::size_t i = 0; i < truth.times.size(); ++i) {
+        text += shortest_decimal(truth.times[i]);
+        for (const CertifiedNumber& number : truth.columns[i]) text.append(",").append(number.value);
+        text.append(",").append(truth.bounds[i]).append("\n");
+    }
+    return text;
+}
+
+std::string json(const Scene& scene, const CertifiedReference& truth) {
+    std::string text = fmt::format(
+        "{{\"scene\": {}, \"scene_hash\": \"{}\", \"certified\": true, \"method\": {}, \"requested_digits\": {}, "
+        "\"digits\": {},\n \"working_bits\": {}, \"steps\": {}, \"radius\": \"{}\", \"seconds\": {:.3f},\n "
+        "\"columns\": [\"t\"",
+        json_string(scene.name), truth.scene_hash, json_string(truth.method), truth.requested_digits, truth.digits,
+        truth.working_bits, truth.steps, truth.radius, truth.seconds);
+    for (const char* name : names) text += fmt::format(", \"{}\"", name);
+    text += "],\n \"samples\": [";
+    for (std::size_t i = 0; i < truth.times.size(); ++i) {
+        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i]));
+        for (const CertifiedNumber& number : truth.columns[i])
+            text += fmt::format(",\n   {{\"value\": \"{}\", \"radius\": \"{}\", \"digits\": {}}}", number.value,
+                                number.radius, number.digits);
+        text += ']';
+    }
+    return text + "\n]}\n";
+}
+
+int run_certified(const Options& options, const Scene& scene) {
+    const CertifiedReference truth = certified_reference(scene, options.samples, options.digits);
+    if (!truth.available) {
+        std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
+        return 1;
+    }
+    write_output(options.output, options.format == "json" ? json(scene, truth) : csv(scene, truth));
+    std::fputs(
+        fmt::format("scene    {}\ntruth    {}\nproven   {} digits, no radius above {}\nsteps    {}\ntime     "
+                    "{:.3g} s\n",
+                    one_line(scene.name, 100), truth.message, truth.digits, truth.radius, truth.steps, truth.seconds)
+            .c_str(),
+        stderr);
+    return 0;
+}
+
 int run(const Options& options) {
-    if (options.certified) throw UsageError("--certified is not available yet; leave it out");
     require_count("--samples", options.samples, most_samples);
     require_count("--digits", options.digits, 1'000'000);
     if (options.duration) require_positive("--duration", *options.duration);
@@ -70,6 +119,7 @@ int run(const Options& options) {
     }
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
+    if (options.certified) return run_certified(options, scene);
     const DecimalReference truth = decimal_reference(scene, options.samples, options.digits);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
@@ -94,9 +144,13 @@ void add_truth(CLI::App& program, int& exit_code) {
     command
         ->add_option(
             "--digits", options->digits,
-            fmt::format("Correct digits, relative to the largest length of q, w, p, v (at most {})", most_truth_digits))
+            fmt::format(
+                "Correct digits, relative to the largest length of q, w, p, v (at most {}, or with --certified as "
+                "many as can be had)",
+                most_truth_digits))
         ->capture_default_str();
-    command->add_flag("--certified", options->certified, "Digits that are proven (not available yet)");
+    command->add_flag("--certified", options->certified,
+                      "Digits that are proven, by ball arithmetic: each number with the radius that holds the truth");
     command->add_option("--format", options->format, "csv or json")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();

@@ -1,0 +1,22 @@
+# Arb, for the certified truth (polhode truth --certified): found by its header and its two libraries, since it has no
+# package file. POLHODE_CERTIFIED: AUTO takes it where it is, ON insists, OFF leaves it. Sets POLHODE_ARB.
+set(POLHODE_CERTIFIED AUTO CACHE STRING "Certified truth by Arb: AUTO, ON or OFF")
+set_property(CACHE POLHODE_CERTIFIED PROPERTY STRINGS AUTO ON OFF)
+set(POLHODE_ARB OFF)
+if(POLHODE_CERTIFIED STREQUAL "AUTO" OR POLHODE_CERTIFIED)
+  find_path(POLHODE_ARB_INCLUDE arb.h)
+  # upstream's name, then Debian's
+  find_library(POLHODE_ARB_LIBRARY NAMES arb flint-arb)
+  find_library(POLHODE_FLINT_LIBRARY flint)
+  mark_as_advanced(POLHODE_ARB_INCLUDE POLHODE_ARB_LIBRARY POLHODE_FLINT_LIBRARY)
+  if(POLHODE_ARB_INCLUDE AND POLHODE_ARB_LIBRARY AND POLHODE_FLINT_LIBRARY)
+    set(POLHODE_ARB ON)
+    get_filename_component(arb_name ${POLHODE_ARB_LIBRARY} NAME_WE)
+    string(REGEX REPLACE "^lib" "" POLHODE_ARB_NAME ${arb_name})
+    set(POLHODE_ARB_NAME ${POLHODE_ARB_NAME} PARENT_SCOPE)
+  elseif(POLHODE_CERTIFIED STREQUAL "AUTO")
+    message(STATUS "no Arb: truth --certified is left out; its packages are libflint-arb-dev and libflint-dev")
+  else()
+    message(FATAL_ERROR "no Arb; install libflint-arb-dev and libflint-dev, or give -DPOLHODE_CERTIFIED=OFF")
+  endif()
+endif()

@@ -15,7 +15,6 @@ struct Piece {
     const EulerForm<Ball>& form;
     double begin, end;
     std::vector<double> sample_times;  ///< increasing, in [begin, end]
-    const PiecePlan& plan;
 };
 
 /// States as balls; every state of the true motion lies in its balls.
@@ -27,6 +26,15 @@ struct Enclosure {
 };
 
 /// By Taylor series about exact points with a proven defect; errors carried by the logarithmic norm.
-Enclosure enclose_by_taylor(const Piece& piece, const std::vector<Ball>& start);
+Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start);
+
+/// No torque, and no force that turns with the body.
+inline bool has_closed_form(const Forcing<Ball>& forcing) { return !forcing.any_torque() && !forcing.has_body_force; }
+
+/// By closed forms, at a cost that no length of time changes: rotation without torque (Jacobi's functions by theta
+/// functions and Carlson's R_J; trigonometric where two moments are equal or the axis is permanent), and in flight a
+/// constant acceleration with linear drag. For pieces that has_closed_form() holds of; a fault where balls of the
+/// working precision cannot tell which side of the separatrix the motion is on, or which moment is the middle one.
+Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start);
 
 }  // namespace polhode::truth

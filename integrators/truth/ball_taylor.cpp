@@ -123,14 +123,14 @@ std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const Ter
     return boxes;
 }
 
-Enclosure enclose_by_taylor(const Piece& piece, const std::vector<Ball>& start) {
+Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
     Enclosure result;
     const int n = piece.form.dimension();
     const auto bits = static_cast<double>(Ball::precision());
     // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
     const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
     Series<Ball> series(record<Ball>(piece.form, n), order);
-    const WeightedNorm norm(piece.plan);
+    const WeightedNorm norm(plan);
     const Recording<Ball> coarse = [&] {
         const WorkingPrecision precision(bound_bits);
         return rounded(series.recording());
@@ -147,7 +147,7 @@ Enclosure enclose_by_taylor(const Piece& piece, const std::vector<Ball>& start) 
     // as far as the motion may be from the point for the logarithmic norm to hold: small beside every variable
     double least = 0;
     const std::vector<Bound> unit = norm.components(Bound(1.0));
-    for (int i = 0; i < n; ++i) least = std::max(least, unit[i].near() / piece.plan.scales[i]);
+    for (int i = 0; i < n; ++i) least = std::max(least, unit[i].near() / plan.scales[i]);
     const Bound allowed(0x1p-20 / least);
     const std::vector<Bound> margin = norm.components(allowed);
 
@@ -160,7 +160,7 @@ Enclosure enclose_by_taylor(const Piece& piece, const std::vector<Ball>& start) 
             return result;
         }
         series.expand(point.data());
-        const double wanted = on_grid(wanted_step(series, piece.plan, bits));
+        const double wanted = on_grid(wanted_step(series, plan, bits));
         if (!(wanted > 0)) {
             result.fault = "the step vanishes";
             return result;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
+#include <limits>
 #include <stdexcept>
 
 #include "integrators/truth/ball_decimal.h"
@@ -27,8 +27,9 @@ using truth::Piece;
 using truth::PiecePlan;
 
 constexpr double bits_per_digit = 3.3219280948873623;
-// what a series costs grows with the third power of the bits: beyond these, hours
-constexpr long most_bits = 3000;
+constexpr double spare_bits = 40;
+// what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
+constexpr double most_series_bits = 3000, most_bits = 32768;
 
 // The columns of a trajectory file after t, as balls: blocks q, w, p, v.
 using Columns = std::array<Ball, 13>;
@@ -36,8 +37,10 @@ constexpr int block_begin[] = {0, 4, 7, 10, 13};
 
 struct Attempt {
     std::string fault;
-    std::set<std::string> methods;
+    double wanted_bits = 0;  ///< to get over the fault
+    bool by_series = false;  ///< some piece has no closed form
     long steps = 0;
+    bool by_closed_form = false;
     std::vector<Columns> columns;
 };
 
@@ -49,36 +52,83 @@ Columns columns_of(const EulerForm<Ball>& form, const std::vector<Ball>& y) {
         m.position_W[1], m.position_W[2], m.velocity_W[0], m.velocity_W[1], m.velocity_W[2]};
 }
 
-// The motion at the working precision, piece by piece.
-Attempt attempted(const Scene& scene, const std::vector<double>& times, const std::vector<PiecePlan>& plans) {
-    Attempt attempt;
-    EulerForm<Ball> form(scene);
-    std::vector<Ball> y(form.dimension());
-    form.initial(y.data());
-    const std::vector<double> events = event_times(scene);
-    std::size_t next = 0;  // the first sample still to come
-    for (std::size_t i = 0; i + 1 < events.size(); ++i) {
-        const double begin = events[i], end = events[i + 1];
-        const bool last = i + 2 == events.size();
-        form.enter(begin, y.data());
-        Piece piece{form, begin, end, {}, plans[i]};
-        // samples at an event belong to the piece that it opens
-        const auto belongs = [&](double t) { return t < end || (last && t == end); };
-        for (; next < times.size() && times[next] == begin && belongs(begin); ++next)
-            attempt.columns.push_back(columns_of(form, y));
-        for (; next < times.size() && belongs(times[next]); ++next) piece.sample_times.push_back(times[next]);
-        Enclosure enclosure = truth::enclose_by_taylor(piece, y);
-        attempt.methods.insert("Taylor series with a proven defect, errors carried by the logarithmic norm");
-        attempt.steps += enclosure.steps;
-        if (!enclosure.fault.empty()) {
-            attempt.fault = enclosure.fault;
-            return attempt;
+// The motion of a scene at rising precision.
+class Certifier {
+  public:
+    Certifier(const Scene& scene, const std::vector<double>& times, int digits)
+        : scene_(scene),
+          times_(times),
+          events_(event_times(scene)),
+          least_bits_(digits * bits_per_digit + spare_bits) {}
+
+    double least_bits() const { return least_bits_; }
+
+    /// The motion at the thread's working precision, piece by piece.
+    Attempt attempt() {
+        Attempt result;
+        EulerForm<Ball> form(scene_);
+        std::vector<Ball> y(form.dimension());
+        form.initial(y.data());
+        std::size_t next = 0;  // the first sample still to come
+        for (std::size_t i = 0; i + 1 < events_.size(); ++i) {
+            const double begin = events_[i], end = events_[i + 1];
+            const bool last = i + 2 == events_.size();
+            form.enter(begin, y.data());
+            Piece piece{form, begin, end, {}};
+            // samples at an event belong to the piece that it opens
+            const auto belongs = [&](double t) { return t < end || (last && t == end); };
+            for (; next < times_.size() && times_[next] == begin && belongs(begin); ++next)
+                result.columns.push_back(columns_of(form, y));
+            for (; next < times_.size() && belongs(times_[next]); ++next) piece.sample_times.push_back(times_[next]);
+            Enclosure enclosure = enclosed(piece, i, y, result);
+            if (!result.fault.empty()) return result;
+            result.steps += enclosure.steps;
+            for (const std::vector<Ball>& state : enclosure.samples) result.columns.push_back(columns_of(form, state));
+            y = std::move(enclosure.end);
         }
-        for (const std::vector<Ball>& state : enclosure.samples) attempt.columns.push_back(columns_of(form, state));
-        y = std::move(enclosure.end);
+        return result;
     }
-    return attempt;
-}
+
+  private:
+    const Scene& scene_;
+    const std::vector<double>& times_;
+    std::vector<double> events_;
+    double least_bits_;
+    std::vector<PiecePlan> plans_;    // made when first needed
+    double growth_ = 0, spread_ = 0;  // of the pieces that were met so far and have no closed form
+    std::size_t met_ = 0;
+
+    Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, Attempt& result) {
+        const auto bits = static_cast<double>(Ball::precision());
+        const bool closed = truth::has_closed_form(piece.form.forcing());
+        if (closed) {
+            Enclosure enclosure = truth::enclose_by_closed_form(piece, y);
+            if (enclosure.fault.empty()) {
+                result.by_closed_form = true;
+                return enclosure;
+            }
+        }
+        if (plans_.empty()) plans_ = truth::plan_pieces(pose(scene_));
+        const PiecePlan& plan = plans_[index];
+        if (index >= met_) {
+            met_ = index + 1;
+            growth_ += plan.growth_bits, spread_ = std::max(spread_, plan.spread_bits);
+        }
+        const double wanted = least_bits_ + growth_ + spread_;
+        if (closed && wanted > most_series_bits) {
+            result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
+            return {};
+        }
+        result.by_series = true;
+        if (wanted > bits) {
+            result.fault = "errors grow", result.wanted_bits = wanted;
+            return {};
+        }
+        Enclosure enclosure = truth::enclose_by_taylor(piece, plan, y);
+        if (!enclosure.fault.empty()) result.fault = enclosure.fault, result.wanted_bits = 1.3 * bits + 64;
+        return enclosure;
+    }
+};
 
 // log2 of the largest length of each block over the run; -infinity where it is zero
 std::array<double, 4> block_sizes(const std::vector<Columns>& all) {
@@ -161,39 +211,44 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     const auto start = std::chrono::steady_clock::now();
     for (long k = 0; k <= samples; ++k) result.times.push_back(sample_time(scene.duration, k, samples));
 
-    const std::vector<PiecePlan> plans = truth::plan_pieces(pose(scene));
-    double growth = 0, spread = 0;
-    for (const PiecePlan& plan : plans) growth += plan.growth_bits, spread = std::max(spread, plan.spread_bits);
-    double bits = digits * bits_per_digit + growth + spread + 40;
-    std::string fault;
-    for (int attempts = 0; attempts < 6 && bits <= static_cast<double>(most_bits); ++attempts) {
+    Certifier certifier(scene, result.times, digits);
+    double bits = certifier.least_bits(), limit = most_bits;
+    while (bits <= limit) {
         result.working_bits = (static_cast<long>(bits) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
-        Attempt attempt = attempted(scene, result.times, plans);
-        fault = attempt.fault;
-        // a decimal's rounding may add half as much again
-        const double excess = fault.empty() ? excess_bits(attempt.columns, digits) + 1 : 0.3 * bits;
-        if (fault.empty() && excess <= 0) {
-            result.available = true;
-            result.steps = attempt.steps;
-            write(attempt.columns, digits, result);
-            for (const std::string& method : attempt.methods)
-                result.method += (result.method.empty() ? "" : "; ") + method;
-            break;
+        const Attempt attempt = certifier.attempt();
+        if (attempt.by_series) limit = most_series_bits;
+        if (!attempt.fault.empty()) {
+            bits = attempt.wanted_bits;
+            continue;
         }
-        bits = static_cast<double>(result.working_bits) + std::min(excess, bits) + 16;
+        // a decimal's rounding may add half as much again
+        const double excess = excess_bits(attempt.columns, digits) + 1;
+        if (excess > 0) {
+            bits = static_cast<double>(result.working_bits) +
+                   std::min(excess, static_cast<double>(result.working_bits)) + 16;
+            continue;
+        }
+        result.available = true;
+        result.steps = attempt.steps;
+        write(attempt.columns, digits, result);
+        result.method = attempt.by_closed_form ? "closed form" : "";
+        if (attempt.by_series)
+            result.method += (attempt.by_closed_form ? ", and " : "") +
+                             std::string("Taylor series with a proven defect, errors carried by the logarithmic norm");
+        break;
     }
     flint_cleanup();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (result.available) {
         result.message = fmt::format("{}, {} bits", result.method, result.working_bits);
-    } else {
-        const double had = digits - (bits - static_cast<double>(most_bits)) / bits_per_digit;
-        result.times.clear();
-        result.message = had < 1 ? fmt::format("no certified truth: the motion loses all digits of {} bits", most_bits)
-                                 : fmt::format("no certified truth to {} digits: {} can be had", digits,
-                                               static_cast<int>(std::floor(had)));
+        return result;
     }
+    result.times.clear();
+    // with room for what an attempt may find missing
+    const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
+    result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits of {} bits", limit)
+                             : fmt::format("no certified truth to {} digits: {} can be had", digits, had);
     return result;
 }
 

@@ -20,6 +20,8 @@ class EulerForm {
         : scene_(&scene), body_(exact_body<P>(scene)), inertia_{body_.inertia_B, inverse(body_.inertia_B)} {}
 
     int dimension() const { return body_.pivoted ? 7 : 13; }
+    const ExactBody<P>& body() const { return body_; }
+    const Forcing<P>& forcing() const { return forcing_; }  ///< of the piece last entered
 
     std::vector<Block> blocks(const Scales& scales, const Vector3<double>&) const {
         std::vector<Block> blocks{{0, 3, scales.angular_velocity}, {3, 4, 1}};

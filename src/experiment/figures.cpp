@@ -49,9 +49,9 @@ std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const 
     return pages;
 }
 
-Figure error_against_setting(const Plan& plan, const std::vector<Result>& results, SettingKind kind,
-                             std::optional<double> Errors::*error, const char* label) {
+Figure error_against_setting(const Plan& plan, const std::vector<Result>& results, SettingKind kind, bool at_end) {
     const bool step = kind == SettingKind::step;
+    std::optional<double> Errors::*const error = at_end ? &Errors::attitude_final : &Errors::attitude_max;
     Figure figure;
     figure.title = fmt::format("{}: attitude error against {}", plan.experiment.name, step ? "step" : "tolerance");
     figure.columns = 2;
@@ -59,7 +59,9 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
         Panel panel;
         panel.title = scene.label;
         panel.x_label = step ? "step (s)" : "relative tolerance";
-        panel.y_label = label;
+        panel.y_label = at_end ? "attitude error at the end (rad)" : "largest attitude error (rad)";
+        panel.guides = at_end ? floor_guides(results, scene, &Floors::float64_final, &Floors::float32_final)
+                              : floor_guides(results, scene, &Floors::float64, &Floors::float32);
         for (const PlannedCurve& planned : plan.curves)
             if (planned.kind == kind)
                 panel.curves.push_back(curve_of(
@@ -77,6 +79,15 @@ std::string curve_label(const PlannedCurve& curve) {
     // a method with both kinds of setting has two curves
     if (curve.method->control != Control::fixed_step_or_tolerance) return std::string(curve.method->name);
     return fmt::format("{} ({})", curve.method->name, curve.kind == SettingKind::step ? "fixed step" : "controlled");
+}
+
+std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
+                                std::optional<double> Floors::*float64, std::optional<double> Floors::*float32) {
+    for (const Result& r : results)
+        if (r.scene == scene.label && r.floors.*float64 && r.floors.*float32)
+            return {{float64_floor_label, {}, {*(r.floors.*float64)}},
+                    {float32_floor_label, {}, {*(r.floors.*float32)}}};
+    return {};
 }
 
 std::string figure_note(const Plan& plan, bool cut) {
@@ -103,6 +114,7 @@ std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vec
         panel.title = scene.label;
         panel.x_label = "run time, median (s)";
         panel.y_label = "largest attitude error (rad)";
+        panel.guides = floor_guides(results, scene, &Floors::float64, &Floors::float32);
         for (const PlannedCurve& planned : plan.curves)
             panel.curves.push_back(curve_of(
                 results, scene, planned, [](const Result& r) { return r.seconds_median; },
@@ -120,8 +132,7 @@ std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector
     std::vector<NamedFigure> figures;
     for (const SettingKind kind : {SettingKind::step, SettingKind::tolerance})
         if (has(kind)) {
-            const Figure whole =
-                error_against_setting(plan, results, kind, &Errors::attitude_final, "attitude error at the end (rad)");
+            const Figure whole = error_against_setting(plan, results, kind, true);
             for (NamedFigure& page : paged(fmt::format("{}_{}", plan.experiment.name, name_of(kind)), plan, whole))
                 figures.push_back(std::move(page));
         }
@@ -129,9 +140,7 @@ std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector
 }
 
 std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results) {
-    return paged(plan.experiment.name, plan,
-                 error_against_setting(plan, results, SettingKind::tolerance, &Errors::attitude_max,
-                                       "largest attitude error (rad)"));
+    return paged(plan.experiment.name, plan, error_against_setting(plan, results, SettingKind::tolerance, false));
 }
 
 }  // namespace polhode

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 
 #include "experiment/report.h"
+#include "integrators/conditioning.h"
 #include "measure/growth.h"
 
 namespace polhode {
@@ -29,6 +31,21 @@ const Quantity momentum{"angular momentum", "|L - L_ref| / max |L_ref|", &ErrorS
 const Quantity energy{"energy", "|E - E_ref| / max E", &ErrorSeries::energy};
 const Quantity norm{"norm", "||q| - 1|", &ErrorSeries::norm};
 
+// The floors over time, of a panel of the attitude's error; `shaped` makes a curve of t and the values.
+template <class Shaped>
+std::vector<Guide> floors_over_time(const std::vector<Result>& results, const PlannedScene& scene, Shaped shaped) {
+    for (const Result& r : results) {
+        const ErrorSeries& s = r.series;
+        if (r.scene != scene.label || s.float64_floor.empty() || s.float64_floor.size() != s.t.size()) continue;
+        if (s.t.back() < scene.scene.duration) continue;  // a run that ended early
+        std::vector<double> float32;
+        for (const double floor : s.float64_floor)
+            float32.push_back(std::min(floor / float64_roundoff * float32_roundoff, std::numbers::pi));
+        return {shaped(float64_floor_label, s.t, s.float64_floor), shaped(float32_floor_label, s.t, float32)};
+    }
+    return {};
+}
+
 }  // namespace
 
 std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Result>& results) {
@@ -41,6 +58,11 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
             Panel panel;
             panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
             panel.log_x = false;
+            if (quantity.values == &ErrorSeries::attitude)
+                panel.guides = floors_over_time(
+                    results, scene, [](const char* label, const std::vector<double>& t, const std::vector<double>& y) {
+                        return Guide{label, t, y};
+                    });
             std::map<const Method*, int> dashes;  // one for each setting of a method, steps and tolerances alike
             for (const PlannedCurve& planned : plan.curves) {
                 for (const Result* row : rows_of(results, scene, planned)) {
@@ -80,6 +102,13 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
             for (const Quantity& quantity : {energy, momentum, attitude, norm}) {
                 Panel panel;
                 panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
+                if (quantity.values == &ErrorSeries::attitude)
+                    panel.guides = floors_over_time(
+                        results, scene,
+                        [](const char* label, const std::vector<double>& t, const std::vector<double>& y) {
+                            const Envelope envelope = error_envelope(t, y);
+                            return Guide{label, envelope.t, envelope.error};
+                        });
                 for (const PlannedCurve& planned : plan.curves)
                     for (const Result* row : rows_of(results, scene, planned)) {
                         if (row->evaluations_per_revolution != cost) continue;

@@ -28,6 +28,8 @@ Table for_people(const Table& table) {
                           {"rhs_evaluations", "evaluations"},
                           {"attitude_error_final", "attitude, end (rad)"},
                           {"attitude_error_max", "attitude, max (rad)"},
+                          {"float64_floor", "float64 floor (rad)"},
+                          {"float32_floor", "float32 floor (rad)"},
                           {"momentum_error_max", "momentum"},
                           {"energy_error_max", "energy"},
                           {"message", "message"}});
@@ -100,25 +102,28 @@ std::vector<const Result*> rows_of(const std::vector<Result>& results, const Pla
 
 Table order_table(const Plan& plan, const std::vector<Result>& results) {
     Table table{{"scene", "method", "setting_kind", "claimed_order", "observed_order", "points", "from", "to",
-                 "smallest_error", "largest_error"},
+                 "smallest_error", "largest_error", "float64_floor"},
                 {}};
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             std::vector<double> setting, error;
+            std::optional<double> floor;  // at the end, as the errors
             for (const Result* row : rows_of(results, scene, curve)) {
                 if (row->status != Status::ok || !row->errors.attitude_final) continue;
                 setting.push_back(row->step_taken.value_or(row->setting));
+                floor = row->floors.float64_final;
                 error.push_back(*row->errors.attitude_final);
             }
             if (error.empty() || curve.kind == SettingKind::none) continue;
             const auto observed = observed_order(setting, error, 1);
             const bool step = curve.kind == SettingKind::step;
-            table.rows.push_back(
-                {scene.label, std::string(curve.method->name), std::string(name_of(curve.kind)),
-                 step && curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
-                 observed ? Cell(observed->order) : Cell(), observed ? Cell(long(observed->points)) : Cell(),
-                 observed ? Cell(observed->from) : Cell(), observed ? Cell(observed->to) : Cell(),
-                 *std::min_element(error.begin(), error.end()), *std::max_element(error.begin(), error.end())});
+            table.rows.push_back({scene.label, std::string(curve.method->name), std::string(name_of(curve.kind)),
+                                  step && curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
+                                  observed ? Cell(observed->order) : Cell(),
+                                  observed ? Cell(long(observed->points)) : Cell(),
+                                  observed ? Cell(observed->from) : Cell(), observed ? Cell(observed->to) : Cell(),
+                                  *std::min_element(error.begin(), error.end()),
+                                  *std::max_element(error.begin(), error.end()), cell_of(floor)});
         }
     return table;
 }

@@ -22,6 +22,14 @@ std::vector<const Result*> rows_of(const std::vector<Result>& results, const Pla
 /// A curve's name in legends: the method's, and how it is controlled where it can be in two ways.
 std::string curve_label(const PlannedCurve& curve);
 
+/// What pictures call them, as the columns of the table are called.
+inline constexpr const char *float64_floor_label = "float64 floor", *float32_floor_label = "float32 floor";
+
+/// The errors that rounding of the start alone causes, in binary64 and binary32: levels in a panel of the attitude's
+/// error. From the scene's first row that knows them.
+std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
+                                std::optional<double> Floors::*float64, std::optional<double> Floors::*float32);
+
 /// What the reader of a picture must know: why a curve was cut, a SUNDIALS compiled without optimisation.
 std::string figure_note(const Plan& plan, bool cut);
 

@@ -1,5 +1,6 @@
 #include "experiment/result.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,10 @@ namespace {
 
 std::string text(const Table& table, std::size_t row, const char* column) {
     return text_of(table.rows[row][column_index(table, column)]);
+}
+
+bool has_column(const Table& table, const std::string& column) {
+    return std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end();
 }
 
 std::optional<double> number(const std::string& text) {
@@ -47,7 +52,7 @@ Formulation formulation_named(const std::string& name) {
 }
 
 const std::vector<std::string> series_columns{
-    "t", "attitude_error", "omega_error", "energy_error", "momentum_error", "norm_error"};
+    "t", "attitude_error", "omega_error", "energy_error", "momentum_error", "norm_error", "float64_floor"};
 
 }  // namespace
 
@@ -74,7 +79,11 @@ std::vector<std::string> result_columns() {
             "cut",
             "formulation",
             "evaluations_per_revolution",
-            "revolutions"};
+            "revolutions",
+            "float64_floor",
+            "float32_floor",
+            "float64_floor_final",
+            "float32_floor_final"};
 }
 
 std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
@@ -100,7 +109,11 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
             std::string(r.cut ? "cut" : ""),
             std::string(name_of(r.formulation)),
             cell_of(r.evaluations_per_revolution),
-            cell_of(r.revolutions)};
+            cell_of(r.revolutions),
+            cell_of(r.floors.float64),
+            cell_of(r.floors.float32),
+            cell_of(r.floors.float64_final),
+            cell_of(r.floors.float32_final)};
 }
 
 Result result_of(const Table& table, std::size_t row) {
@@ -128,6 +141,9 @@ Result result_of(const Table& table, std::size_t row) {
     r.formulation = formulation_named(at("formulation"));
     r.evaluations_per_revolution = number(at("evaluations_per_revolution"));
     r.revolutions = number(at("revolutions"));
+    if (!has_column(table, "float64_floor")) return r;
+    r.floors = {number(at("float64_floor")), number(at("float32_floor")), number(at("float64_floor_final")),
+                number(at("float32_floor_final"))};
     return r;
 }
 
@@ -135,16 +151,19 @@ Table series_table(const ErrorSeries& s) {
     Table table{series_columns, {}};
     for (std::size_t k = 0; k < s.t.size(); ++k) {
         const auto at = [&](const std::vector<double>& v) { return k < v.size() ? Cell(v[k]) : Cell(); };
-        table.rows.push_back({s.t[k], at(s.attitude), at(s.omega), at(s.energy), at(s.momentum), at(s.norm)});
+        table.rows.push_back(
+            {s.t[k], at(s.attitude), at(s.omega), at(s.energy), at(s.momentum), at(s.norm), at(s.float64_floor)});
     }
     return table;
 }
 
 ErrorSeries series_of(const Table& table) {
     ErrorSeries s;
-    std::vector<double>* const blocks[] = {&s.t, &s.attitude, &s.omega, &s.energy, &s.momentum, &s.norm};
+    std::vector<double>* const blocks[] = {&s.t,        &s.attitude, &s.omega,        &s.energy,
+                                           &s.momentum, &s.norm,     &s.float64_floor};
     for (std::size_t k = 0; k < table.rows.size(); ++k)
         for (std::size_t c = 0; c < series_columns.size(); ++c) {
+            if (c == series_columns.size() - 1 && !has_column(table, series_columns[c])) break;
             const auto value = number(text(table, k, series_columns[c].c_str()));
             if (!value && c == 0) throw std::invalid_argument("a sample without its time");
             if (value && blocks[c]->size() < k) throw std::invalid_argument("an error behind a gap");

@@ -12,6 +12,13 @@
 
 namespace polhode {
 
+/// Attitude errors (rad) that rounding of the initial data alone causes: no method is to be judged below them. Empty
+/// where the conditioning is not known.
+struct Floors {
+    std::optional<double> float64, float32;              ///< the worst over the samples
+    std::optional<double> float64_final, float32_final;  ///< at T
+};
+
 struct Result {
     std::string scene, method;
     SettingKind setting_kind = SettingKind::none;
@@ -27,17 +34,20 @@ struct Result {
     Formulation formulation = Formulation::reduced;
     std::optional<double> evaluations_per_revolution;  ///< as asked for, where the setting was found from it
     std::optional<double> revolutions;                 ///< T over the mean time of a revolution; of a long run
+    Floors floors;                                     ///< of the scene, the same in all its rows
     ErrorSeries series;                                ///< only of a `drift` or `conservation` experiment
 };
 
-/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution and revolutions.
+/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
+/// float32_floor, float64_floor_final and float32_floor_final.
 std::vector<std::string> result_columns();
 std::vector<Cell> row_of(const std::string& experiment, const Result& result);
 
-/// The result that row_of() wrote. Throws std::invalid_argument where a cell cannot be read.
+/// The result that row_of() wrote, or one written before there were floors. Throws std::invalid_argument where a cell
+/// cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
-/// drift.csv: scene, method, setting, t and the five errors, then the experiment.
+/// drift.csv: scene, method, setting, t, the five errors and float64_floor, then the experiment.
 Table drift_table(const std::string& experiment, const std::vector<Result>& results);
 
 /// The series of one case, without its scene, method and setting; and back.

@@ -13,6 +13,7 @@
 #include "experiment/pattern.h"
 #include "experiment/progress.h"
 #include "experiment/timing.h"
+#include "integrators/conditioning.h"
 #include "integrators/march.h"
 #include "integrators/truth/reference.h"
 
@@ -41,11 +42,35 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
     return cases;
 }
 
+// At the experiment's samples. It is a property of the scene and not timed; the limit is of steps, so that it is the
+// same on every machine.
+Conditioning conditioning_of(const Scene& scene, long samples) {
+    constexpr long max_steps = 10'000'000;
+    std::vector<double> times;
+    for (long k = 0; k <= samples; ++k) times.push_back(sample_time(scene.duration, k, samples));
+    ConditioningSettings settings;
+    settings.max_steps = max_steps;
+    return conditioning(scene, times, settings);
+}
+
+Floors floors_of(const Conditioning& c) {
+    if (!c.available) return {};
+    const std::size_t last = c.times.size() - 1;
+    return {c.floor_peak(float64_roundoff).value, c.floor_peak(float32_roundoff).value, c.floor(last, float64_roundoff),
+            c.floor(last, float32_roundoff)};
+}
+
 // All cases of one scene: truth, then setting by setting all methods side by side.
 class SceneSweep {
   public:
-    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, Progress& progress)
-        : plan_(plan), options_(options), cases_(std::move(cases)), progress_(progress) {}
+    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Conditioning& conditioning,
+               Progress& progress)
+        : plan_(plan),
+          options_(options),
+          cases_(std::move(cases)),
+          conditioning_(conditioning),
+          floors_(floors_of(conditioning)),
+          progress_(progress) {}
 
     long run() {
         const Experiment& experiment = plan_.experiment;
@@ -134,7 +159,12 @@ class SceneSweep {
         return static_cast<long>(now.size());
     }
 
-    void store(const Case& c) {
+    void store(Case& c) {
+        c.result->floors = floors_;
+        ErrorSeries& series = c.result->series;
+        if (conditioning_.available)
+            for (std::size_t k = 0; k < series.t.size(); ++k)
+                series.float64_floor.push_back(conditioning_.floor(k, float64_roundoff));
         const std::string words = words_of(plan_, c);
         save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
         save_duration(options_.directory, words, c.spent);
@@ -144,6 +174,8 @@ class SceneSweep {
     const Plan& plan_;
     const RunOptions& options_;
     std::vector<Case*> cases_;
+    const Conditioning& conditioning_;
+    const Floors floors_;
     std::map<Formulation, Problem> problems_;
     Progress& progress_;
 };
@@ -175,15 +207,23 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
     for (const Case& c : cases)
         if (!c.result && (scenes.empty() || scenes.back() != c.scene)) scenes.push_back(c.scene);
     progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
+    std::vector<Conditioning> conditionings(scenes.size());
     parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
         const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
-        if (!interrupted) reference(scenes[i]->scene, plan.experiment.samples);
+        if (interrupted) return;
+        reference(scenes[i]->scene, plan.experiment.samples);
+        conditionings[i] = conditioning_of(scenes[i]->scene, plan.experiment.samples);
     });
     for (auto begin = cases.begin(); begin != cases.end() && !interrupted;) {
         const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
         std::vector<Case*> of_scene;
         for (auto c = begin; c != end; ++c) of_scene.push_back(&*c);
-        sweep.run += SceneSweep(plan, options, std::move(of_scene), progress).run();
+        // a scene with nothing left to do is not among them, and needs none
+        const auto at = std::find(scenes.begin(), scenes.end(), begin->scene);
+        if (at != scenes.end())
+            sweep.run += SceneSweep(plan, options, std::move(of_scene),
+                                    conditionings[static_cast<std::size_t>(at - scenes.begin())], progress)
+                             .run();
         begin = end;
     }
     return sweep;

@@ -17,6 +17,8 @@ struct ErrorSeries {
     std::vector<double> energy;    ///< |E - E_ref| / max over the run of max(|E_ref|, kinetic energy)
     std::vector<double> momentum;  ///< |L_W - L_ref| / max |L_ref|, a difference of vectors
     std::vector<double> norm;      ///< ||q| - 1|, or the orthogonality defect of a matrix method
+    /// rad: what rounding of the start alone makes of the attitude in binary64; whoever knows the conditioning sets it
+    std::vector<double> float64_floor;
 };
 
 /// The columns of the result table. A number that does not exist is empty: all but `norm_max` without a truth, all of

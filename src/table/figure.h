@@ -22,10 +22,18 @@ struct Curve {
                                ///< so are magnitudes beyond 1e300, which no axis can show)
 };
 
+/// A line to read the curves by, thin, grey and dashed, with its name beside it where the curves leave room. It does
+/// not widen the axes, and is left out where it lies outside them.
+struct Guide {
+    std::string label;
+    std::vector<double> x, y;  ///< a single y and no x: a level across the frame
+};
+
 struct Panel {
     std::string title, x_label, y_label;  ///< labels with units: "time (s)"
     bool log_x = true, log_y = true;
     std::vector<Curve> curves;
+    std::vector<Guide> guides{};
 };
 
 /// All text shows literally.

@@ -12,12 +12,6 @@ namespace {
 // room around a panel's frame: tic labels and axis labels left and below, title above
 constexpr double room_left = 46, room_right = 12, room_above = 20, room_below = 32;
 
-/// Estimated, for a wide sans-serif such as DejaVu Sans, with head-room: fonts differ.
-double text_width(const std::string& text, double size) {
-    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
-    return 0.56 * size * static_cast<double>(std::count_if(text.begin(), text.end(), starts_character));
-}
-
 double panel_width(std::size_t columns) { return columns == 1 ? 260 : columns == 2 ? 254 : columns == 3 ? 200 : 180; }
 
 std::vector<LegendEntry> legend_entries(const Figure& figure) {
@@ -67,6 +61,11 @@ std::vector<std::string> wrapped(const std::string& text, double width, double s
 }
 
 }  // namespace
+
+double text_width(const std::string& text, double size) {
+    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+    return 0.56 * size * static_cast<double>(std::count_if(text.begin(), text.end(), starts_character));
+}
 
 FigureLayout layout_of(const Figure& figure) {
     FigureLayout layout;

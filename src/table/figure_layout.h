@@ -31,4 +31,7 @@ inline constexpr double line_height = 10, legend_sample = 22;
 
 FigureLayout layout_of(const Figure& figure);
 
+/// Estimated, for a wide sans-serif such as DejaVu Sans, with head-room: fonts differ.
+double text_width(const std::string& text, double size);
+
 }  // namespace polhode

@@ -17,6 +17,8 @@ namespace polhode {
 
 namespace {
 
+constexpr const char* guide_color = "#5a5a5a";
+
 struct Point {
     double x = 0, y = 0;
 };
@@ -120,7 +122,8 @@ class Script {
             factor(y, plot.left + 6, plot.top - 6);
             line(fmt::format("set grid xtics ytics linewidth {:g} dashtype solid linecolor \"#dddddd\"",
                              line_width(0.4)));
-            curves_of(panel, curves, plot, x, y);
+            const std::string guides = guides_of(panel, curves, plot, x, y);
+            curves_of(panel, curves, guides, plot, x, y);
         } else {
             label("no point to draw", middle, (plot.top + plot.bottom) / 2, "textcolor \"#808080\"", text_size);
             nothing();
@@ -157,8 +160,91 @@ class Script {
         line("END");
     }
 
-    void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const Rectangle& plot,
-                   const Axis& x, const Axis& y) {
+    /// Where a point stands on the page.
+    static Point place(const Point& point, const Rectangle& plot, const Axis& x, const Axis& y) {
+        return {plot.left + fraction(x, point.x) * (plot.right - plot.left),
+                plot.bottom - fraction(y, point.y) * (plot.bottom - plot.top)};
+    }
+
+    /// How much of the curves a label there would cover: points along them, a few to each piece.
+    static long covered(const Rectangle& label, const std::vector<std::vector<Point>>& lines) {
+        constexpr int pieces = 16;
+        long inside = 0;
+        for (const std::vector<Point>& line : lines)
+            for (std::size_t i = 0; i < line.size(); ++i) {
+                const Point &from = line[i], &to = line[i + 1 < line.size() ? i + 1 : i];
+                for (int k = 0; k < pieces; ++k) {
+                    const double x = from.x + (to.x - from.x) * k / pieces, y = from.y + (to.y - from.y) * k / pieces;
+                    if (x > label.left && x < label.right && y > label.top && y < label.bottom) ++inside;
+                }
+            }
+        return inside;
+    }
+
+    /// Data and labels of the guides that are to be seen, and the elements that plot them.
+    std::string guides_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const Rectangle& plot,
+                          const Axis& x, const Axis& y) {
+        constexpr double size = 6, height = 8, margin = 3;
+        std::vector<std::vector<Point>> drawn;
+        for (const std::vector<Point>& curve : curves) {
+            std::vector<Point>& line = drawn.emplace_back();
+            for (const Point& point : curve) line.push_back(place(point, plot, x, y));
+        }
+        const auto inside = [](const Axis& axis, double value) { return value >= axis.low && value <= axis.high; };
+        std::string elements;
+        for (std::size_t g = 0; g < panel.guides.size(); ++g) {
+            const Guide& guide = panel.guides[g];
+            std::vector<Point> points;
+            if (guide.x.empty() && guide.y.size() == 1) {
+                if (drawable(guide.y[0], panel.log_y)) points = {{x.low, guide.y[0]}, {x.high, guide.y[0]}};
+            } else {
+                points = drawable_points(panel, {{}, 0, 0, false, false, guide.x, guide.y});
+            }
+            std::vector<Point> seen;
+            for (const Point& point : points)
+                if (inside(x, point.x) && inside(y, point.y)) seen.push_back(place(point, plot, x, y));
+            if (seen.empty()) continue;
+            line(fmt::format("$guide{} << END", g));
+            for (const Point& point : points) line(shortest_decimal(point.x) + ' ' + shortest_decimal(point.y));
+            line("END");
+            elements +=
+                fmt::format("$guide{} using 1:2 with lines linewidth {:g} dashtype (8,5) linecolor \"{}\", \\\n  ", g,
+                            line_width(0.6), guide_color);
+
+            // at the right or the left end, above or below the line: where least of the curves is covered
+            const double width = text_width(guide.label, size);
+            std::optional<Rectangle> best;
+            long least = 0;
+            bool at_right = true;
+            for (const bool right : {true, false})
+                for (const bool above : {true, false}) {
+                    Rectangle label;
+                    label.right = right ? seen.back().x - margin : seen.front().x + margin + width;
+                    label.left = label.right - width;
+                    double edge = right ? seen.back().y : seen.front().y;
+                    for (const Point& point : seen)
+                        if (point.x >= label.left && point.x <= label.right)
+                            edge = above ? std::min(edge, point.y) : std::max(edge, point.y);
+                    label.top = above ? edge - 1 - height : edge + 1;
+                    label.bottom = label.top + height;
+                    if (label.top < plot.top || label.bottom > plot.bottom) continue;
+                    if (label.left < plot.left || label.right > plot.right) continue;
+                    const long hidden = covered(label, drawn);
+                    if (best && hidden >= least) continue;
+                    best = label, least = hidden, at_right = right;
+                }
+            if (best)
+                line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}",
+                                 gnuplot_quoted_line(guide.label),
+                                 on_page(at_right ? best->right : best->left, (best->top + best->bottom) / 2),
+                                 at_right ? "right" : "left", guide_color, font(size)));
+        }
+        return elements;
+    }
+
+    /// `guides`: the elements beneath, each with the comma after it.
+    void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& guides,
+                   const Rectangle& plot, const Axis& x, const Axis& y) {
         std::string elements;
         const auto element = [&](const std::string& what) { elements += (elements.empty() ? "" : ", \\\n  ") + what; };
         for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -184,19 +270,15 @@ class Script {
                                 marker_of(curve) - 1, point_size(marker_of(curve)), line_width(0.8), color_of(curve)));
             onward_arrow(points, plot, x, y, color_of(curve));
         }
-        line("plot " + elements);
+        line("plot " + guides + elements);
     }
 
     /// From the last point on in the curve's last direction as drawn, within the frame. A single point has none.
     void onward_arrow(const std::vector<Point>& points, const Rectangle& plot, const Axis& x, const Axis& y,
                       const std::string& color) {
-        const auto place = [&](const Point& point) {
-            return Point{plot.left + fraction(x, point.x) * (plot.right - plot.left),
-                         plot.bottom - fraction(y, point.y) * (plot.bottom - plot.top)};
-        };
-        const Point last = place(points.back());
+        const Point last = place(points.back(), plot, x, y);
         for (std::size_t i = points.size() - 1; i-- > 0;) {
-            const Point before = place(points[i]);
+            const Point before = place(points[i], plot, x, y);
             const double length = std::hypot(last.x - before.x, last.y - before.y);
             if (length < 1) continue;
             const Point direction{(last.x - before.x) / length, (last.y - before.y) / length};

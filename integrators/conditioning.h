@@ -2,7 +2,7 @@
 //
 // The state in minimal coordinates, every block in units of its scale:
 //   attitude          the rotation vector of a small turn (rad), scale 1
-//   angular velocity  over problem.scales.angular_velocity, an estimate of the run's largest
+//   angular velocity  over problem.scales.angular_velocity, an estimate of the run's largest to three digits
 //   position, velocity of the centre of mass over theirs, unless it never moves or a pivot ties it to the rotation
 // The norm is the spectral one: the largest growth of any change of length 1. It does not depend on the axes in which
 // turns and vectors are written, nor on the system as which the scene was posed.

@@ -51,9 +51,16 @@ void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&&
     }
 }
 
-template <class P, class Form>
+/// What is done with each step's polynomial: nothing.
+struct ForgetStep {
+    template <class P>
+    void operator()(const P&, const P&, const Series<P>&) const {}
+};
+
+/// on_step(t, h, series): the polynomial of the step from t to t + h.
+template <class P, class Form, class OnStep = ForgetStep>
 auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
-            const Vector3<double>& moments, const TaylorSettings& settings) {
+            const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {
     Form form(scene);
     Run<P, decltype(form.motion(nullptr))> run;
     const int n = form.dimension();
@@ -107,6 +114,7 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
                 series.evaluate(P(sample_times[next]) - t, at_sample.data());
                 run.motions.push_back(form.motion(at_sample.data()));
             }
+            on_step(t, h, series);
             series.evaluate(h, y.data());
             t = reached;
         }

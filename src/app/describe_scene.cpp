@@ -8,6 +8,7 @@
 
 #include "app/describe.h"
 #include "app/polhode_picture.h"
+#include "app/tolerated.h"
 #include "integrators/conditioning.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
@@ -171,8 +172,6 @@ void invariants(Report& report, const Problem& problem) {
 
 // A description is read at once: about half a second of work.
 constexpr long conditioning_steps = 100'000;
-// what an attitude may be off where the scene does not say: 1/20 of a degree
-constexpr double default_tolerated_attitude = 1e-3;
 
 // How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
 void conditioning(Report& report, const Problem& problem) {

@@ -95,7 +95,11 @@ class Reader {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
         if (!next_line()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
         header();
-        while (next_line()) sample();
+        while (next_line()) {
+            // as many as there are lines of this length
+            if (result_.rows.empty()) result_.rows.reserve(rest_.size() / (line_.size() + 1) + 2);
+            sample();
+        }
         if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
         return std::move(result_);
     }

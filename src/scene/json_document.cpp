@@ -256,6 +256,12 @@ std::string read_text(const std::string& path, std::size_t largest, const char* 
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
     std::string text;
+    // room at once where the size is known: it is a file and not a pipe
+    if (std::fseek(file.get(), 0, SEEK_END) == 0) {
+        if (const long size = std::ftell(file.get()); size > 0 && static_cast<std::size_t>(size) <= largest)
+            text.reserve(static_cast<std::size_t>(size));
+        std::rewind(file.get());
+    }
     char block[1 << 16];
     for (;;) {
         errno = 0;

@@ -1,0 +1,77 @@
+#include "integrators/truth/dense.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/truth/fresh_cache.h"
+#include "integrators/truth/reference.h"
+#include "measure/errors.h"
+#include "motion/problem.h"
+#include "scene/builtin.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+double length(const Vector3<Pair>& v) { return std::hypot(v[0].high, v[1].high, v[2].high); }
+double distance(const Vector3<Pair>& a, const Vector3<Pair>& b) {
+    double square = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double d = (a[i].high - b[i].high) - b[i].low;
+        square += d * d;
+    }
+    return std::sqrt(square);
+}
+
+// every scene of the catalogue, at times off any grid and at the events themselves
+TEST(DenseTruth, IsTheReferenceRoundedOnce) {
+    const FreshCache cache;
+    int compared = 0;
+    for (const BuiltinText& text : builtin_scenes()) {
+        Scene scene = find_scene(std::string(text.name));
+        scene.duration = std::min(scene.duration, 2.0);
+        if (truth_method(pose(scene)) != "Taylor series") {
+            EXPECT_FALSE(dense_reference(scene, scene.duration).available) << text.name;
+            continue;
+        }
+        std::vector<double> times = event_times(scene);
+        for (int k = 1; k < 40; ++k) times.push_back(scene.duration * std::fmod(0.6180339887498949 * k, 1.0));
+        std::sort(times.begin(), times.end());
+        times.erase(std::unique(times.begin(), times.end()), times.end());
+        const DenseTruth dense = dense_reference(scene, scene.duration);
+        if (!dense.available) continue;
+        const Reference truth = reference(scene, times);
+        ASSERT_TRUE(truth.available) << text.name << truth.message;
+        EXPECT_LT(dense.bound, 2e-15) << text.name;
+        double w = 0, p = 0, v = 0, L = 0;
+        for (const ReferenceSample& s : truth.samples) {
+            w = std::max(w, length(s.angular_velocity_B)), p = std::max(p, length(s.position_W));
+            v = std::max(v, length(s.velocity_W)), L = std::max(L, length(s.angular_momentum_W));
+        }
+        for (const ReferenceSample& s : truth.samples) {
+            const ReferenceSample d = dense.at(s.t);
+            const Quaternion<double> q{d.q.w.high, d.q.x.high, d.q.y.high, d.q.z.high};
+            EXPECT_LE(attitude_error(q, s.q), dense.bound) << text.name << ", t = " << s.t;
+            EXPECT_GT(q.w * s.q.w.high + q.x * s.q.x.high + q.y * s.q.y.high + q.z * s.q.z.high, 0) << "a flip";
+            EXPECT_LE(distance(d.angular_velocity_B, s.angular_velocity_B), dense.bound * w) << text.name << s.t;
+            EXPECT_LE(distance(d.position_W, s.position_W), dense.bound * p) << text.name << ", t = " << s.t;
+            EXPECT_LE(distance(d.velocity_W, s.velocity_W), dense.bound * v) << text.name << ", t = " << s.t;
+            // products of the others, in binary64
+            EXPECT_LE(distance(d.angular_momentum_W, s.angular_momentum_W), 4 * dense.bound * L) << text.name << s.t;
+        }
+        ++compared;
+    }
+    EXPECT_GT(compared, 30);
+}
+
+TEST(DenseTruth, SaysWhyThereIsNone) {
+    Scene scene = find_scene("stiff_drag");
+    const DenseTruth dense = dense_reference(scene, scene.duration);
+    EXPECT_FALSE(dense.available);
+    EXPECT_NE(dense.message, "");
+}
+
+}  // namespace
+}  // namespace polhode

@@ -59,7 +59,8 @@ ReferenceSample DenseTruth::at(double t) const {
 DenseTruth dense_reference(const Scene& scene, double end) {
     DenseTruth dense;
     dense.scene_ = scene;
-    dense.scene_.duration = end;
+    // a little further on, so that an event at the end opens a piece as well
+    dense.scene_.duration = end * (1 + 1e-6);
     validate(dense.scene_, scene.name);
     const Problem problem = pose(dense.scene_);
     if (truth_method(problem) != "Taylor series") {

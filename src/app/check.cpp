@@ -32,15 +32,6 @@ struct Options {
     std::optional<double> max_attitude;
 };
 
-Convention convention_of(const Options& options) {
-    if (options.convention.empty()) return {};
-    try {
-        return parse_convention(options.convention);
-    } catch (const std::invalid_argument& error) {
-        throw UsageError(fmt::format("--convention: {}", error.what()));
-    }
-}
-
 // A file in our conventions, with what had to be done to it.
 TrajectoryFile prepared(const Scene& scene, const Convention& convention, CheckedFile& checked) {
     TrajectoryFile file = read_trajectory(checked.path, convention.quaternion);
@@ -140,7 +131,7 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
 
 int run(const Options& options) {
     if (options.max_attitude) require_positive("--max-attitude", *options.max_attitude);
-    const Convention convention = convention_of(options);
+    const Convention convention = convention_option(options.convention);
     const Scene scene = find_scene(options.scene);
     AttitudeLimit limit{options.max_attitude, "--max-attitude"};
     if (!limit.attitude) limit = {scene.tolerated_attitude, "tolerated by the scene"};

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "motion/convention.h"
+
 namespace polhode {
 
 /// Adds a command to the program. Its callback runs when the command is given, and sets `exit_code`: 0 done, 1 the run
@@ -19,6 +21,7 @@ void add_run(CLI::App& program, int& exit_code);
 void add_truth(CLI::App& program, int& exit_code);
 void add_check(CLI::App& program, int& exit_code);
 void add_list(CLI::App& program, int& exit_code);
+void add_export(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.
 class UsageError : public std::runtime_error {
@@ -35,6 +38,9 @@ void write_output(const std::string& path, std::string_view text);
 
 /// Throws UsageError unless `value` is finite and positive; `option` is named in the message.
 void require_positive(const char* option, double value);
+
+/// What --convention says; ours where it is empty. Throws UsageError.
+Convention convention_option(const std::string& words);
 
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);

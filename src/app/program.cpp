@@ -53,6 +53,15 @@ void require_count(const char* option, long count, long most) {
     if (count < 1 || count > most) throw UsageError(fmt::format("{} is {}; give 1 to {}", option, count, most));
 }
 
+Convention convention_option(const std::string& words) {
+    if (words.empty()) return {};
+    try {
+        return parse_convention(words);
+    } catch (const std::invalid_argument& error) {
+        throw UsageError(fmt::format("--convention: {}", error.what()));
+    }
+}
+
 void write_output(const std::string& path, std::string_view text) {
     if (!path.empty()) {
         write_atomically(path, text);

@@ -1,0 +1,77 @@
+// polhode export: a scene's truth as golden data for an engine's own unit tests.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/commands.h"
+#include "app/golden.h"
+#include "scene/message.h"
+#include "scene/scene_file.h"
+#include "table/atomic_file.h"
+
+namespace polhode {
+namespace {
+
+constexpr long most_samples = 100'000;
+
+struct Options {
+    std::string scene, format = "csv", output, convention;
+    std::optional<double> duration;
+    long samples = 100;
+};
+
+int run(const Options& options) {
+    require_count("--samples", options.samples, most_samples);
+    if (options.duration) require_positive("--duration", *options.duration);
+    const Convention convention = convention_option(options.convention);
+    if (!options.output.empty()) {
+        try {
+            require_writable(options.output);
+        } catch (const std::runtime_error& error) {
+            throw UsageError(error.what());
+        }
+    }
+    Scene scene = find_scene(options.scene);
+    if (options.duration) scene.duration = *options.duration;
+    const Reference truth = reference(scene, options.samples);
+    if (!truth.available) {
+        std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
+        return 1;
+    }
+    const Golden data = golden(scene, truth, convention);
+    write_output(options.output, options.format == "json" ? golden_json(data)
+                                 : options.format == "c"  ? golden_c(data)
+                                                          : golden_csv(data));
+    std::fputs(fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\ntolerance  {} rad ({})\n",
+                           one_line(scene.name, 100), truth.message, data.bound, data.tolerance, data.tolerance_from)
+                   .c_str(),
+               stderr);
+    return 0;
+}
+
+}  // namespace
+
+void add_export(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand(
+        "export",
+        "Golden data of a scene for an engine's own unit tests: the body, its start, the true motion at N + 1 times, "
+        "its "
+        "bound, and how far off an attitude may be (what the scene tolerates, else 1e-3 rad or ten times what rounding "
+        "the start to binary32 leads to, whichever is more).");
+    const auto options = std::make_shared<Options>();
+    command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
+    command->add_option("--format", options->format, "csv, json, or c: a header of arrays for C99 and C++")
+        ->check(CLI::IsMember({"csv", "json", "c"}))
+        ->capture_default_str();
+    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
+    command->add_option("--convention", options->convention,
+                        "What to write it in, words as for polhode check: body, start and motion are converted");
+    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace polhode

@@ -30,11 +30,11 @@ class DenseTruth {
     friend DenseTruth dense_reference(const Scene&, double);
 
     struct Piece {
-        Pair begin;         // s
-        double per_length;  // 1/s
-        int degree;
-        std::size_t offset;  // of its coefficients: degree + 1 rows of `width`, the lowest order first, then the low
-                             // parts of the lowest
+        Pair begin;             // s
+        double per_length = 0;  // 1/s
+        int degree = 0;
+        std::size_t offset = 0;  // of its coefficients: degree + 1 rows of `width`, the lowest order first, then the
+                                 // low parts of the lowest
     };
     Scene scene_;
     ExactBody<double> body_;

@@ -91,8 +91,8 @@ std::string identifier(const std::string& name) {
 }
 
 // fit for a C comment, which may neither end in it nor begin again, and keeps no trigraphs
-std::string comment(const std::string& text) {
-    std::string safe = one_line(text, 1000);
+std::string comment(const std::string& text, std::size_t limit = 1000) {
+    std::string safe = one_line(text, limit);
     for (std::size_t i = 0; i + 1 < safe.size(); ++i)
         if ((safe[i] == '*' && safe[i + 1] == '/') || (safe[i] == '/' && safe[i + 1] == '*') ||
             (safe[i] == '?' && safe[i + 1] == '?'))
@@ -212,7 +212,7 @@ std::string golden_c(const Golden& g) {
         " * angle 2 atan2(|vec(q* q_engine)|, |scal(q* q_engine)|) stay below the tolerance.\n",
         g.degrees ? ", w in degrees/s" : "", axes_of(g), last ? "x, y, z, w" : "w, x, y, z");
     text += fmt::format(" * Loads, as the scene file has them{}: {} */\n",
-                        g.convention.empty() ? "" : " (z up, right-handed)", comment(g.loads));
+                        g.convention.empty() ? "" : " (z up, right-handed)", comment(g.loads, 100'000));
     text += fmt::format("#ifndef {0}\n#define {0}\n\n", guard);
     text += fmt::format("enum {{ {}_samples = {}, {}_has_pivot = {} }};\n", name, count, name, g.pivot ? 1 : 0);
     const auto scalar = [&](const char* what, double value, const std::string& remark) {

@@ -147,6 +147,11 @@ class Reader {
 
     void header() {
         split();
+        if (cells_.size() == 1)
+            for (const auto& [separator, name] : {std::pair(';', "semicolons"), std::pair('\t', "tabs")})
+                if (line_.find(separator) != line_.npos)
+                    fail(here() + ", column 1", fmt::format("has {} between the columns", name),
+                         "separate them by commas, and write decimals with a point");
         std::vector<std::string> names;
         for (const Column& known : known_columns()) names.emplace_back(known.name);
         int seen[blocks] = {};
@@ -222,7 +227,7 @@ class Reader {
     const std::string& file_;
     QuaternionColumns quaternion_;
     long line_number_ = 0;
-    std::vector<const Column*> columns_;  // in the file's order
+    std::vector<const Column*> columns_;               // in the file's order
     std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
     std::vector<std::string_view> cells_;
     TrajectoryFile result_;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_fixture.h"
+#include "bad_files.h"
 #include "motion/trajectory_csv.h"
 #include "table/decimal.h"
 
@@ -154,6 +155,112 @@ TEST_F(Check, RefusesWhatItCannotJudge) {
     EXPECT_EQ(run({"check", "spin.json"}).exit_code, 2);
     EXPECT_EQ(run({"check", "spin.json", "rounded.csv", "--format", "xml"}).exit_code, 2);
     EXPECT_EQ(run({"check", "no_such_scene", "rounded.csv"}).exit_code, 2);
+}
+
+// free_asymmetric as an engine without gyroscopic term has it: w in world axes stays (1, 1, 1)
+TrajectoryFile without_gyroscopic_term(int rows, double duration) {
+    TrajectoryFile file;
+    file.has_angular_velocity = true;
+    for (int k = 0; k <= rows; ++k) {
+        const double t = duration * k / rows, half = std::sqrt(3.0) * t / 2, s = std::sin(half) / std::sqrt(3.0);
+        file.rows.push_back({t, {std::cos(half), s, s, s}, {1, 1, 1}, {}, {}});
+    }
+    return file;
+}
+
+TEST_F(Check, TellsWhatIsWrongAndWhen) {
+    write("run.csv", write_trajectory(without_gyroscopic_term(200, 10)));
+    const Outcome outcome = run({"check", "free_asymmetric", "run.csv", "--max-attitude", "0.1"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    for (const char* part :
+         {"diagnosis: the gyroscopic term is missing (w in world axes stays constant", "float32 floor, rad",
+          "float64 floor, rad", "largest up to t", "angular momentum, relative"})
+        EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+    const auto report =
+        nlohmann::json::parse(run({"check", "free_asymmetric", "run.csv", "--format", "json"}).out)["trajectories"][0];
+    EXPECT_EQ(report["diagnoses"][0]["fault"], "gyroscopic_term_missing");
+    EXPECT_LT(report["diagnoses"][0]["explained"], 1e-6);
+    EXPECT_EQ(report["over_time"].size(), 10u);
+    EXPECT_EQ(report["over_time"][9]["until"], 10);
+    EXPECT_GT(report["float32_floor"], 1e6 * report["float64_floor"].get<double>());
+    const std::string junit =
+        run({"check", "free_asymmetric", "run.csv", "--format", "junit", "--max-attitude", "1"}).out;
+    EXPECT_NE(junit.find("the gyroscopic term is missing"), std::string::npos) << junit;
+}
+
+TEST_F(Check, SaysWhenAFloatEngineCannotBeBetter) {
+    ASSERT_EQ(run({"truth", "free_asymmetric", "--samples", "50", "--output", "true.csv"}).exit_code, 0);
+    TrajectoryFile file = read_trajectory((directory / "true.csv").string());
+    for (TrajectoryRow& row : file.rows)
+        for (double* x : {&row.q.w, &row.q.x, &row.q.y, &row.q.z}) *x = static_cast<double>(static_cast<float>(*x));
+    write("float.csv", write_trajectory(file));
+    EXPECT_NE(run({"check", "free_asymmetric", "true.csv"}).out.find("at the float64 floor"), std::string::npos);
+    EXPECT_NE(run({"check", "free_asymmetric", "float.csv"}).out.find("as good as a float engine can be"),
+              std::string::npos);
+    // chaos takes the rounding of the start to more than what is asked for
+    ASSERT_EQ(run({"truth", "chaotic_top", "--samples", "50", "--output", "top.csv"}).exit_code, 0);
+    EXPECT_NE(run({"check", "chaotic_top", "top.csv"}).out.find("no float engine can be judged"), std::string::npos);
+}
+
+TEST_F(Check, TakesOtherConventions) {
+    TrajectoryFile file = motion({0, 0.5, 1, 2});
+    // Unity: y up, left-handed, so that a turn about the vertical has the other sense; degrees; scalar last
+    std::string text = "t,qw,qx,qy,qz,wx,wy,wz,px,py,pz\n";
+    for (const TrajectoryRow& row : file.rows) {
+        const std::string t = shortest_decimal(row.t);
+        text += t + ",0," + shortest_decimal(-row.q.z) + ",0," + shortest_decimal(row.q.w) + ",0," +
+                shortest_decimal(-2 * 180 / std::acos(-1.0)) + ",0," + t + ",0,0\n";
+    }
+    write("unity.csv", text);
+    const Outcome outcome =
+        run({"check", "spin.json", "unity.csv", "--convention", "unity,scalar-last,degrees", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out)["trajectories"][0];
+    for (const char* name : {"attitude_error_max", "omega_error_max", "momentum_error_max", "position_error_max"})
+        EXPECT_LT(report[name], 1e-14) << name;
+    const Outcome bad = run({"check", "spin.json", "unity.csv", "--convention", "unity,z-up"});
+    EXPECT_EQ(bad.exit_code, 2);
+    EXPECT_EQ(bad.err, "polhode: --convention: z-up contradicts unity; give one of them\n");
+}
+
+TEST_F(Check, TakesABinary32Clock) {
+    std::vector<double> times;
+    for (int k = 0; k <= 240; ++k) times.push_back(k / 60.0);
+    TrajectoryFile file = motion(times);
+    for (TrajectoryRow& row : file.rows) row.t = static_cast<double>(static_cast<float>(row.t));
+    const auto report = checked(file);
+    EXPECT_LT(report["attitude_error_max"], 1e-14);
+    EXPECT_NE(report["remarks"][0].get<std::string>().find("multiples of 0.016666666666666666 s"), std::string::npos)
+        << report["remarks"][0];
+}
+
+TEST_F(Check, ManyRowsAreJudgedLikeFew) {
+    const TrajectoryFile many = without_gyroscopic_term(100000, 10);
+    TrajectoryFile few = many;
+    few.rows.clear();
+    for (std::size_t k = 0; k < many.rows.size(); k += 1000) few.rows.push_back(many.rows[k]);
+    write("many.csv", write_trajectory(many)), write("few.csv", write_trajectory(few));
+    const Outcome outcome = run({"check", "free_asymmetric", "many.csv", "few.csv", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out)["trajectories"];
+    EXPECT_EQ(report[0]["samples"], 100001);
+    EXPECT_NEAR(report[0]["attitude_error_final"], report[1]["attitude_error_final"], 2e-15);
+    EXPECT_NEAR(report[0]["momentum_error_final"], report[1]["momentum_error_final"], 2e-15);
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(report[i]["diagnoses"][0]["fault"], "gyroscopic_term_missing");
+#ifdef NDEBUG
+    // a tenth of a million rows, two truths, two diagnoses: a million in two seconds leaves room
+    EXPECT_LT(outcome.seconds, 2);
+#endif
+}
+
+TEST_F(Check, EveryBadFileGetsOneLine) {
+    for (const BadFile& bad : bad_files("motion", ".csv")) {
+        const Outcome outcome = run({"check", "spin.json", bad.path});
+        EXPECT_EQ(outcome.exit_code, 2) << bad.path;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(lines(outcome.err), 1) << outcome.err;
+        expect_one_line(bad, outcome.err.substr(0, outcome.err.size() - 1));
+    }
 }
 
 }  // namespace

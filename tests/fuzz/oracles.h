@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -13,7 +14,9 @@
 #include "experiment/result.h"
 #include "experiment/write_experiment.h"
 #include "integrators/truth/cache.h"
+#include "motion/convention.h"
 #include "motion/problem.h"
+#include "motion/sample_clock.h"
 #include "motion/trajectory_csv.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
@@ -81,6 +84,30 @@ inline void trajectory(std::string_view text) {
     if (!file) return;
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, {1, 2, 3}).size() == file->rows.size(), "samples are lost");
+    // read in another order, there is as much of it; in other axes and on another clock as well
+    const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
+    TrajectoryFile other = parse_trajectory(text, "fuzz", order);
+    require(other.rows.size() == file->rows.size(), "the order of a quaternion loses rows");
+    convert(other, {Axes::y_up_left, order, false});
+    convert(other, {Axes::y_up_left, order, false});
+    require(other == parse_trajectory(text, "fuzz", order), "a mirror twice is not the file");
+    const std::vector<TrajectoryRow> before = other.rows;
+    if (restore_clock(other, 1)) {
+        for (std::size_t k = 0; k < before.size(); ++k) {
+            require(k == 0 || other.rows[k].t > other.rows[k - 1].t, "a clock goes back");
+            require(std::abs(other.rows[k].t - before[k].t) <= 1e-6 * before[k].t, "a clock is moved too far");
+        }
+    }
+}
+
+/// Words of --convention: refused by one line, or written and read back.
+inline void convention(std::string_view text) {
+    try {
+        const Convention read = parse_convention(text);
+        if (read != Convention{}) require(parse_convention(name_of(read)) == read, "a convention does not read back");
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
 }
 
 /// Result tables, the files of finished cases and of their series.

@@ -1,7 +1,9 @@
-// Any bytes as trajectory files: see oracles.h.
+// Any bytes as trajectory files, and as conventions: see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    polhode::oracles::trajectory({reinterpret_cast<const char*>(data), size});
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
+    polhode::oracles::trajectory(text);
+    polhode::oracles::convention(text);
     return 0;
 }

@@ -120,8 +120,8 @@ class Certifier {
             return {};
         }
         result.by_series = true;
-        if (wanted > bits) {
-            result.fault = "errors grow", result.wanted_bits = wanted;
+        if (wanted > bits || bits > most_series_bits) {
+            result.fault = "errors grow", result.wanted_bits = std::max(wanted, bits);
             return {};
         }
         Enclosure enclosure = truth::enclose_by_taylor(piece, plan, y);
@@ -202,12 +202,12 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     validate(scene, scene.name);
     CertifiedReference result;
     result.requested_digits = digits;
-    result.scene_hash = content_hash(write_scene(scene));
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) {
             result.message = "no certified truth: a user's torque has none";
             return result;
         }
+    result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
     for (long k = 0; k <= samples; ++k) result.times.push_back(sample_time(scene.duration, k, samples));
 

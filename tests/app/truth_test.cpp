@@ -1,0 +1,78 @@
+// polhode truth --certified as a user's script sees it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/program_fixture.h"
+#include "integrators/truth/certified.h"
+
+namespace polhode {
+namespace {
+
+class Truth : public Program {};
+
+TEST_F(Truth, CertifiedWithoutBallsSaysWhatToInstall) {
+    if (!ball_arithmetic_version().empty()) GTEST_SKIP() << "built with Arb";
+    const Outcome outcome = run({"truth", "free_asymmetric", "--certified"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(lines(outcome.err), 1);
+    EXPECT_NE(outcome.err.find("libflint-arb-dev"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Truth, CertifiedTableHasTheUsualColumnsAndItsBound) {
+    if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
+    const Outcome outcome = run({"truth", "every_load", "--certified", "--digits", "30", "--samples", "2"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find("# every_load: Taylor series with a proven defect"), 0u) << outcome.out;
+    EXPECT_NE(outcome.out.find("\nt,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,bound\n"), std::string::npos);
+    EXPECT_EQ(lines(outcome.out), 5);
+    EXPECT_NE(outcome.err.find("proven"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Truth, CertifiedJsonTellsHowItWasProven) {
+    if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
+    const Outcome outcome = run({"truth", "free_asymmetric", "--certified", "--digits", "40", "--samples", "3",
+                                 "--format", "json", "--output", "truth.json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    const nlohmann::json truth = nlohmann::json::parse(read(directory / "truth.json"));
+    EXPECT_EQ(truth["scene"], "free_asymmetric");
+    EXPECT_EQ(truth["scene_hash"].get<std::string>().size(), 32u);
+    EXPECT_EQ(truth["certified"], true);
+    EXPECT_EQ(truth["method"], "closed form");
+    EXPECT_EQ(truth["requested_digits"], 40);
+    EXPECT_GE(truth["digits"], 40);
+    EXPECT_GE(truth["working_bits"], 133);
+    EXPECT_GE(truth["seconds"], 0);
+    EXPECT_LE(std::stod(truth["radius"].get<std::string>()), 1e-40);
+    ASSERT_EQ(truth["columns"].size(), 14u);
+    EXPECT_EQ(truth["columns"][0], "t");
+    EXPECT_EQ(truth["columns"][13], "vz");
+    ASSERT_EQ(truth["samples"].size(), 4u);
+    for (const nlohmann::json& sample : truth["samples"]) {
+        ASSERT_EQ(sample.size(), 14u);
+        EXPECT_TRUE(sample[0].is_string());
+        for (std::size_t c = 1; c < 14; ++c) {
+            EXPECT_EQ(sample[c].size(), 3u);
+            EXPECT_LE(std::stod(sample[c]["radius"].get<std::string>()), 1e-40);
+            EXPECT_GE(sample[c]["digits"], 40);
+            EXPECT_TRUE(sample[c]["value"].is_string());
+        }
+    }
+    EXPECT_EQ(truth["samples"][0][1]["value"], "1e0");
+    EXPECT_EQ(truth["samples"][0][1]["radius"], "0");
+}
+
+TEST_F(Truth, MoreDigitsThanCanBeHadAreRefused) {
+    if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
+    const Outcome outcome = run({"truth", "lagrange_top", "--certified", "--digits", "5000", "--output", "truth.csv"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(lines(outcome.err), 1);
+    EXPECT_NE(outcome.err.find("can be had"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(fs::is_empty(directory));
+}
+
+}  // namespace
+}  // namespace polhode

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "experiment/calibration.h"
 #include "experiment/report.h"
+#include "integrators/conditioning.h"
 
 namespace polhode {
 namespace {
@@ -72,6 +74,7 @@ TEST_F(Sweep, HasARowForEveryCase) {
         EXPECT_LT(*r.errors.attitude_max, 0.1);
         EXPECT_GE(*r.errors.attitude_max, *r.errors.attitude_final);
         EXPECT_EQ(r.step_taken.has_value(), r.setting_kind == SettingKind::step);
+        EXPECT_GT(*r.floors.float64, 0x1p-53);
     }
     // a finer setting is more accurate
     for (std::size_t i = 0; i + 1 < results.size(); i += 2)
@@ -245,6 +248,109 @@ TEST_F(Sweep, DriftExperimentsShareTheirFile) {
     EXPECT_EQ(text_of(table.rows[0][1]), "odeint_dopri5");
     EXPECT_EQ(text_of(table.rows[5].back()), "b");
     EXPECT_EQ(table.columns[4], "attitude_error");
+}
+
+// every row of a scene tells its floors, those of failed and unsupported runs and of cut curves too
+TEST_F(Sweep, RowsCarryTheFloorsOfTheirScene) {
+    const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [5, 9]},
+                                                   "methods": ["odeint_rk4", "odeint_euler"],
+                                                   "settings": {"steps": [0.1, 0.01]}, "samples": 10, "repeats": 1,
+                                                   "max_steps": 300})",
+                                              "t.json"),
+                             "t.json", false);
+    options_.jobs = 2;
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    ASSERT_EQ(results.size(), 8U);
+    int cut = 0;
+    for (const Result& r : results) {
+        cut += r.cut;
+        Scene scene = p.scenes[r.scene == p.scenes[0].label ? 0 : 1].scene;
+        std::vector<double> times;
+        for (int k = 0; k <= 10; ++k) times.push_back(sample_time(scene.duration, k, 10));
+        const Conditioning c = conditioning(scene, times);
+        EXPECT_EQ(r.floors.float64, c.floor_peak(float64_roundoff).value);
+        EXPECT_EQ(r.floors.float32, c.floor_peak(float32_roundoff).value);
+        EXPECT_EQ(r.floors.float64_final, c.floor(10, float64_roundoff));
+        EXPECT_EQ(r.floors.float32_final, c.floor(10, float32_roundoff));
+        EXPECT_GE(*r.floors.float64, *r.floors.float64_final);
+    }
+    EXPECT_GE(cut, 4);
+}
+
+TEST_F(Sweep, DriftTellsTheFloorOverTime) {
+    const Plan p = plan(R"(, "kind": "drift")");
+    run_sweep(p, options_);
+    for (const Result& r : finished_results(p, options_.directory)) {
+        ASSERT_EQ(r.series.float64_floor.size(), 11U);
+        EXPECT_NEAR(r.series.float64_floor[0], 0x1p-53, 1e-20);
+        EXPECT_EQ(r.series.float64_floor.back(), *r.floors.float64_final);
+    }
+    const std::vector<NamedFigure> figures = drift_figures(p, finished_results(p, options_.directory));
+    ASSERT_EQ(figures.size(), 2U);
+    const std::vector<Panel>& panels = figures[0].figure.panels;
+    ASSERT_EQ(panels[0].guides.size(), 2U);
+    EXPECT_EQ(panels[0].guides[0].label, "float64 floor");
+    EXPECT_EQ(panels[0].guides[1].y[3], panels[0].guides[0].y[3] * 0x1p29);
+    EXPECT_TRUE(panels[1].guides.empty());
+}
+
+TEST_F(Sweep, PicturesHaveTheFloorsThatBelongToThem) {
+    const Plan p = plan();
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    const Floors& floors = results[0].floors;
+    const auto guides = [&](const std::vector<NamedFigure>& figures) {
+        return figures.at(0).figure.panels.at(0).guides;
+    };
+    ASSERT_EQ(guides(work_precision_figures(p, results)).size(), 2U);
+    EXPECT_EQ(guides(work_precision_figures(p, results))[0].y[0], *floors.float64);
+    EXPECT_EQ(guides(tolerance_figures(p, results))[1].y[0], *floors.float32);
+    EXPECT_EQ(guides(convergence_figures(p, results))[0].y[0], *floors.float64_final);
+}
+
+// the columns that others hold on to, in their order; what comes later is found by name
+TEST(Result, HasTheContractsColumnsFirst) {
+    const std::vector<std::string> contract{"experiment",
+                                            "scene",
+                                            "method",
+                                            "setting_kind",
+                                            "setting",
+                                            "status",
+                                            "seconds_min",
+                                            "seconds_median",
+                                            "repeats",
+                                            "steps",
+                                            "rhs_evaluations",
+                                            "attitude_error_final",
+                                            "attitude_error_max",
+                                            "omega_error_max",
+                                            "energy_error_max",
+                                            "momentum_error_max",
+                                            "norm_error_max",
+                                            "message"};
+    const std::vector<std::string> columns = result_columns();
+    ASSERT_GT(columns.size(), contract.size());
+    EXPECT_TRUE(std::equal(contract.begin(), contract.end(), columns.begin()));
+    for (const char* floor : {"float64_floor", "float32_floor", "float64_floor_final", "float32_floor_final"})
+        EXPECT_EQ(std::count(columns.begin() + static_cast<long>(contract.size()), columns.end(), floor), 1) << floor;
+}
+
+TEST(Result, RowsFromBeforeTheFloorsReadBack) {
+    Result r;
+    r.scene = "s", r.method = "m", r.floors.float64 = 1e-13, r.series.t = {0, 1}, r.series.attitude = {0, 0.5};
+    r.series.float64_floor = {1e-16, 2e-16};
+    Table row{result_columns(), {row_of("e", r)}}, series = series_table(r.series);
+    EXPECT_EQ(result_of(row, 0).floors.float64, 1e-13);
+    EXPECT_EQ(series_of(series).float64_floor, r.series.float64_floor);
+    while (row.columns.back().find("_floor") != std::string::npos) row.columns.pop_back(), row.rows[0].pop_back();
+    ASSERT_EQ(row.columns.back(), "revolutions");
+    EXPECT_FALSE(result_of(row, 0).floors.float64.has_value());
+    EXPECT_EQ(result_of(row, 0).method, "m");
+    series.columns.pop_back();
+    for (auto& line : series.rows) line.pop_back();
+    EXPECT_TRUE(series_of(series).float64_floor.empty());
+    EXPECT_EQ(series_of(series).attitude, r.series.attitude);
 }
 
 TEST(Result, RowsReadBack) {

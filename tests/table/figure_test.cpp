@@ -123,6 +123,42 @@ TEST(GnuplotScript, LeavesTextAndPathsWithoutPower) {
     EXPECT_NE(script.find("set output \"./|touch y\""), std::string::npos);
 }
 
+TEST(GnuplotScript, DrawsGuidesWithinTheAxesOnly) {
+    Figure figure = small_figure();
+    const auto ranges = [](const std::string& script) {
+        std::string found;
+        const std::regex range("set [xy]range .*");
+        for (std::sregex_iterator i(script.begin(), script.end(), range), end; i != end; ++i) found += i->str() + '\n';
+        return found;
+    };
+    const std::string before = ranges(gnuplot_script(figure, "svg", ""));
+    figure.panels[0].guides = {{"seen", {}, {1e-4}}, {"below", {}, {1e-30}}, {"nowhere", {}, {std::nan("")}}};
+    figure.panels[1].guides = {{"rising", {1e-4, 1e-3, 1e-2, 1}, {1e-12, 1e-7, 1e-6, 1e3}}};
+    figure.panels[2].guides = {{"aside", {10, 100}, {1e-4, 1e-4}}};
+    const std::string script = gnuplot_script(figure, "svg", "");
+    EXPECT_EQ(ranges(script), before);
+    EXPECT_EQ(count(script, "\"seen\""), 1u);
+    EXPECT_EQ(count(script, "\"rising\""), 1u);
+    for (const char* unseen : {"below", "nowhere", "aside"}) EXPECT_EQ(count(script, unseen), 0u) << unseen;
+    EXPECT_EQ(count(script, "$guide"), 4u);  // a block and a line each
+    for (const Curve& curve : figure.panels[0].curves) EXPECT_EQ(count(script, '"' + curve.label + '"'), 1u);
+}
+
+// small_figure() falls from the upper left to the lower right: a level's name finds room above it on the right, or
+// below it on the left.
+TEST(GnuplotScript, NamesAGuideWhereTheCurvesLeaveRoom) {
+    Figure figure = small_figure();
+    figure.panels.resize(1);
+    for (const auto& [level, place] : {std::pair(1e-3, "right"), std::pair(3e-8, "left")}) {
+        figure.panels[0].guides = {{"level of some length", {}, {level}}};
+        const std::string script = gnuplot_script(figure, "svg", "");
+        std::smatch found;
+        ASSERT_TRUE(std::regex_search(script, found,
+                                      std::regex("set label \"level of some length\" at screen [^ ]* (right|left)")));
+        EXPECT_EQ(found[1].str(), place) << level;
+    }
+}
+
 TEST(CurveStyle, TellsFortyEightCurvesApart) {
     std::set<std::pair<std::string, int>> styles;
     std::set<std::string> colors;

@@ -1,0 +1,65 @@
+// What `describe` says of a scene's conditioning.
+#include <cmath>
+#include <sstream>
+
+#include "app/program_fixture.h"
+#include "integrators/conditioning.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+class Describe : public Program {
+  protected:
+    /// What stands behind the first line that begins with `name`, in the block on conditioning.
+    std::string said(const std::string& scene, const std::string& name) const {
+        const Outcome outcome = run({"describe", scene});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_LT(outcome.seconds, 5);  // processor time, also of a sanitizer's build
+        std::istringstream text(outcome.out.substr(outcome.out.find("\nConditioning\n") + 1));
+        std::string line;
+        while (std::getline(text, line) && !line.starts_with("Polhode"))
+            if (line.starts_with("  " + name)) return line.substr(30);
+        return "";
+    }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(directory / name) << text; }
+};
+
+TEST_F(Describe, TellsKappaAndTheFloors) {
+    const Conditioning c = conditioning(find_scene("near_separatrix"), {60});
+    EXPECT_NEAR(std::stod(said("near_separatrix", "kappa(T)")) / c.state[0], 1, 1e-3);
+    EXPECT_NEAR(std::stod(said("near_separatrix", "floor in binary64")) / c.floor(0, float64_roundoff), 1, 0.05);
+    EXPECT_NEAR(std::stod(said("near_separatrix", "floor in binary32")) / c.floor(0, float32_roundoff), 1, 0.05);
+    // the peak lies within the run, in the flip at 45 s
+    EXPECT_NE(said("near_separatrix", "its peak").find("at t = 45"), std::string::npos);
+}
+
+// The floor of a sphere at binary32 is 2^-24 sqrt(1 + (w t)^2): beyond 10^-5 rad at t = 167.8 s for w = 1.
+TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
+    const std::string sphere =
+        R"("body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]})";
+    write("tight.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-5}, )" + sphere + "}");
+    write("loose.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-4}, )" + sphere + "}");
+    write("silent.json", R"({"name": "s", "duration": 400, )" + sphere + "}");
+    const std::string tight = said("tight.json", "a float engine"), before = "can be judged until t = ";
+    ASSERT_TRUE(tight.starts_with(before)) << tight;
+    EXPECT_NEAR(std::stod(tight.substr(before.size())), 1e-5 * 0x1p24, 0.3);
+    EXPECT_NE(tight.find("the scene's tolerated"), std::string::npos) << tight;
+    EXPECT_TRUE(said("loose.json", "a float engine").starts_with("can be judged the whole run"));
+    const std::string silent = said("silent.json", "a float engine");
+    EXPECT_NE(silent.find("0.001 rad (by default)"), std::string::npos) << silent;
+}
+
+// 10^7 s of a free body are too much for a description: it says how far it looked, and what it found there.
+TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
+    write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
+                           "body": {"mass": 1, "inertia": [1, 2, 3]}, "initial": {"angular_velocity": [1, 1, 1]}})");
+    const std::string limit = said("long.json", "only until t = ");
+    EXPECT_NE(limit.find("more than"), std::string::npos) << limit;
+    EXPECT_EQ(said("long.json", "kappa(T)"), "");
+    EXPECT_GT(std::stod(said("long.json", "kappa(")), 1000);
+    EXPECT_TRUE(said("long.json", "a float engine").starts_with("can be judged until t = "));
+}
+
+}  // namespace
+}  // namespace polhode

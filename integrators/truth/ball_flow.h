@@ -37,4 +37,10 @@ inline bool has_closed_form(const Forcing<Ball>& forcing) { return !forcing.any_
 /// working precision cannot tell which side of the separatrix the motion is on, or which moment is the middle one.
 Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start);
 
+/// Where the motion is strongly damped: collocation polynomials, whose steps the decay does not shorten, taken as given
+/// and their defect enclosed; errors carried as by enclose_by_taylor. They carry at most most_collocation_bits.
+Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const PiecePlan& plan,
+                                 const std::vector<Ball>& start);
+constexpr double most_collocation_bits = 300;
+
 }  // namespace polhode::truth

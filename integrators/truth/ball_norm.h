@@ -70,6 +70,7 @@ struct PiecePlan {
     std::vector<double> scales;   ///< the size of each variable over the run
     double growth_bits = 0;       ///< log2 of what the logarithmic norm lets an error grow by over the piece
     double spread_bits = 0;       ///< log2 of the largest over the least weight, variables measured by their scales
+    double damping_number = 0;    ///< the fastest decay times the length of the piece
 };
 
 /// A plan for each piece, with weights that let errors grow least along an approximate motion.

@@ -30,6 +30,8 @@ constexpr double bits_per_digit = 3.3219280948873623;
 constexpr double spare_bits = 40;
 // what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
 constexpr double most_series_bits = 3000, most_bits = 32768;
+// a series takes a step each 20 decay times, a collocation polynomial as the motion goes
+constexpr double stiff_damping_number = 3000;
 
 // The columns of a trajectory file after t, as balls: blocks q, w, p, v.
 using Columns = std::array<Ball, 13>;
@@ -37,8 +39,10 @@ constexpr int block_begin[] = {0, 4, 7, 10, 13};
 
 struct Attempt {
     std::string fault;
-    double wanted_bits = 0;  ///< to get over the fault
-    bool by_series = false;  ///< some piece has no closed form
+    double wanted_bits = 0;                 ///< to get over the fault
+    double most_bits = polhode::most_bits;  ///< that all ways together can carry
+    bool by_series = false;                 ///< some piece has no closed form
+    bool by_collocation = false;
     long steps = 0;
     bool by_closed_form = false;
     std::vector<Columns> columns;
@@ -119,12 +123,15 @@ class Certifier {
             result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
             return {};
         }
-        result.by_series = true;
-        if (wanted > bits || bits > most_series_bits) {
+        const bool stiff = plan.damping_number > stiff_damping_number;
+        (stiff ? result.by_collocation : result.by_series) = true;
+        result.most_bits = std::min(result.most_bits, stiff ? truth::most_collocation_bits : most_series_bits);
+        if (wanted > bits || bits > result.most_bits) {
             result.fault = "errors grow", result.wanted_bits = std::max(wanted, bits);
             return {};
         }
-        Enclosure enclosure = truth::enclose_by_taylor(piece, plan, y);
+        Enclosure enclosure =
+            stiff ? truth::enclose_by_collocation(scene_, piece, plan, y) : truth::enclose_by_taylor(piece, plan, y);
         if (!enclosure.fault.empty()) result.fault = enclosure.fault, result.wanted_bits = 1.3 * bits + 64;
         return enclosure;
     }
@@ -217,7 +224,7 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
         result.working_bits = (static_cast<long>(bits) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
         const Attempt attempt = certifier.attempt();
-        if (attempt.by_series) limit = most_series_bits;
+        limit = std::min(limit, attempt.most_bits);
         if (!attempt.fault.empty()) {
             bits = attempt.wanted_bits;
             continue;
@@ -232,10 +239,12 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
         result.available = true;
         result.steps = attempt.steps;
         write(attempt.columns, digits, result);
-        result.method = attempt.by_closed_form ? "closed form" : "";
-        if (attempt.by_series)
-            result.method += (attempt.by_closed_form ? ", and " : "") +
-                             std::string("Taylor series with a proven defect, errors carried by the logarithmic norm");
+        const auto name = [&](bool used, const char* method) {
+            if (used) result.method += (result.method.empty() ? "" : "; ") + std::string(method);
+        };
+        name(attempt.by_closed_form, "closed form");
+        name(attempt.by_series, "Taylor series with a proven defect, errors carried by the logarithmic norm");
+        name(attempt.by_collocation, "collocation with a proven defect, errors carried by the logarithmic norm");
         break;
     }
     flint_cleanup();

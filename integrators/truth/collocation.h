@@ -164,15 +164,54 @@ class CollocationStep {
     }
 };
 
+/// Steps from `begin` to `end` by lengths that the polynomial's last coefficients choose; y goes along. Calls
+/// accept(t, reached, h) after each step, with the polynomial in `step` and y still at t. Returns a fault, or nothing.
+template <class P, template <class> class FormOf, class Accept>
+std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end, std::vector<P>& y,
+                      std::vector<Block>& blocks, const CollocationSettings& settings, long& steps, Accept&& accept) {
+    std::vector<double> scales(step.dimension());
+    const auto measure = [&] {
+        for (Block& block : blocks) {
+            const double size = std::exp2(log2_size<P>(block, [&](int i) -> const P& { return y[i]; }));
+            block.scale = std::max(block.scale, size);
+            std::fill_n(scales.begin() + block.first, block.size, block.scale);
+        }
+    };
+    measure();
+    const double allowed = -settings.digits * std::log2(10.0);
+    double h = 1 / step.fastest_rate(y, scales);
+    P t(begin);
+    while (t < end) {
+        if (steps++ >= settings.max_steps) return "more steps than are allowed";
+        measure();
+        const P remaining = P(end) - t;
+        const bool to_end = remaining <= h;
+        const P exact_h = to_end ? remaining : P(h);
+        const P reached = to_end ? P(end) : t + exact_h;
+        if (!std::isfinite(h) || reached <= t) return "the step vanishes";
+        if (!step.solve(y, exact_h, scales, settings.digits + 4)) {
+            h = exact_h.template convert_to<double>() / 4;
+            continue;
+        }
+        const double excess = (step.log2_tail(blocks) - allowed) / settings.stages;
+        const double tried = exact_h.template convert_to<double>();
+        h = tried * std::clamp(0.9 * std::exp2(-excess), 0.1, 3.0);
+        if (excess > 0) continue;
+        accept(t, reached, exact_h);
+        step.evaluate(P(1), y.data());
+        t = reached;
+    }
+    return "";
+}
+
 template <class P, template <class> class FormOf>
 Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, const Scales& given,
                    const Vector3<double>& moments, const CollocationSettings& settings) {
     Run<P> run;
     CollocationStep<P, FormOf> step(scene, settings.stages);
     const int n = step.dimension();
-    std::vector<P> y(n), at_sample(n), reached_state(n);
+    std::vector<P> y(n), at_sample(n);
     std::vector<Block> blocks = step.form().blocks(given, moments);
-    std::vector<double> scales(n);
     std::size_t next = 0;
 
     through_segments<P>(scene, step.form(), y, [&](double begin, double end, bool last) {
@@ -180,48 +219,15 @@ Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, 
         const auto before_end = [&](double t) { return t < end || (last && t == end); };
         for (; next < sample_times.size() && sample_times[next] == begin && before_end(begin); ++next)
             run.motions.push_back(step.form().motion(y.data()));
-        const auto measure = [&] {
-            for (Block& block : blocks) {
-                const double size = std::exp2(log2_size<P>(block, [&](int i) -> const P& { return y[i]; }));
-                block.scale = std::max(block.scale, size);
-                std::fill_n(scales.begin() + block.first, block.size, block.scale);
-            }
-        };
-        measure();
-        const double allowed = -settings.digits * std::log2(10.0);
-        double h = 1 / step.fastest_rate(y, scales);
-        P t(begin);
-        while (t < end) {
-            if (run.steps++ >= settings.max_steps) {
-                run.fault = "more steps than are allowed";
-                return false;
-            }
-            measure();
-            const P remaining = P(end) - t;
-            const bool to_end = remaining <= h;
-            const P exact_h = to_end ? remaining : P(h);
-            const P reached = to_end ? P(end) : t + exact_h;
-            if (!std::isfinite(h) || reached <= t) {
-                run.fault = "the step vanishes";
-                return false;
-            }
-            if (!step.solve(y, exact_h, scales, settings.digits + 4)) {
-                h = exact_h.template convert_to<double>() / 4;
-                continue;
-            }
-            const double excess = (step.log2_tail(blocks) - allowed) / settings.stages;
-            const double tried = exact_h.template convert_to<double>();
-            h = tried * std::clamp(0.9 * std::exp2(-excess), 0.1, 3.0);
-            if (excess > 0) continue;
+        const auto emit = [&](const P& t, const P& reached, const P& h) {
             for (; next < sample_times.size() && sample_times[next] <= reached && before_end(sample_times[next]);
                  ++next) {
-                step.evaluate((P(sample_times[next]) - t) / exact_h, at_sample.data());
+                step.evaluate((P(sample_times[next]) - t) / h, at_sample.data());
                 run.motions.push_back(step.form().motion(at_sample.data()));
             }
-            step.evaluate(P(1), y.data());
-            t = reached;
-        }
-        return true;
+        };
+        run.fault = collocate(step, begin, end, y, blocks, settings, run.steps, emit);
+        return run.fault.empty();
     });
     return run;
 }

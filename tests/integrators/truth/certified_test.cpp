@@ -142,6 +142,13 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
+TEST(Certified, StronglyDampedBody) {
+    Scene scene = heavy_top();
+    scene.name = "viscous";
+    scene.loads.push_back(Drag{{2000, 3000, 1000}, 0, {}});
+    expect_contained(scene, "collocation");
+}
+
 // What is proven is the scene's own motion, and no other: the least change of the scene puts the truth outside.
 TEST(Certified, ATamperedSceneIsOutside) {
     const Scene scene = heavy_top();

@@ -1,0 +1,68 @@
+// The elementary functions that closed forms need, for every scalar they are evaluated in: binary64, 128 bits (the C
+// library's), and any number type that finds its own by its namespace (multiprecision).
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "body/wide.h"
+#include "motion/exact_body.h"
+
+#ifdef __clang__
+// the C library has them for every compiler and declares them for GCC alone
+extern "C" {
+polhode::Wide expf128(polhode::Wide);
+polhode::Wide expm1f128(polhode::Wide);
+polhode::Wide sinf128(polhode::Wide);
+polhode::Wide cosf128(polhode::Wide);
+polhode::Wide roundf128(polhode::Wide);
+polhode::Wide cbrtf128(polhode::Wide);
+}
+#endif
+
+namespace polhode {
+
+template <class S>
+struct Elementary {
+    static S pi() {
+        static thread_local const S value = acos(S(-1));
+        return value;
+    }
+    static S epsilon() { return std::numeric_limits<S>::epsilon(); }
+    static S infinity() { return std::numeric_limits<S>::infinity(); }
+    static S exponential(const S& x) { return exp(x); }
+    static S exponential_less_one(const S& x) { return expm1(x); }
+    static void sine_cosine(const S& x, S& sine, S& cosine) { sine = sin(x), cosine = cos(x); }
+    static S magnitude(const S& x) { return abs(x); }
+    static S rounded(const S& x) { return round(x); }
+    static S cube_root(const S& x) { return cbrt(x); }
+};
+
+template <>
+struct Elementary<double> {
+    static constexpr double pi() { return std::numbers::pi; }
+    static constexpr double epsilon() { return 0x1p-52; }
+    static constexpr double infinity() { return std::numeric_limits<double>::infinity(); }
+    static double exponential(double x) { return std::exp(x); }
+    static double exponential_less_one(double x) { return std::expm1(x); }
+    static void sine_cosine(double x, double& sine, double& cosine) { sine = std::sin(x), cosine = std::cos(x); }
+    static double magnitude(double x) { return std::abs(x); }
+    static double rounded(double x) { return std::nearbyint(x); }
+    static double cube_root(double x) { return std::cbrt(x); }
+};
+
+template <>
+struct Elementary<Wide> {
+    static Wide pi() { return Wide(std::numbers::pi) + Wide(0x1.1a62633145c07p-53) - Wide(0x1.f1976b7ed8fbcp-109); }
+    static constexpr Wide epsilon() { return Wide(0x1p-112); }
+    static Wide infinity() { return Wide(std::numeric_limits<double>::infinity()); }
+    static Wide exponential(const Wide& x) { return expf128(x); }
+    static Wide exponential_less_one(const Wide& x) { return expm1f128(x); }
+    static void sine_cosine(const Wide& x, Wide& sine, Wide& cosine) { sine = sinf128(x), cosine = cosf128(x); }
+    static Wide magnitude(const Wide& x) { return x < 0 ? -x : x; }
+    static Wide rounded(const Wide& x) { return roundf128(x); }
+    static Wide cube_root(const Wide& x) { return cbrtf128(x); }
+};
+
+}  // namespace polhode

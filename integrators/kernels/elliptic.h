@@ -1,0 +1,382 @@
+// Elliptic integrals and Jacobi's theta functions over any scalar: what the closed forms of a free body and of
+// Lagrange's top are made of.
+//
+// The parameter m = k^2 comes with its complement m1 = 1 - m, each as exact as the caller knows it, so that nothing is
+// lost next to a separatrix (m1 -> 0). Theta series run in the nome of the better of two lattices: trigonometric in
+// q = exp(-pi K'/K) where m <= m1, hyperbolic in q' = exp(-pi K/K') (Jacobi's imaginary transformation) beyond. The
+// nome is then at most exp(-pi) and five terms are enough for binary64; m = 0 and m1 = 0 are no special cases.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "integrators/kernels/elementary.h"
+
+namespace polhode {
+
+/// The arithmetic-geometric mean of a, b >= 0 (Gauss).
+template <class S>
+S arithmetic_geometric_mean(S a, S b) {
+    if (!(a > 0) || !(b > 0)) return S(0);
+    // quadratic convergence: once the gap is below the root of epsilon, one more mean is exact
+    const S enough = square_root(Elementary<S>::epsilon());
+    for (;;) {
+        const S mean = (a + b) / S(2), gap = Elementary<S>::magnitude(S(a - b));
+        if (gap <= enough * mean) return mean;
+        b = square_root(S(a * b));
+        a = mean;
+    }
+}
+
+/// Carlson's R_F(x, y, z) = 1/2 int_0^inf dt / sqrt((t+x)(t+y)(t+z)), arguments >= 0, at most one of them zero.
+/// Duplication, then the series to the seventh order (B. C. Carlson 1995, Numer. Algorithms 10, 13; DLMF 19.36.1).
+template <class S>
+S carlson_rf(S x, S y, S z) {
+    const S third = S(1) / S(3);
+    S mean = (x + y + z) * third;
+    // the series' remainder is of the eighth order: epsilon^(1/8)
+    const S reach = square_root(square_root(square_root(Elementary<S>::epsilon())));
+    for (;;) {
+        const S spread = std::max({Elementary<S>::magnitude(S(mean - x)), Elementary<S>::magnitude(S(mean - y)),
+                                   Elementary<S>::magnitude(S(mean - z))});
+        if (spread <= reach * mean) break;
+        const S rx = square_root(x), ry = square_root(y), rz = square_root(z);
+        const S lambda = rx * ry + ry * rz + rz * rx;
+        x = (x + lambda) / S(4), y = (y + lambda) / S(4), z = (z + lambda) / S(4);
+        mean = (mean + lambda) / S(4);
+    }
+    const S inverse = S(1) / mean;
+    const S X = (mean - x) * inverse, Y = (mean - y) * inverse, Z = -X - Y;
+    const S e2 = X * Y - Z * Z, e3 = X * Y * Z;
+    const S series = S(1) + e2 * (-S(1) / S(10) + e2 / S(24) - e2 * e2 * S(5) / S(208) - e3 * S(3) / S(44)) +
+                     e3 * (S(1) / S(14) + e3 * S(3) / S(104) + e2 * e2 / S(16));
+    return series / square_root(mean);
+}
+
+/// The incomplete integral of the first kind at the amplitude of sn, cn >= 0, dn (of any parameter): F = sn
+/// R_F(cn^2, dn^2, 1). Infinite where cn = dn = 0.
+template <class S>
+S inverse_jacobi(const S& sn, const S& cn_squared, const S& dn_squared) {
+    if (!(cn_squared > 0) && !(dn_squared > 0))
+        return sn < 0 ? S(-Elementary<S>::infinity()) : Elementary<S>::infinity();
+    return sn * carlson_rf(cn_squared, dn_squared, S(1));
+}
+
+/// sn, cn and dn.
+template <class S>
+struct Jacobi {
+    S sn, cn, dn;
+};
+
+template <class S>
+struct Complex {
+    S re{0}, im{0};
+};
+template <class To, class From>
+Complex<To> cast(const Complex<From>& z) {
+    return {To(z.re), To(z.im)};
+}
+template <class S>
+Complex<S> operator*(const Complex<S>& a, const Complex<S>& b) {
+    return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+template <class S>
+Complex<S> conjugate(const Complex<S>& a) {
+    return {a.re, -a.im};
+}
+
+constexpr int most_theta_terms = 12;  ///< q^(n^2) with q <= exp(-pi): enough for 190 digits
+template <class S>
+using ThetaTerms = std::array<S, most_theta_terms + 1>;
+template <class To, class From>
+ThetaTerms<To> cast(const ThetaTerms<From>& terms) {
+    ThetaTerms<To> result;
+    for (int n = 0; n <= most_theta_terms; ++n) result[n] = To(terms[n]);
+    return result;
+}
+
+/// sin kz and cos kz for k = 0 .. 2N+1; or q^(n(n+1)) times sinh and cosh of (2n+1) v, q^(n^2) times those of 2n v, all
+/// over exp |v|: nothing overflows.
+template <class S>
+struct Harmonics {
+    ThetaTerms<S> odd_sine, odd_cosine, even_sine, even_cosine;
+};
+
+/// Periods and theta constants of one parameter.
+template <class S>
+class Lattice {
+  public:
+    /// 0 <= m, m1, m + m1 = 1, each to its own relative accuracy.
+    Lattice(const S& m, const S& m1) : trigonometric(m <= m1) {
+        const S half_pi = Elementary<S>::pi() / S(2);
+        quarter = m1 > 0 ? S(half_pi / arithmetic_geometric_mean(S(1), square_root(m1))) : Elementary<S>::infinity();
+        imaginary_quarter =
+            m > 0 ? S(half_pi / arithmetic_geometric_mean(S(1), square_root(m))) : Elementary<S>::infinity();
+        const S& near = trigonometric ? quarter : imaginary_quarter;
+        const S& far = trigonometric ? imaginary_quarter : quarter;
+        scale = half_pi / near;
+        log_nome = -Elementary<S>::pi() * (far / near);
+        nome = Elementary<S>::exponential(log_nome);
+        squares[0] = pronics[0] = S(1);
+        S power = S(1);
+        for (terms = 0; terms < most_theta_terms; ++terms) {
+            // what term n = terms + 1 may come to: q^(n^2), or q^(n(n-1)) at the hyperbolic lattice's edge |u| = K
+            const S next = squares[terms] * power * nome * power;
+            if (!((trigonometric ? next : pronics[terms]) > Elementary<S>::epsilon())) break;
+            power *= nome;
+            squares[terms + 1] = next;
+            pronics[terms + 1] = next * power;
+        }
+        for (int n = 0; n <= terms; ++n) {
+            odd_weight[n] = trigonometric ? pronics[n] : S(1);
+            even_weight[n] = n == 0 ? S(1) : trigonometric ? S(squares[n] + squares[n]) : S(2);
+        }
+        S theta2 = S(1), theta3 = S(1), theta4 = S(1);
+        for (int n = 1; n <= terms; ++n) {
+            theta2 += pronics[n];
+            theta3 += squares[n] + squares[n];
+            theta4 += n % 2 ? S(-(squares[n] + squares[n])) : S(squares[n] + squares[n]);
+        }
+        // DLMF 22.2.4-6, after 20.7.30-33 in the hyperbolic lattice
+        sn_factor = trigonometric ? S(theta3 / theta2) : S(theta3 / theta4);
+        cn_factor = trigonometric ? S(theta4 / theta2) : S(theta2 / theta4);
+        dn_factor = trigonometric ? S(theta4 / theta3) : S(theta2 / theta3);
+    }
+
+    /// The same, rounded: what was set up in more digits, to be evaluated in fewer.
+    template <class From>
+    explicit Lattice(const Lattice<From>& b)
+        : trigonometric(b.trigonometric),
+          quarter(b.quarter),
+          imaginary_quarter(b.imaginary_quarter),
+          scale(b.scale),
+          nome(b.nome),
+          log_nome(b.log_nome),
+          terms(b.terms),
+          squares(cast<S>(b.squares)),
+          pronics(cast<S>(b.pronics)),
+          odd_weight(cast<S>(b.odd_weight)),
+          even_weight(cast<S>(b.even_weight)),
+          sn_factor(b.sn_factor),
+          cn_factor(b.cn_factor),
+          dn_factor(b.dn_factor) {}
+
+    bool trigonometric;
+    S quarter, imaginary_quarter;  ///< K, K'
+    S scale;                       ///< pi/2K or pi/2K': arguments u are multiplied by it
+    S nome, log_nome;
+    int terms;                                  ///< N: sums run over n = 0..N
+    ThetaTerms<S> squares{}, pronics{};         ///< q^(n^2), q^(n(n+1))
+    ThetaTerms<S> odd_weight{}, even_weight{};  ///< of the harmonics in the theta series
+    S sn_factor, cn_factor, dn_factor;
+
+    /// u = rest + 2 K j, |rest| <= K, returning j; 0 on the separatrix.
+    S reduce(S& u) const {
+        if (!(quarter < Elementary<S>::infinity())) return S(0);
+        const S period = quarter + quarter;
+        const S j = Elementary<S>::rounded(S(u / period));
+        u -= j * period;
+        return j;
+    }
+
+    /// For |u| <= K. Of the even sines only with `sines_too`.
+    template <bool sines_too>
+    void harmonics(const S& u, Harmonics<S>& h) const {
+        const S z = scale * u;
+        if (trigonometric)
+            circular<sines_too>(z, h);
+        else
+            hyperbolic<sines_too>(z, h);
+    }
+
+    /// theta_4 on the real line (up to a factor that all of these share), what sn, cn, dn are quotients by.
+    S denominator(const Harmonics<S>& h) const { return trigonometric ? alternating_even(h) : plain_odd(h); }
+
+    /// Its derivative by scale * u; the harmonics need their even sines.
+    S denominator_slope(const Harmonics<S>& h) const {
+        S sum = trigonometric ? S(0) : h.odd_sine[0];
+        for (int n = 1; n <= terms; ++n) {
+            if (!trigonometric)
+                sum += S(2 * n + 1) * odd_weight[n] * h.odd_sine[n];
+            else
+                sum += S(n % 2 ? 2 * n : -2 * n) * even_weight[n] * h.even_sine[n];
+        }
+        return sum;
+    }
+
+    Jacobi<S> jacobi(const Harmonics<S>& h) const {
+        S alternating_odd = h.odd_sine[0], odd = h.odd_cosine[0], alternating = h.even_cosine[0], even = alternating;
+        for (int n = 1; n <= terms; ++n) {
+            const S a = odd_weight[n] * h.odd_sine[n], b = even_weight[n] * h.even_cosine[n];
+            alternating_odd += n % 2 ? S(-a) : a;
+            odd += odd_weight[n] * h.odd_cosine[n];
+            alternating += n % 2 ? S(-b) : b;
+            even += b;
+        }
+        const S inverse = S(1) / (trigonometric ? alternating : odd);
+        return {sn_factor * alternating_odd * inverse, cn_factor * (trigonometric ? odd : alternating) * inverse,
+                dn_factor * even * inverse};
+    }
+
+  private:
+    S alternating_even(const Harmonics<S>& h) const {
+        S sum = h.even_cosine[0];
+        for (int n = 1; n <= terms; ++n) {
+            const S term = even_weight[n] * h.even_cosine[n];
+            sum += n % 2 ? S(-term) : term;
+        }
+        return sum;
+    }
+    S plain_odd(const Harmonics<S>& h) const {
+        S sum = h.odd_cosine[0];
+        for (int n = 1; n <= terms; ++n) sum += odd_weight[n] * h.odd_cosine[n];
+        return sum;
+    }
+
+    template <bool sines_too>
+    void circular(const S& z, Harmonics<S>& h) const {
+        S s, c;
+        Elementary<S>::sine_cosine(z, s, c);
+        h.odd_sine[0] = s, h.odd_cosine[0] = c;
+        h.even_sine[0] = S(0), h.even_cosine[0] = S(1);
+        const S s2 = s * c + s * c, c2 = c * c - s * s;
+        for (int n = 0; n < terms; ++n) {
+            h.odd_sine[n + 1] = h.odd_sine[n] * c2 + h.odd_cosine[n] * s2;
+            h.odd_cosine[n + 1] = h.odd_cosine[n] * c2 - h.odd_sine[n] * s2;
+            h.even_cosine[n + 1] = n == 0 ? c2 : S((c2 + c2) * h.even_cosine[n] - h.even_cosine[n - 1]);
+            if constexpr (sines_too)
+                h.even_sine[n + 1] = n == 0 ? s2 : S((c2 + c2) * h.even_sine[n] - h.even_sine[n - 1]);
+        }
+    }
+
+    // with a = |v|: q^(n(n+1)) exp(+-(2n+1)a) exp(-a) = q^(n^2) (q exp(+-2a))^n, the lower one times exp(-2a), and
+    // q^(n^2) exp(+-2na) exp(-a) = q^(n(n-1)) (q exp(+-2a))^n exp(-a)
+    template <bool sines_too>
+    void hyperbolic(const S& v, Harmonics<S>& h) const {
+        const S a = Elementary<S>::magnitude(v), half = S(1) / S(2), sign = v < 0 ? S(-half) : half;
+        const S unit = Elementary<S>::exponential(S(-a)), unit_squared = unit * unit;
+        const S grown = Elementary<S>::exponential(S(log_nome + (a + a))), shrunk = nome * unit_squared;
+        S up = S(1), down = S(1);
+        for (int n = 0; n <= terms; ++n) {
+            const S low = down * unit_squared, even = n == 0 ? unit : S(unit * pronics[n - 1]);
+            h.odd_sine[n] = sign * squares[n] * (up - low);
+            h.odd_cosine[n] = half * squares[n] * (up + low);
+            h.even_cosine[n] = half * even * (up + down);
+            if constexpr (sines_too) h.even_sine[n] = sign * even * (up - down);
+            up *= grown;
+            down *= shrunk;
+        }
+    }
+};
+
+/// theta_1(u - i eta) or theta_2(u - i eta) along the real line, up to a constant positive factor, 0 <= eta <= K'.
+/// In the hyperbolic lattice the transformation's Gaussian leaves a phase linear in u: the whole is
+/// exp(i drift u) times sum(). Both change sign as u grows by 2K.
+template <class S>
+class ShiftedTheta {
+  public:
+    enum class Kind { theta1, theta2 };
+
+    ShiftedTheta(const Lattice<S>& lattice, Kind kind, const S& eta) : kind_(kind), terms_(lattice.terms) {
+        using E = Elementary<S>;
+        const S shift = eta * lattice.scale;
+        hyperbolic_ = !lattice.trigonometric;
+        if (lattice.trigonometric) {
+            // sinh and cosh of (2n+1) y over exp(y)/2: 1 -+ exp(-2(2n+1) y), times q^(n(n+1)) exp(2ny)
+            const bool finite = shift < E::infinity();
+            const S twice = shift + shift;
+            const S step = finite ? E::exponential(S(-twice)) : S(0), step_squared = step * step;
+            S decay = step, growth = S(1);
+            // q exp(2y) <= 1 since eta <= K': its powers first, so that nothing overflows
+            const S bounded = finite ? E::exponential(S(lattice.log_nome + twice)) : S(0);
+            for (int n = 0; n <= terms_; ++n) {
+                const S weight = signed_by(n, S(lattice.squares[n] * growth));
+                even_[n] = weight * (S(1) + decay);
+                odd_[n] = weight * (n == 0 && finite ? S(-E::exponential_less_one(S(-twice))) : S(S(1) - decay));
+                decay *= step_squared;
+                growth *= bounded;
+            }
+            drift = S(0);
+        } else {
+            S s, c;
+            E::sine_cosine(shift, s, c);
+            const S s2 = s * c + s * c, c2 = c * c - s * s;
+            const bool first = kind == Kind::theta1;
+            // (2n+1) w for theta_1, 2n w for theta_2, which becomes a theta_4
+            S sine = first ? s : S(0), cosine = first ? c : S(1);
+            for (int n = 0; n <= terms_; ++n) {
+                const S weight = n % 2 ? S(-1) : S(1);
+                const S size = first ? lattice.odd_weight[n] : lattice.even_weight[n];
+                even_[n] = weight * size * cosine;
+                odd_[n] = weight * size * sine;
+                const S next = sine * c2 + cosine * s2;
+                cosine = cosine * c2 - sine * s2;
+                sine = next;
+            }
+            drift = lattice.quarter < E::infinity() ? S(shift / lattice.quarter) : S(0);
+        }
+        width = shift;
+    }
+
+    template <class From>
+    explicit ShiftedTheta(const ShiftedTheta<From>& b)
+        : drift(b.drift),
+          width(b.width),
+          kind_(b.kind_ == ShiftedTheta<From>::Kind::theta1 ? Kind::theta1 : Kind::theta2),
+          hyperbolic_(b.hyperbolic_),
+          terms_(b.terms_),
+          even_(cast<S>(b.even_)),
+          odd_(cast<S>(b.odd_)) {}
+
+    S drift;  ///< rad per unit of u
+    S width;  ///< pi eta / 2K or pi eta / 2K'
+
+    /// The sum; the harmonics need their even sines for theta_2 in the hyperbolic lattice.
+    Complex<S> sum(const Harmonics<S>& h) const {
+        Complex<S> total;
+        for (int n = 0; n <= terms_; ++n) {
+            if (kind_ == Kind::theta1) {
+                total.re += even_[n] * h.odd_sine[n];
+                total.im -= odd_[n] * h.odd_cosine[n];
+            } else if (hyperbolic_) {
+                total.re += even_[n] * h.even_cosine[n];
+                total.im -= odd_[n] * h.even_sine[n];
+            } else {
+                total.re += even_[n] * h.odd_cosine[n];
+                total.im += odd_[n] * h.odd_sine[n];
+            }
+        }
+        return total;
+    }
+
+    /// Its derivative by scale * u.
+    Complex<S> derivative(const Harmonics<S>& h) const {
+        Complex<S> total;
+        for (int n = 0; n <= terms_; ++n) {
+            const S k(2 * n + 1), even_k(2 * n);
+            if (kind_ == Kind::theta1) {
+                total.re += k * even_[n] * h.odd_cosine[n];
+                total.im -= k * odd_[n] * (hyperbolic_ ? h.odd_sine[n] : S(-h.odd_sine[n]));
+            } else if (hyperbolic_) {
+                total.re += even_k * even_[n] * h.even_sine[n];
+                total.im -= even_k * odd_[n] * h.even_cosine[n];
+            } else {
+                total.re -= k * even_[n] * h.odd_sine[n];
+                total.im += k * odd_[n] * h.odd_cosine[n];
+            }
+        }
+        return total;
+    }
+
+  private:
+    template <class>
+    friend class ShiftedTheta;
+    Kind kind_;
+    bool hyperbolic_ = false;
+    int terms_;
+    ThetaTerms<S> even_{}, odd_{};  // signs included
+
+    S signed_by(int n, const S& x) const { return kind_ == Kind::theta1 && n % 2 ? S(-x) : x; }
+};
+
+}  // namespace polhode

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/exact.h"
 #include "integrators/method.h"
 
 namespace polhode {
@@ -31,6 +32,8 @@ double damping_rate(const Problem& problem, const Forcing<double>& forcing) {
 }  // namespace
 
 Choice choose_method(const Problem& problem) {
+    if (const Method* method = find_method("exact"); method && has_closed_form(problem))
+        return {method, "the motion has a closed form"};
     double decays = 0;
     for (const Segment& segment : problem.segments)
         decays += damping_rate(problem, segment.forcing) * (segment.end - segment.begin);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "integrators/kernels/elementary.h"
 
@@ -85,13 +86,15 @@ Complex<S> conjugate(const Complex<S>& a) {
     return {a.re, -a.im};
 }
 
-constexpr int most_theta_terms = 12;  ///< q^(n^2) with q <= exp(-pi): enough for 190 digits
+/// Of sums in q^(n(n-1)) with q <= exp(-pi): enough for binary64, for 113 bits, for 180 digits.
 template <class S>
-using ThetaTerms = std::array<S, most_theta_terms + 1>;
+constexpr int most_theta_terms = std::is_same_v<S, double> ? 4 : std::is_same_v<S, Wide> ? 6 : 12;
+template <class S>
+using ThetaTerms = std::array<S, most_theta_terms<S> + 1>;
 template <class To, class From>
-ThetaTerms<To> cast(const ThetaTerms<From>& terms) {
-    ThetaTerms<To> result;
-    for (int n = 0; n <= most_theta_terms; ++n) result[n] = To(terms[n]);
+ThetaTerms<To> rounded(const ThetaTerms<From>& terms) {
+    ThetaTerms<To> result{};
+    for (std::size_t n = 0; n < std::min(result.size(), terms.size()); ++n) result[n] = To(terms[n]);
     return result;
 }
 
@@ -119,7 +122,7 @@ class Lattice {
         nome = Elementary<S>::exponential(log_nome);
         squares[0] = pronics[0] = S(1);
         S power = S(1);
-        for (terms = 0; terms < most_theta_terms; ++terms) {
+        for (terms = 0; terms < most_theta_terms<S>; ++terms) {
             // what term n = terms + 1 may come to: q^(n^2), or q^(n(n-1)) at the hyperbolic lattice's edge |u| = K
             const S next = squares[terms] * power * nome * power;
             if (!((trigonometric ? next : pronics[terms]) > Elementary<S>::epsilon())) break;
@@ -152,11 +155,11 @@ class Lattice {
           scale(b.scale),
           nome(b.nome),
           log_nome(b.log_nome),
-          terms(b.terms),
-          squares(cast<S>(b.squares)),
-          pronics(cast<S>(b.pronics)),
-          odd_weight(cast<S>(b.odd_weight)),
-          even_weight(cast<S>(b.even_weight)),
+          terms(std::min(b.terms, most_theta_terms<S>)),
+          squares(rounded<S, From>(b.squares)),
+          pronics(rounded<S, From>(b.pronics)),
+          odd_weight(rounded<S, From>(b.odd_weight)),
+          even_weight(rounded<S, From>(b.even_weight)),
           sn_factor(b.sn_factor),
           cn_factor(b.cn_factor),
           dn_factor(b.dn_factor) {}
@@ -324,9 +327,9 @@ class ShiftedTheta {
           width(b.width),
           kind_(b.kind_ == ShiftedTheta<From>::Kind::theta1 ? Kind::theta1 : Kind::theta2),
           hyperbolic_(b.hyperbolic_),
-          terms_(b.terms_),
-          even_(cast<S>(b.even_)),
-          odd_(cast<S>(b.odd_)) {}
+          terms_(std::min(b.terms_, most_theta_terms<S>)),
+          even_(rounded<S, From>(b.even_)),
+          odd_(rounded<S, From>(b.odd_)) {}
 
     S drift;  ///< rad per unit of u
     S width;  ///< pi eta / 2K or pi eta / 2K'

@@ -228,7 +228,7 @@ class FreeAsymmetricBody {
 
         // d psi/dt is L/I1 at u = 0, where w2 = 0, and L/I2 at u = K, where w1 = 0: the larger moment leaves the
         // smaller quotient, and no cancellation
-        Harmonics<S> h;
+        Harmonics<S> h{};
         S slope(0);
         const bool at_quarter = b.I2 > b.I1;
         if (!at_quarter || lattice_.quarter < Elementary<S>::infinity()) {
@@ -269,7 +269,7 @@ class FreeAsymmetricBody {
 
     // at |u| <= K: w, l = L_B/|L|, and the unit complex number of half the angle of (l2 + i l1) theta_1
     void state(const S& u, Vector3<S>& w, Vector3<S>& l, Complex<S>& turned) const {
-        Harmonics<S> h;
+        Harmonics<S> h{};
         lattice_.template harmonics<false>(u, h);
         const Jacobi<S> f = lattice_.jacobi(h);
         w = {amplitude_[0] * f.cn, amplitude_[1] * f.sn, amplitude_[2] * f.dn};

@@ -150,19 +150,19 @@ class Lattice {
     template <class From>
     explicit Lattice(const Lattice<From>& b)
         : trigonometric(b.trigonometric),
-          quarter(b.quarter),
-          imaginary_quarter(b.imaginary_quarter),
-          scale(b.scale),
-          nome(b.nome),
-          log_nome(b.log_nome),
+          quarter(S(b.quarter)),
+          imaginary_quarter(S(b.imaginary_quarter)),
+          scale(S(b.scale)),
+          nome(S(b.nome)),
+          log_nome(S(b.log_nome)),
           terms(std::min(b.terms, most_theta_terms<S>)),
           squares(rounded<S, From>(b.squares)),
           pronics(rounded<S, From>(b.pronics)),
           odd_weight(rounded<S, From>(b.odd_weight)),
           even_weight(rounded<S, From>(b.even_weight)),
-          sn_factor(b.sn_factor),
-          cn_factor(b.cn_factor),
-          dn_factor(b.dn_factor) {}
+          sn_factor(S(b.sn_factor)),
+          cn_factor(S(b.cn_factor)),
+          dn_factor(S(b.dn_factor)) {}
 
     bool trigonometric;
     S quarter, imaginary_quarter;  ///< K, K'
@@ -323,8 +323,8 @@ class ShiftedTheta {
 
     template <class From>
     explicit ShiftedTheta(const ShiftedTheta<From>& b)
-        : drift(b.drift),
-          width(b.width),
+        : drift(S(b.drift)),
+          width(S(b.width)),
           kind_(b.kind_ == ShiftedTheta<From>::Kind::theta1 ? Kind::theta1 : Kind::theta2),
           hyperbolic_(b.hyperbolic_),
           terms_(std::min(b.terms_, most_theta_terms<S>)),

@@ -26,7 +26,9 @@ TEST(ChooseMethod, TakesAnImplicitOneWhereDampingDecaysTenThousandTimes) {
         EXPECT_EQ(chosen(1100, formulation), "cvode_bdf");
         EXPECT_EQ(chosen(900, formulation), "odeint_fehlberg78");
     }
-    EXPECT_EQ(chosen(0), "odeint_fehlberg78");
+    EXPECT_EQ(chosen(1e-3), "odeint_fehlberg78");
+    EXPECT_EQ(chosen(0), "exact");
+    EXPECT_EQ(chosen(0, Formulation::full), "odeint_fehlberg78");
 }
 
 // An implicit method would need the derivative of a user's torque.

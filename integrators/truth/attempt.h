@@ -36,6 +36,12 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
 template <unsigned working>
 Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
+/// Whether the motion has a closed form throughout: no events, principal axes as given.
+bool closed_form_serves(const Problem& problem);
+
+/// By closed form at any time; the beginning also by Taylor series.
+Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
 extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);

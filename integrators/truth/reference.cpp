@@ -51,7 +51,16 @@ constexpr int usual_digits = 25;
 constexpr double stiff_damping_number = 3000;
 bool is_stiff(const Problem& problem) { return damping_number(problem) > stiff_damping_number; }
 
+// Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there the
+// series is the truth, so that no closed form is judged by itself.
+constexpr double most_radians_by_series = 2e5;
+bool is_long(const Problem& problem) {
+    return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
+           truth::closed_form_serves(problem);
+}
+
 Attempt attempted(const Problem& problem, const std::vector<double>& times, double local_digits) {
+    if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
     // the arithmetic carries at least six digits more than a step does
     const bool narrow = local_digits <= 44;
     if (is_stiff(problem))
@@ -127,7 +136,7 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 
 std::string_view truth_method(const Problem& problem) {
     if (problem.needs.user_torque) return "none";
-    return is_stiff(problem) ? "collocation" : "Taylor series";
+    return is_long(problem) ? "closed form" : is_stiff(problem) ? "collocation" : "Taylor series";
 }
 
 Reference reference(const Scene& scene, long samples, int digits) {

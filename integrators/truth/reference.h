@@ -24,8 +24,8 @@ Reference reference(const Scene& scene, long samples, int digits = 25);
 /// beyond the scene's duration. Throws std::invalid_argument where the times are none or not in order.
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25);
 
-/// What makes the truth of a posed scene: "Taylor series", "collocation" where the motion is stiff, "none" with a
-/// user's own torque.
+/// What makes the truth of a posed scene: "Taylor series", "collocation" where the motion is stiff, "closed form" where
+/// it has one and lasts beyond 2 10^5 rad, "none" with a user's own torque.
 std::string_view truth_method(const Problem& problem);
 
 /// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, to the digits asked for.

@@ -1,0 +1,95 @@
+// The attempt by closed form, for runs so long that a series would take hours: any time costs the same. A thousandth of
+// such a run's revolutions is left to the series all the same, to be compared with: a formula that is wrong is wrong at
+// once.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "integrators/kernels/closed_form.h"
+#include "integrators/truth/attempt_taylor.h"
+
+namespace polhode::truth {
+namespace {
+
+using P = Real<100>;
+
+bool is_diagonal(const Matrix3<P>& m) {
+    return m[0][1] == 0 && m[0][2] == 0 && m[1][0] == 0 && m[1][2] == 0 && m[2][0] == 0 && m[2][1] == 0;
+}
+
+// one piece, body axes that are principal, and a centre of mass at a pivot or in free fall
+struct Piece {
+    ExactBody<P> body;
+    Vector3<P> acceleration_W;
+    std::optional<ClosedForm<P>> form;
+
+    explicit Piece(const Scene& scene) : body(exact_body<P>(scene)) {
+        if (event_times(scene).size() != 2 || !impulses_at<P>(scene, body, 0, Quaternion<P>{}).empty()) return;
+        if (!is_diagonal(body.inertia_B)) return;
+        const Forcing<P> forcing = forcing_at<P>(scene, body, 0, Quaternion<P>{});
+        if (!body.pivoted && (forcing.has_body_force || forcing.has_translational_drag)) return;
+        acceleration_W = forcing.acceleration_W;
+        form = begun(forcing, body.angular_velocity_B, body.q);
+    }
+    std::optional<ClosedForm<P>> begun(const Forcing<P>& forcing, const Vector3<P>& w, const Quaternion<P>& q) const {
+        const Vector3<P> moments(body.inertia_B[0][0], body.inertia_B[1][1], body.inertia_B[2][2]);
+        return ClosedForm<P>::find(moments, forcing, w, q, P(0));
+    }
+    Motion<P> motion(const Rotation<P>& rotation, const P& t) const {
+        Motion<P> m;
+        m.q = rotation.q, m.angular_velocity_B = rotation.w;
+        if (body.pivoted) {
+            pivoted_center(m.q, m.angular_velocity_B, body.arm, m.position_W, m.velocity_W);
+        } else {
+            m.velocity_W = body.velocity_W + t * acceleration_W;
+            m.position_W = body.position_W + t * (body.velocity_W + (t / 2) * acceleration_W);
+        }
+        return m;
+    }
+};
+
+}  // namespace
+
+bool closed_form_serves(const Problem& problem) {
+    return problem.segments.size() == 1 && problem.needs.translation != Translation::integrated &&
+           !problem.needs.user_torque && Piece(problem.scene).form.has_value();
+}
+
+Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
+    const Piece piece(problem.scene);
+    const Forcing<P> forcing = forcing_at<P>(problem.scene, piece.body, 0, Quaternion<P>{});
+    // the second run starts from where the first one ends, and goes back: other phases, other rounding
+    const P end(sample_times.back());
+    const Rotation<P> last = piece.form->at(end);
+    const std::optional<ClosedForm<P>> back = piece.begun(forcing, last.w, last.q);
+    Run<P> first, second;
+    for (const double t : sample_times) {
+        first.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+        second.motions.push_back(piece.motion(back->at(P(P(t) - end)), P(t)));
+    }
+    Attempt attempt = compared(problem, sample_times, first, second,
+                               "closed form in 100 digits, from the start and back from the end", 100);
+    // the beginning by series
+    Scene beginning = problem.scene;
+    const double rate = std::max(problem.scales.angular_velocity, 1e-300);
+    beginning.duration = std::min(problem.scene.duration, 100 / rate);
+    std::vector<double> early;
+    for (int k = 0; k <= 4; ++k) early.push_back(sample_time(beginning.duration, k, 4));
+    const Run<P> series = taylor<P, EulerForm<P>>(
+        beginning, early, problem.scales, problem.principal.moments,
+        {static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, 400'000});
+    if (!series.fault.empty()) {
+        attempt.fault = series.fault;
+        return attempt;
+    }
+    Run<P> formed;
+    for (const double t : early) formed.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+    const double difference = disagreement(formed, series);
+    if (difference > 0) attempt.agreed_digits = std::min(attempt.agreed_digits, -std::log10(difference));
+    attempt.truth.reference.bound = std::max(attempt.truth.reference.bound, difference);
+    attempt.truth.reference.message += ", its beginning by Taylor series";
+    attempt.truth.steps = series.steps;
+    return attempt;
+}
+
+}  // namespace polhode::truth

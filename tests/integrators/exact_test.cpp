@@ -67,7 +67,6 @@ TEST(Exact, IsAsGoodAsItsDataOnCatalogueScenes) {
         EXPECT_LT(in_units_of_rounding(scene), 20) << name;
     }
     EXPECT_TRUE(has_closed_form(pose(find_scene("lagrange_top"))));
-    EXPECT_TRUE(has_closed_form(pose(find_scene("spin_up"))));
 }
 
 TEST(Exact, JoinsPiecesAtImpulsesAndWindows) {
@@ -102,7 +101,8 @@ TEST(Exact, FindsTheSymmetryOfATiltedTop) {
     scene.body.center_of_mass = rotate(tilt, Vector3<double>(0, 0, 0.5));
     scene.initial.orientation = normalized(scene.initial.orientation * conjugate(tilt));
     scene.initial.angular_velocity = rotate(tilt, Vector3<double>(0, 0, 20));
-    if (has_closed_form(pose(scene))) EXPECT_LT(in_units_of_rounding(scene), 60);
+    ASSERT_TRUE(has_closed_form(pose(scene)));
+    EXPECT_LT(in_units_of_rounding(scene), 60);
 }
 
 TEST(Exact, RefusesWhatItDoesNotSolve) {
@@ -111,7 +111,6 @@ TEST(Exact, RefusesWhatItDoesNotSolve) {
         settings.formulation = formulation;
         const Trajectory trajectory = solve(scene, *find_method("exact"), settings);
         EXPECT_FALSE(trajectory.status != Status::ok && trajectory.message.empty());
-        EXPECT_TRUE(trajectory.status == Status::ok || trajectory.samples.empty() || true);
         return trajectory.status;
     };
     EXPECT_EQ(status(testing::everything(5)), Status::unsupported);
@@ -157,6 +156,7 @@ TEST(Exact, SolvesScenesInAnyUnits) {
     const Trajectory unit = solved(testing::free_body(10));
     for (const int moment : {-400, -30, 0, 30, 400})
         for (const int rate : {-400, -20, 0, 20, 400}) {
+            if (std::abs(moment + 2 * rate) > 900) continue;  // an energy beyond binary64
             const double w = std::ldexp(1.0, rate), I = std::ldexp(1.0, moment);
             Scene scene = free_scene({I, 2 * I, 3 * I}, {w, w, w}, 10 / w);
             scene.body.mass = I;
@@ -171,7 +171,9 @@ TEST(Exact, SolvesScenesInAnyUnits) {
         const Trajectory near = solved(free_scene({1, 2, 3}, {off, 5, off}, 20));
         ASSERT_EQ(near.status, Status::ok) << off;
         // dw/dt of the two outer components grows them at w2 sqrt((I2-I1)(I3-I2)/(I1 I3)) from 1e-30: not yet turned
-        if (off < 1e-100) EXPECT_LT(std::abs(near.samples.back().angular_velocity_B[1] - 5), 1e-12);
+        if (off < 1e-100) {
+            EXPECT_LT(std::abs(near.samples.back().angular_velocity_B[1] - 5), 1e-12);
+        }
     }
 }
 

@@ -42,7 +42,7 @@ inline FreeMotion any_free_motion() {
     if (*rc::gen::inRange(0, 5) == 0) m.w[odd] *= small(14);
     if (m.w[0] == 0 || m.w[1] == 0) m.w[0] = 0.3, m.w[1] = -0.4;
     m.q = moderate_orientation();
-    m.t = moderate(-1, 1) * std::pow(10, moderate(-1, 1));
+    m.t = moderate(-1, 1) * std::min(std::pow(10, moderate(-1, 1)), 20 / std::sqrt(dot(m.w, m.w)));
     return m;
 }
 
@@ -61,15 +61,26 @@ struct FreeEquations {
     }
 };
 
-/// State (w, q) after t, by Taylor series of order 24 in steps of at most a tenth of a radian: exact but for round-off.
+/// State (w, q) after t, by Taylor series of order 24 with steps that leave its remainder below round-off (Jorba & Zou
+/// 2005): exact but for round-off. Counts the steps.
 template <class Equations>
-std::array<double, 7> by_taylor(const Equations& equations, const FreeMotion& m, double rate) {
-    truth::Series<double> series(truth::record<double>(equations, 7), 24);
+std::array<double, 7> by_taylor(const Equations& equations, const FreeMotion& m, int& steps) {
+    constexpr int order = 24;
+    truth::Series<double> series(truth::record<double>(equations, 7), order);
     std::array<double, 7> y{m.w[0], m.w[1], m.w[2], m.q.w, m.q.x, m.q.y, m.q.z};
-    const int steps = 1 + static_cast<int>(std::abs(m.t) * rate / 0.3);
-    for (int i = 0; i < steps; ++i) {
+    double left = std::abs(m.t);
+    for (steps = 0; left > 0; ++steps) {
         series.expand(y.data());
-        series.evaluate(m.t / steps, y.data());
+        double last = 0, rate = 0;
+        for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(y[static_cast<std::size_t>(i)]));
+        for (int i = 0; i < 7; ++i)
+            for (const int k : {order - 1, order}) {
+                const double term = std::abs(series.coefficient(i, k)) / (i < 3 ? std::max(rate, 1e-3) : 1);
+                last = std::max(last, std::pow(term / 1e-17, 1.0 / k));
+            }
+        const double h = std::min(left, 0.9 / last);
+        left = h == left ? 0 : left - h;
+        series.evaluate(m.t < 0 ? -h : h, y.data());
     }
     return y;
 }

@@ -1,4 +1,6 @@
 // Which method `auto` stands for.
+#include "integrators/auto.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -31,13 +33,17 @@ double damping_rate(const Problem& problem, const Forcing<double>& forcing) {
 
 }  // namespace
 
-Choice choose_method(const Problem& problem) {
-    if (const Method* method = find_method("exact"); method && has_closed_form(problem))
-        return {method, "the motion has a closed form"};
+bool is_stiff(const Problem& problem) {
     double decays = 0;
     for (const Segment& segment : problem.segments)
         decays += damping_rate(problem, segment.forcing) * (segment.end - segment.begin);
-    if (decays > stiff_decays && !problem.needs.user_torque)
+    return decays > stiff_decays && !problem.needs.user_torque;
+}
+
+Choice choose_method(const Problem& problem) {
+    if (const Method* method = find_method("exact"); method && has_closed_form(problem))
+        return {method, "the motion has a closed form"};
+    if (is_stiff(problem))
         if (const Method* method = find_method("cvode_bdf"))
             return {method, "the motion is stiff: damping decays more than 10^4 times within the duration"};
     if (const Method* method = find_method("odeint_fehlberg78"))

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "integrators/auto.h"
 #include "integrators/kernels/spectral_norm.h"
-#include "integrators/method.h"
 #include "integrators/sensitivity_session.h"
 
 namespace polhode {
@@ -39,12 +39,10 @@ struct FreeFlight {
     }
 };
 
-bool stiff(const Problem& problem) { return choose_method(problem).method->name == "cvode_bdf"; }
-
 template <class SystemType>
 Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
     Conditioning result;
-    const bool by_bdf = stiff(problem);
+    const bool by_bdf = is_stiff(problem);
     const double tolerance = settings.tolerance.value_or(by_bdf ? bdf_tolerance : adams_tolerance);
     const long max_steps = settings.max_steps;
     SensitivitySession<SystemType> session(problem, by_bdf ? Multistep::bdf : Multistep::adams,

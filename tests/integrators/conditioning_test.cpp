@@ -333,7 +333,7 @@ TEST(Conditioning, Float32FloorIsWhatRoundingTheStartDoes) {
     const FreshCache cache;
     double largest = 0;
     for (const double w : {0.9137, 1.0291, 1.1733, 1.3719}) {
-        Scene scene = find_scene("dzhanibekov");
+        Scene scene = find_scene("free_asymmetric");
         scene.duration = 10;
         scene.initial.angular_velocity = w * scene.initial.angular_velocity;
         Scene rounded = scene;

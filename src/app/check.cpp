@@ -100,14 +100,17 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
         for (int i = 1; i < between; ++i) times.push_back(begin + (span.until - begin) * i / between);
         times.push_back(begin = span.until);
     }
-    const Conditioning kappa = conditioning(scene, times);
-    if (!kappa.available) {
-        checked.remarks.push_back("the floors are not known: " + kappa.message);
-        return;
-    }
+    ConditioningSettings settings;
+    settings.max_steps = 100'000;  // half a second of work
+    const Conditioning kappa = conditioning(scene, times, settings);
+    if (!kappa.available)
+        checked.remarks.push_back(kappa.times.empty() ? "the floors are not known: " + kappa.message
+                                                      : fmt::format("the floors are known until t = {:.4g} s only: {}",
+                                                                    kappa.times.back(), kappa.message));
+    if (kappa.times.empty()) return;
     RoundingFloor so_far;
     const double allowed = limit.attitude.value_or(default_tolerated_attitude);
-    for (std::size_t k = 0; k < times.size(); ++k) {
+    for (std::size_t k = 0; k < kappa.times.size(); ++k) {
         so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
         so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
         if (so_far.float32 > allowed && !checked.float_judged_until)
@@ -118,9 +121,9 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
     const double error = checked.judgement.attitude.max;
     // rounding at each step comes on top of that of the start: a few times the floor is the floor
     constexpr double a_few = 4;
-    if (error <= a_few * so_far.float64)
+    if (kappa.available && error <= a_few * so_far.float64)
         checked.remarks.emplace_back("at the float64 floor: as good as binary64 can be on this scene");
-    else if (error <= a_few * so_far.float32)
+    else if (kappa.available && error <= a_few * so_far.float32)
         checked.remarks.emplace_back("at the float32 floor: as good as a float engine can be on this scene");
     if (checked.float_judged_until)
         checked.remarks.push_back(fmt::format(

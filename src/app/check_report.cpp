@@ -55,7 +55,7 @@ std::string over_time(const CheckedFile& c) {
         if (j.momentum) text += fmt::format("  {:9.2e}", span.momentum);
         if (j.energy) text += fmt::format("  {:9.2e}", span.energy);
         text += fmt::format("  {:9.2e}", span.norm);
-        if (floors)
+        if (k < c.floor_over_time.size())
             text += fmt::format("     {:8.1e}    {:8.1e}", c.floor_over_time[k].float64, c.floor_over_time[k].float32);
         text += '\n';
     }
@@ -135,7 +135,7 @@ std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std
                                   number(span.until), number(span.attitude), number(span.norm));
             if (c.judgement.momentum) report += fmt::format(", \"momentum_error\": {}", number(span.momentum));
             if (c.judgement.energy) report += fmt::format(", \"energy_error\": {}", number(span.energy));
-            if (!c.floor_over_time.empty())
+            if (k < c.floor_over_time.size())
                 report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}",
                                       number(c.floor_over_time[k].float64), number(c.floor_over_time[k].float32));
             report += '}';

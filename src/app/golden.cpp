@@ -57,7 +57,9 @@ void set_tolerance(const Scene& scene, Golden& g) {
     for (long k = 0; k <= intervals; ++k) times.push_back(sample_time(end, k, intervals));
     g.tolerance = scene.tolerated_attitude.value_or(default_tolerated_attitude);
     g.tolerance_from = scene.tolerated_attitude ? "what the scene tolerates" : "1/20 of a degree";
-    const Conditioning kappa = conditioning(scene, times);
+    ConditioningSettings settings;
+    settings.max_steps = 100'000;  // half a second of work
+    const Conditioning kappa = conditioning(scene, times, settings);
     if (!kappa.available) return;
     g.float64_floor = kappa.floor_peak(float64_roundoff).value;
     g.float32_floor = kappa.floor_peak(float32_roundoff).value;

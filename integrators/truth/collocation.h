@@ -38,6 +38,7 @@ class CollocationStep {
 
     FormOf<P>& form() { return form_; }
     int dimension() const { return n_; }
+    int stages() const { return table_.stages; }
 
     void enter(double begin) {
         std::vector<double> unused(n_, 0.0);
@@ -204,9 +205,10 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
     return "";
 }
 
-template <class P, template <class> class FormOf>
+/// on_step(t, h, step): the polynomial of the step from t to t + h.
+template <class P, template <class> class FormOf, class OnStep = ForgetStep>
 Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, const Scales& given,
-                   const Vector3<double>& moments, const CollocationSettings& settings) {
+                   const Vector3<double>& moments, const CollocationSettings& settings, const OnStep& on_step = {}) {
     Run<P> run;
     CollocationStep<P, FormOf> step(scene, settings.stages);
     const int n = step.dimension();
@@ -220,6 +222,7 @@ Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, 
         for (; next < sample_times.size() && sample_times[next] == begin && before_end(begin); ++next)
             run.motions.push_back(step.form().motion(y.data()));
         const auto emit = [&](const P& t, const P& reached, const P& h) {
+            on_step(t, h, step);
             for (; next < sample_times.size() && sample_times[next] <= reached && before_end(sample_times[next]);
                  ++next) {
                 step.evaluate((P(sample_times[next]) - t) / h, at_sample.data());

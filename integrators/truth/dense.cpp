@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "integrators/truth/attempt_taylor.h"
+#include "integrators/truth/collocation.h"
 #include "integrators/truth/reference.h"
 
 namespace polhode {
@@ -63,10 +64,11 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     dense.scene_.duration = end * (1 + 1e-6);
     validate(dense.scene_, scene.name);
     const Problem problem = pose(dense.scene_);
-    if (truth_method(problem) != "Taylor series") {
-        dense.message = "no Taylor series: the motion is stiff, or a torque is the user's own";
+    if (problem.needs.user_torque) {
+        dense.message = "a user's torque has no truth";
         return dense;
     }
+    const bool is_stiff = truth_method(problem) == "collocation";
     dense.body_ = exact_body<double>(dense.scene_);
     std::vector<double> times;
     constexpr long intervals = 256;
@@ -76,19 +78,19 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     const int n = form.dimension(), width = padded(n);
     dense.width_ = width;
     const std::vector<truth::Block> blocks = form.blocks(problem.scales, problem.principal.moments);
-    const auto keep_step = [&](const P& t, const P& h, const truth::Series<P>& series) {
+    // scaled(i, k): the coefficient of ((t - begin) / h)^k in the i-th variable
+    const auto keep = [&](const P& t, const P& h, int order, const auto& scaled) {
         DenseTruth::Piece piece;
         piece.begin = truth::pair_of(t), piece.per_length = P(1 / h).convert_to<double>();
         piece.offset = dense.coefficients_.size();
-        dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(series.order() + 2) * width);
+        dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(order + 2) * width);
         double* row = dense.coefficients_.data() + piece.offset;
-        P power(1);
         int degree = 0, small = 0;
-        for (int k = 0; k <= series.order() && small < 3; ++k, power *= h) {
+        for (int k = 0; k <= order && small < 3; ++k) {
             bool matters = false;
             for (const truth::Block& block : blocks)
                 for (int i = block.first; i < block.first + block.size; ++i) {
-                    const double c = P(series.coefficient(i, k) * power).convert_to<double>();
+                    const double c = scaled(i, k).template convert_to<double>();
                     row[static_cast<std::size_t>(k) * width + i] = c;
                     matters = matters || std::abs(c) > negligible * block.scale;
                 }
@@ -99,25 +101,70 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         piece.degree = degree;
         double* low = row + static_cast<std::size_t>(degree + 1) * width;
         std::fill_n(low, width, 0.0);
-        for (int i = 0; i < n; ++i) low[i] = truth::pair_of(series.coefficient(i, 0)).low;
+        for (int i = 0; i < n; ++i) low[i] = truth::pair_of(scaled(i, 0)).low;
         dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(degree + 2) * width);
         dense.pieces_.push_back(piece);
+    };
+    const auto keep_series = [&](const P& t, const P& h, const truth::Series<P>& series) {
+        std::vector<P> powers{P(1)};
+        for (int k = 0; k < series.order(); ++k) powers.push_back(powers.back() * h);
+        keep(t, h, series.order(), [&](int i, int k) { return P(series.coefficient(i, k) * powers[k]); });
+    };
+    // the collocation polynomial from its values at as many points as it has coefficients, by divided differences: in
+    // 50 digits nothing is lost
+    const auto keep_collocation = [&](const P& t, const P& h, const auto& step) {
+        const int order = step.stages();
+        std::vector<std::vector<P>> values(order + 1, std::vector<P>(n));
+        std::vector<P> at, monomial(static_cast<std::size_t>(order + 1) * n, P(0));
+        for (int j = 0; j <= order; ++j) {
+            at.push_back(P(j) / order);
+            step.evaluate(at[j], values[j].data());
+        }
+        for (int i = 0; i < n; ++i) {
+            for (int level = 1; level <= order; ++level)
+                for (int j = order; j >= level; --j)
+                    values[j][i] = (values[j][i] - values[j - 1][i]) / (at[j] - at[j - level]);
+            // Horner's rule on Newton's form: c <- c (x - at_j) + difference_j
+            P* c = &monomial[static_cast<std::size_t>(i) * (order + 1)];
+            for (int j = order; j >= 0; --j) {
+                for (int k = order; k > 0; --k) c[k] = c[k - 1] - at[j] * c[k];
+                c[0] = values[j][i] - at[j] * c[0];
+            }
+        }
+        keep(t, h, order, [&](int i, int k) {
+            return monomial[static_cast<std::size_t>(i) * (order + 1) + static_cast<std::size_t>(k)];
+        });
     };
 
     double local = 26, agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 2 && local <= 44; ++attempts) {
         dense.pieces_.clear(), dense.coefficients_.clear();
-        // orders and steps as in attempt_by_taylor
-        const truth::TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local)) + 2, local, 1, most_steps};
-        const truth::TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local)) + 5, local + 2, 0.93, most_steps};
         const Vector3<double>& moments = problem.principal.moments;
-        auto second = truth::in_thread([&] {
-            return truth::taylor<P, truth::MomentumForm<P>>(dense.scene_, times, problem.scales, moments, coarse);
-        });
-        const truth::Run<P> first =
-            truth::taylor<P, truth::EulerForm<P>>(dense.scene_, times, problem.scales, moments, fine, keep_step);
-        const truth::Run<P> other = second.get();
+        std::string how;
+        // orders and steps as in attempt_by_taylor and attempt_by_collocation
+        truth::Run<P> first, other;
+        if (is_stiff) {
+            const int stages = std::max(16, static_cast<int>(std::ceil(0.6 * local)));
+            const truth::CollocationSettings coarse{stages, local, most_steps}, fine{stages + 4, local + 2, most_steps};
+            auto second = truth::in_thread([&] {
+                return truth::collocation<P, truth::MomentumForm>(dense.scene_, times, problem.scales, moments, coarse);
+            });
+            first = truth::collocation<P, truth::EulerForm>(dense.scene_, times, problem.scales, moments, fine,
+                                                            keep_collocation);
+            other = second.get();
+            how = fmt::format("collocation polynomials of {} and {} stages", fine.stages, coarse.stages);
+        } else {
+            const truth::TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local)) + 2, local, 1, most_steps};
+            const truth::TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local)) + 5, local + 2, 0.93, most_steps};
+            auto second = truth::in_thread([&] {
+                return truth::taylor<P, truth::MomentumForm<P>>(dense.scene_, times, problem.scales, moments, coarse);
+            });
+            first =
+                truth::taylor<P, truth::EulerForm<P>>(dense.scene_, times, problem.scales, moments, fine, keep_series);
+            other = second.get();
+            how = fmt::format("Taylor polynomials of order {} and {}", fine.order, coarse.order);
+        }
         fault = first.fault.empty() ? other.fault : first.fault;
         if (!fault.empty()) break;
         const double difference = truth::disagreement(first, other);
@@ -126,12 +173,9 @@ DenseTruth dense_reference(const Scene& scene, double end) {
             dense.available = true;
             // two roundings of a quaternion's components turn it by at most 4 2^-53 2
             dense.bound = difference + 8 * 0x1p-53;
-            dense.message = fmt::format(
-                "Taylor polynomials, their coefficients rounded to binary64: {} at order {} in {} steps, {} at order "
-                "{} in "
-                "{} steps",
-                truth::EulerForm<P>::name, fine.order, first.steps, truth::MomentumForm<P>::name, coarse.order,
-                other.steps);
+            dense.message =
+                fmt::format("{} in {} and {} steps ({}, {}), their coefficients rounded to binary64", how, first.steps,
+                            other.steps, truth::EulerForm<P>::name, truth::MomentumForm<P>::name);
             return dense;
         }
         local = 17 + (local - agreed) + 6;

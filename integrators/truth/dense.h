@@ -11,9 +11,10 @@
 
 namespace polhode {
 
-/// A scene's motion at any time, in binary64: the multiprecision Taylor polynomials of the truth's own steps, their
-/// coefficients rounded once, what they add to the state at the step's begin summed apart from it. No piece goes
-/// beyond an event. Made twice in two formulations like reference(), which compare at 257 times.
+/// A scene's motion at any time, in binary64: the multiprecision polynomials of the truth's own steps (Taylor's,
+/// collocation's where the motion is stiff), their coefficients rounded once, what they add to the state at the step's
+/// begin summed apart from it. No piece goes beyond an event. Made twice in two formulations like reference(), which
+/// compare at 257 times.
 class DenseTruth {
   public:
     bool available = false;
@@ -46,9 +47,9 @@ class DenseTruth {
     void evaluate(const Piece& piece, double t, double* y) const;
 };
 
-/// From t = 0 to `end` (s, > 0, also beyond the scene's duration). Not available where the motion is stiff, where it
-/// is so sensitive that 17 digits cannot be had in a few seconds, or with a user's own torque: reference() then still
-/// may be. Throws InputError on an invalid scene.
+/// From t = 0 to `end` (s, > 0, also beyond the scene's duration). Not available where the motion is so
+/// sensitive or long that 17 digits cannot be had in a few seconds (reference() then still may be), or with a user's
+/// own torque. Throws InputError on an invalid scene.
 DenseTruth dense_reference(const Scene& scene, double end);
 
 }  // namespace polhode

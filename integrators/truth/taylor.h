@@ -53,8 +53,8 @@ void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&&
 
 /// What is done with each step's polynomial: nothing.
 struct ForgetStep {
-    template <class P>
-    void operator()(const P&, const P&, const Series<P>&) const {}
+    template <class P, class Step>
+    void operator()(const P&, const P&, const Step&) const {}
 };
 
 /// on_step(t, h, series): the polynomial of the step from t to t + h.

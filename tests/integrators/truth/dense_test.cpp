@@ -29,13 +29,15 @@ double distance(const Vector3<Pair>& a, const Vector3<Pair>& b) {
 TEST(DenseTruth, IsTheReferenceRoundedOnce) {
     const FreshCache cache;
     int compared = 0;
-    for (const BuiltinText& text : builtin_scenes()) {
+#ifdef NDEBUG
+    constexpr std::size_t every = 1;
+#else
+    constexpr std::size_t every = 5;  // the sanitizers take ten times as long
+#endif
+    for (std::size_t number = 0; number < builtin_scenes().size(); number += every) {
+        const BuiltinText& text = builtin_scenes()[number];
         Scene scene = find_scene(std::string(text.name));
-        scene.duration = std::min(scene.duration, 2.0);
-        if (truth_method(pose(scene)) != "Taylor series") {
-            EXPECT_FALSE(dense_reference(scene, scene.duration).available) << text.name;
-            continue;
-        }
+        scene.duration = std::min(scene.duration, 1.0);
         std::vector<double> times = event_times(scene);
         for (int k = 1; k < 40; ++k) times.push_back(scene.duration * std::fmod(0.6180339887498949 * k, 1.0));
         std::sort(times.begin(), times.end());
@@ -63,11 +65,12 @@ TEST(DenseTruth, IsTheReferenceRoundedOnce) {
         }
         ++compared;
     }
-    EXPECT_GT(compared, 30);
+    EXPECT_GT(compared, static_cast<int>(40 / every) - 1);
 }
 
 TEST(DenseTruth, SaysWhyThereIsNone) {
-    Scene scene = find_scene("stiff_drag");
+    Scene scene = find_scene("symmetric");
+    scene.loads.push_back(UserTorque{"own", [](const LoadState&) { return Vector3<double>(); }, {}});
     const DenseTruth dense = dense_reference(scene, scene.duration);
     EXPECT_FALSE(dense.available);
     EXPECT_NE(dense.message, "");

@@ -75,7 +75,7 @@ class Run {
     // y at `end`; false where that takes too many steps or is not finite
     bool march(double& t, double end) {
         constexpr double tolerance = 1e-9;
-        constexpr long most_steps = 50'000;
+        constexpr long most_steps = 20'000;
         const Scales& scales = problem_.scales;
         if (step_ == 0) step_ = 1e-3 / std::max(scales.angular_velocity, 1e-3);
         while (t < end) {

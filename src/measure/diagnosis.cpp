@@ -179,7 +179,8 @@ class Examination {
         const auto try_one = [&](const char* fault, double unit, bool in_body, const char* what, const char* remedy,
                                  const char* convention) {
             const double explained = error(unit, in_body);
-            if (factor * explained <= as_written)
+            // a rate many times too large is made small by any smaller unit
+            if (factor * explained <= as_written && explained < 1 / factor)
                 add(About::rate, fault, as_written, explained, what, remedy, convention);
         };
         try_one("angular_velocity_in_body_axes", 1, true, "wx,wy,wz are in body axes", "write them in world axes", "");

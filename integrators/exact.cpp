@@ -43,7 +43,7 @@ bool through_pieces(const Problem& problem, Visit&& visit) {
         enter<FreeRotation<double>>(problem, segment, y);
         const std::optional<Form> form = form_of(problem, segment, y);
         if (!form || !visit(segment, *form)) return false;
-        advance(*form, segment.end - segment.begin, y);
+        if (&segment != &problem.segments.back()) advance(*form, segment.end - segment.begin, y);
     }
     return true;
 }

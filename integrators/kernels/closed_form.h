@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "integrators/kernels/free_body.h"
@@ -19,11 +21,16 @@ class ClosedForm {
     static std::optional<ClosedForm> find(const Vector3<S>& moments, const Forcing<S>& forcing, const Vector3<S>& w,
                                           const Quaternion<S>& q, const S& rounding) {
         if (!forcing.springs.empty() || !forcing.world_points.empty() || !forcing.user_torques.empty()) return {};
-        if (!forcing.any_torque()) return ClosedForm(free_body(moments, w, q));
+        if (!forcing.any_torque()) return free_body(moments, w, q);
         if (!forcing.any_torque_beside_field()) return top(moments, forcing, w, q, rounding);
         if (!forcing.body_points.empty()) return {};
         return about_axis(moments, forcing, w, q, rounding);
     }
+
+    /// Holds the form F made from the arguments, in place: forms are large.
+    template <class F, class... Arguments>
+    explicit ClosedForm(std::in_place_type_t<F> form, Arguments&&... arguments)
+        : form_(form, std::forward<Arguments>(arguments)...) {}
 
     /// t from the start of the piece, of either sign.
     Rotation<S> at(const S& t) const {
@@ -34,7 +41,10 @@ class ClosedForm {
     using Form = std::variant<AxisRotation<S>, FreeSymmetricBody<S>, FreeAsymmetricBody<S>, LagrangeTop<S>>;
     Form form_;
 
-    explicit ClosedForm(Form form) : form_(std::move(form)) {}
+    template <class F, class... Arguments>
+    static std::optional<ClosedForm> made(Arguments&&... arguments) {
+        return std::optional<ClosedForm>(std::in_place, std::in_place_type<F>, std::forward<Arguments>(arguments)...);
+    }
 
     static S size(const S& x) { return Elementary<S>::magnitude(x); }
     static S length(const Vector3<S>& v) { return square_root(dot(v, v)); }
@@ -57,34 +67,32 @@ class ClosedForm {
         return -1;
     }
 
-    static Form free_body(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q) {
-        const bool sphere = moments[0] == moments[1] && moments[1] == moments[2];
-        if (const int axis = axis_of(w, S(0)); axis >= 0) return AxisRotation<S>(unit(axis), w[axis], q);
-        if (sphere) {
+    static std::optional<ClosedForm> free_body(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q) {
+        if (const int axis = axis_of(w, S(0)); axis >= 0) return made<AxisRotation<S>>(unit(axis), w[axis], q);
+        if (moments[0] == moments[1] && moments[1] == moments[2]) {
             const S rate = length(w);
-            return AxisRotation<S>((S(1) / rate) * w, rate, q);
+            return made<AxisRotation<S>>((S(1) / rate) * w, rate, q);
         }
         if (const int axis = symmetry_axis(moments, S(0)); axis >= 0)
-            return FreeSymmetricBody<S>(axis, moments[(axis + 1) % 3], moments[axis], w, q);
-        return asymmetric(moments, w, q);
+            return made<FreeSymmetricBody<S>>(axis, moments[(axis + 1) % 3], moments[axis], w, q);
+        if constexpr (std::is_same_v<S, double>)
+            if (!moderate(moments, w))
+                return made<FreeAsymmetricBody<double>>(
+                    FreeAsymmetricBody<Wide>(cast<Wide>(moments), cast<Wide>(w), cast<Wide>(q)));
+        return made<FreeAsymmetricBody<S>>(moments, w, q);
     }
 
-    static FreeAsymmetricBody<S> asymmetric(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q) {
-        if constexpr (std::is_same_v<S, double>) {
-            // squares and fourth powers must neither overflow nor vanish: else 128 bits, whose exponents are longer
-            constexpr double most = 1e60, least = 1e-60;
-            double largest = 0;
-            bool moderate = true;
-            for (int i = 0; i < 3; ++i) largest = std::max(largest, size(w[i]));
-            for (int i = 0; i < 3; ++i) {
-                moderate = moderate && moments[i] > least && moments[i] < most;
-                moderate = moderate && (w[i] == 0 || size(w[i]) > 1e-100 * largest);
-            }
-            if (!moderate || !(largest > least && largest < most))
-                return FreeAsymmetricBody<double>(
-                    FreeAsymmetricBody<Wide>(cast<Wide>(moments), cast<Wide>(w), cast<Wide>(q)));
+    // whether squares and fourth powers neither overflow nor vanish in binary64: else 128 bits, of longer exponents
+    static bool moderate(const Vector3<double>& moments, const Vector3<double>& w) {
+        constexpr double most = 1e60, least = 1e-60;
+        double largest = 0;
+        for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(w[i]));
+        bool all = largest > least && largest < most;
+        for (int i = 0; i < 3; ++i) {
+            all = all && moments[i] > least && moments[i] < most;
+            all = all && (w[i] == 0 || std::abs(w[i]) > 1e-100 * largest);
         }
-        return FreeAsymmetricBody<S>(moments, w, q);
+        return all;
     }
 
     // Forces constant in the world at points of the symmetry axis: the torque is e x R^T G with G = sum of (arm along
@@ -106,13 +114,13 @@ class ClosedForm {
         const Vector3<S> torque_B = rotate_back(q, field);
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         const bool upright = torque_B[i] == 0 && torque_B[j] == 0 && w[i] == 0 && w[j] == 0;
-        if (upright) return ClosedForm(AxisRotation<S>(unit(axis), w[axis], q));
+        if (upright) return made<AxisRotation<S>>(unit(axis), w[axis], q);
         if constexpr (std::is_same_v<S, double>) {
             const LagrangeStart<Wide> start(axis, moments[i], moments[axis], cast<Wide>(field), cast<Wide>(w),
                                             cast<Wide>(q));
-            return ClosedForm(LagrangeTop<double>(LagrangeStart<double>(start), q));
+            return made<LagrangeTop<double>>(LagrangeStart<double>(start), q);
         } else {
-            return ClosedForm(LagrangeTop<S>(axis, moments[i], moments[axis], field, w, q));
+            return made<LagrangeTop<S>>(axis, moments[i], moments[axis], field, w, q);
         }
     }
 
@@ -139,8 +147,7 @@ class ClosedForm {
         const Vector3<S> damped = damping * e;
         if (!along(torque) || !along(w) || !along(damped)) return {};
         const S inverse_moment = S(1) / dot(e, Vector3<S>(moments[0] * e[0], moments[1] * e[1], moments[2] * e[2]));
-        return ClosedForm(
-            AxisRotation<S>(e, dot(w, e), q, inverse_moment * dot(torque, e), inverse_moment * dot(damped, e)));
+        return made<AxisRotation<S>>(e, dot(w, e), q, inverse_moment * dot(torque, e), inverse_moment * dot(damped, e));
     }
 };
 

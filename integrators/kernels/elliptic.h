@@ -88,7 +88,9 @@ Complex<S> conjugate(const Complex<S>& a) {
 
 /// Of sums in q^(n(n-1)) with q <= exp(-pi): enough for binary64, for 113 bits, for 180 digits.
 template <class S>
-constexpr int most_theta_terms = std::is_same_v<S, double> ? 4 : std::is_same_v<S, Wide> ? 6 : 12;
+constexpr int most_theta_terms = std::is_same_v<S, double> ? 4
+                                 : std::is_same_v<S, Wide> ? 6
+                                                           : 12;
 template <class S>
 using ThetaTerms = std::array<S, most_theta_terms<S> + 1>;
 template <class To, class From>

@@ -88,8 +88,9 @@ class FreeSymmetricBody {
         : axis_(axis), w_(w), q_(q), L_B_(I1 * w) {
         L_B_[axis] = I3 * w[axis];
         L_ = square_root(dot(L_B_, L_B_));
-        half_precession_ = L_ / (S(2) * I1);
-        half_spin_ = (I1 - I3) / (S(2) * I1) * w[axis];
+        const S half = S(1) / (S(2) * I1);
+        half_precession_ = L_ * half;
+        half_spin_ = (I1 - I3) * half * w[axis];
     }
 
     Rotation<S> at(const S& t) const {

@@ -59,7 +59,12 @@ double second_decay_integral(double x) {
 // v = v0 e^-kt + a (1 - e^-kt)/k,  p = p0 + v0 (1 - e^-kt)/k + a (kt - 1 + e^-kt)/k^2
 void translate(const Segment& s, double after, Vector3<double>& p, Vector3<double>& v) {
     const double k = s.forcing.has_translational_drag ? s.forcing.specific_drag : 0;
-    const double decayed = k == 0 ? after : -std::expm1(-k * after) / k;
+    if (k == 0) {
+        p = s.position_W + (after * s.velocity_W + (0.5 * (after * after)) * s.forcing.acceleration_W);
+        v = s.velocity_W + after * s.forcing.acceleration_W;
+        return;
+    }
+    const double decayed = -std::expm1(-k * after) / k;
     const double twice = after * after * second_decay_integral(k * after);
     p = s.position_W + (decayed * s.velocity_W + twice * s.forcing.acceleration_W);
     v = std::exp(-k * after) * s.velocity_W + decayed * s.forcing.acceleration_W;

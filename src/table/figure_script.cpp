@@ -12,16 +12,13 @@
 #include "table/figure.h"
 #include "table/figure_layout.h"
 #include "table/gnuplot_terminal.h"
+#include "table/guide_label.h"
 
 namespace polhode {
 
 namespace {
 
 constexpr const char* guide_color = "#5a5a5a";
-
-struct Point {
-    double x = 0, y = 0;
-};
 
 std::vector<Point> drawable_points(const Panel& panel, const Curve& curve) {
     std::vector<Point> points;
@@ -166,25 +163,10 @@ class Script {
                 plot.bottom - fraction(y, point.y) * (plot.bottom - plot.top)};
     }
 
-    /// How much of the curves a label there would cover: points along them, a few to each piece.
-    static long covered(const Rectangle& label, const std::vector<std::vector<Point>>& lines) {
-        constexpr int pieces = 16;
-        long inside = 0;
-        for (const std::vector<Point>& line : lines)
-            for (std::size_t i = 0; i < line.size(); ++i) {
-                const Point &from = line[i], &to = line[i + 1 < line.size() ? i + 1 : i];
-                for (int k = 0; k < pieces; ++k) {
-                    const double x = from.x + (to.x - from.x) * k / pieces, y = from.y + (to.y - from.y) * k / pieces;
-                    if (x > label.left && x < label.right && y > label.top && y < label.bottom) ++inside;
-                }
-            }
-        return inside;
-    }
-
     /// Data and labels of the guides that are to be seen, and the elements that plot them.
     std::string guides_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const Rectangle& plot,
                           const Axis& x, const Axis& y) {
-        constexpr double size = 6, height = 8, margin = 3;
+        constexpr double size = 6;
         std::vector<std::vector<Point>> drawn;
         for (const std::vector<Point>& curve : curves) {
             std::vector<Point>& line = drawn.emplace_back();
@@ -211,33 +193,10 @@ class Script {
                 fmt::format("$guide{} using 1:2 with lines linewidth {:g} dashtype (8,5) linecolor \"{}\", \\\n  ", g,
                             line_width(0.6), guide_color);
 
-            // at the right or the left end, above or below the line: where least of the curves is covered
-            const double width = text_width(guide.label, size);
-            std::optional<Rectangle> best;
-            long least = 0;
-            bool at_right = true;
-            for (const bool right : {true, false})
-                for (const bool above : {true, false}) {
-                    Rectangle label;
-                    label.right = right ? seen.back().x - margin : seen.front().x + margin + width;
-                    label.left = label.right - width;
-                    double edge = right ? seen.back().y : seen.front().y;
-                    for (const Point& point : seen)
-                        if (point.x >= label.left && point.x <= label.right)
-                            edge = above ? std::min(edge, point.y) : std::max(edge, point.y);
-                    label.top = above ? edge - 1 - height : edge + 1;
-                    label.bottom = label.top + height;
-                    if (label.top < plot.top || label.bottom > plot.bottom) continue;
-                    if (label.left < plot.left || label.right > plot.right) continue;
-                    const long hidden = covered(label, drawn);
-                    if (best && hidden >= least) continue;
-                    best = label, least = hidden, at_right = right;
-                }
-            if (best)
+            if (const auto label = guide_label(guide.label, size, seen, drawn, plot))
                 line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}",
-                                 gnuplot_quoted_line(guide.label),
-                                 on_page(at_right ? best->right : best->left, (best->top + best->bottom) / 2),
-                                 at_right ? "right" : "left", guide_color, font(size)));
+                                 gnuplot_quoted_line(guide.label), on_page(label->x, label->y),
+                                 label->ends_there ? "right" : "left", guide_color, font(size)));
         }
         return elements;
     }

@@ -66,7 +66,7 @@ std::string decimal_near(const Ball& ball, long place, Bound& error) {
     arb_sub(difference.raw(), scaled(exact, place).raw(), ball.midpoint().raw(), 2 * Ball::precision() + 256);
     error = Bound(difference) + Bound::radius_of(ball);
 
-    const std::string text = rounded.text();
+    std::string text = rounded.text();
     if (text == "0") return text;
     const std::size_t first = text[0] == '-' ? 1 : 0, last = text.find_last_not_of('0');
     const long exponent = place + static_cast<long>(text.size() - first) - 1;

@@ -139,7 +139,7 @@ class Certifier {
 
 // log2 of the largest length of each block over the run; -infinity where it is zero
 std::array<double, 4> block_sizes(const std::vector<Columns>& all) {
-    std::array<double, 4> sizes;
+    std::array<double, 4> sizes{};
     for (int b = 0; b < 4; ++b) {
         sizes[b] = -std::numeric_limits<double>::infinity();
         for (const Columns& columns : all) {

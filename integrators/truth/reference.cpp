@@ -51,8 +51,8 @@ constexpr int usual_digits = 25;
 constexpr double stiff_damping_number = 3000;
 bool is_stiff(const Problem& problem) { return damping_number(problem) > stiff_damping_number; }
 
-// Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there the
-// series is the truth, so that no closed form is judged by itself.
+// Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there
+// the series is the truth, so that no closed form is judged by itself.
 constexpr double most_radians_by_series = 2e5;
 bool is_long(const Problem& problem) {
     return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&

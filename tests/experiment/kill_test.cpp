@@ -15,6 +15,7 @@
 #include <random>
 #include <thread>
 
+#include "build_kind.h"
 #include "experiment/case_store.h"
 #include "integrators/truth/cache.h"
 #include "table/table.h"
@@ -26,17 +27,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kills = 5;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr int kills = 5;
-#else
-constexpr int kills = 50;
-#endif
-#else
-constexpr int kills = 50;
-#endif
+constexpr int kills = optimised_build ? 50 : 5;
 constexpr int groups = 4;  // 200 kills in all
 
 constexpr const char* experiment = R"({

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "build_kind.h"
 #include "experiment/altered_motion.h"
 #include "integrators/method.h"
 #include "motion/convention.h"
@@ -208,11 +209,7 @@ class SoundMethod : public testing::TestWithParam<const char*> {};
 TEST_P(SoundMethod, IsToldNothing) {
     const Method& method = *find_method(GetParam());
     int judged = 0;
-#ifdef NDEBUG
-    constexpr std::size_t every = 1;
-#else
-    constexpr std::size_t every = 6;  // the sanitizers take ten times as long
-#endif
+    constexpr std::size_t every = optimised_build ? 1 : 11;
     for (std::size_t i = 0; i < builtin_scenes().size(); i += every) {
         const std::string name(builtin_scenes()[i].name);
         const Scene scene = find_scene(name);

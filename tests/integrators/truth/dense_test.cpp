@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "build_kind.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
@@ -29,11 +30,7 @@ double distance(const Vector3<Pair>& a, const Vector3<Pair>& b) {
 TEST(DenseTruth, IsTheReferenceRoundedOnce) {
     const FreshCache cache;
     int compared = 0;
-#ifdef NDEBUG
-    constexpr std::size_t every = 1;
-#else
-    constexpr std::size_t every = 5;  // the sanitizers take ten times as long
-#endif
+    constexpr std::size_t every = optimised_build ? 1 : 8;
     for (std::size_t number = 0; number < builtin_scenes().size(); number += every) {
         const BuiltinText& text = builtin_scenes()[number];
         Scene scene = find_scene(std::string(text.name));

@@ -22,7 +22,34 @@ double rounding_of(const Problem& problem) {
     return as_given ? 0 : 0x1p-51;
 }
 
+// A free body next to the separatrix, where a = I1 (I2 - I1) w1^2 and b = I3 (I3 - I2) w3^2 are nearly the same,
+// multiplies the rounding of its start by up to the inverse of how nearly.
+bool starts_next_to_separatrix(const Problem& problem) {
+    constexpr double next_to = 1e-3;
+    const Segment& segment = problem.segments.front();
+    if (!segment.impulses.empty() || segment.forcing.any_torque()) return false;
+    const Vector3<double>&I = problem.principal.moments, &w = problem.initial_angular_velocity;
+    const double middle = std::max(std::min(I[0], I[1]), std::min(std::max(I[0], I[1]), I[2]));
+    double a = 0, b = 0;
+    for (int i = 0; i < 3; ++i) (I[i] < middle ? a : b) += I[i] * std::abs(middle - I[i]) * w[i] * w[i];
+    return std::abs(a - b) < next_to * b;
+}
+
+// Axes that had to be computed or a w given in the world: posed, they are rounded.
+bool start_was_rounded(const Problem& problem) {
+    for (int i = 0; i < 3; ++i)
+        if (problem.wide_principal.moments[i] != Wide(problem.principal.moments[i]) ||
+            problem.wide_initial_angular_velocity[i] != Wide(problem.initial_angular_velocity[i]))
+            return true;
+    return false;
+}
+
 std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
+    if (segment.begin == 0 && starts_next_to_separatrix(problem) && start_was_rounded(problem)) {
+        const FreeAsymmetricBody<Wide> form(problem.wide_principal.moments, problem.wide_initial_angular_velocity,
+                                            cast<Wide>(quaternion_at(y, 3)));
+        return std::optional<Form>(std::in_place, std::in_place_type<FreeAsymmetricBody<double>>, form);
+    }
     return Form::find(problem.principal.moments, segment.forcing, vector_at(y, 0), quaternion_at(y, 3),
                       rounding_of(problem));
 }

@@ -48,6 +48,8 @@ double damping_number(const Problem& problem) {
     return sum;
 }
 constexpr int usual_digits = 25;
+// written beyond the digits asked for, so that rounding leaves those right
+constexpr int guard_digits = 2;
 constexpr double stiff_damping_number = 3000;
 bool is_stiff(const Problem& problem) { return damping_number(problem) > stiff_damping_number; }
 
@@ -148,14 +150,15 @@ DecimalReference decimal_reference(const Scene& scene, long samples, int digits)
     DecimalReference result;
     result.available = truth.reference.available;
     result.message = truth.reference.message;
-    // rounding moves each component by at most 5 10^-digits of itself, an attitude by twice that
-    result.bound = truth.reference.bound + std::pow(10.0, 1 - digits);
+    // rounding moves each component by at most 5 10^-written of itself, an attitude by twice that
+    const int written = digits + guard_digits;
+    result.bound = truth.reference.bound + std::pow(10.0, 1 - written);
     result.scene_hash = content_hash(write_scene(scene));
     for (std::size_t i = 0; i < truth.decimals.size(); ++i) {
         result.times.push_back(truth.reference.samples[i].t);
         result.columns.emplace_back();
         for (std::size_t c = 0; c < truth.decimals[i].size(); ++c)
-            result.columns.back()[c] = truth::rounded_decimal(truth.decimals[i][c], digits);
+            result.columns.back()[c] = truth::rounded_decimal(truth.decimals[i][c], written);
     }
     return result;
 }

@@ -28,7 +28,7 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 /// it has one and lasts beyond 2 10^5 rad, "none" with a user's own torque.
 std::string_view truth_method(const Problem& problem);
 
-/// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, to the digits asked for.
+/// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, as decimals.
 using DecimalColumns = std::array<std::string, 13>;
 
 struct DecimalReference {
@@ -40,7 +40,7 @@ struct DecimalReference {
     std::vector<DecimalColumns> columns;  ///< one a sample
 };
 
-/// The same motion as decimals of `digits` significant digits each; the digits are right relative to the block's
+/// The same motion as decimals of two significant digits more than `digits`: `digits` are right relative to the block's
 /// largest length (a component that nearly vanishes has fewer of its own).
 DecimalReference decimal_reference(const Scene& scene, long samples, int digits = 17);
 

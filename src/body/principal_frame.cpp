@@ -36,7 +36,7 @@ void rotate_away(Matrix3<Wide>& a, Quaternion<Wide>& q, int p, int r) {
 
 }  // namespace
 
-PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm) {
+WidePrincipalFrame wide_principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm) {
     Matrix3<Wide> a = cast<Wide>(about_center) + parallel_axis(Wide(mass), cast<Wide>(arm));
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) a[i][j] = a[j][i] = (a[i][j] + a[j][i]) / 2;
@@ -47,15 +47,20 @@ PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass,
         rotate_away(a, q, 0, 2);
     }
     const Wide norm = square_root(squared_norm(q));
-    PrincipalFrame frame;
-    frame.q_BP = {double(q.w / norm), double(q.x / norm), double(q.y / norm), double(q.z / norm)};
+    return {{a[0][0], a[1][1], a[2][2]}, {q.w / norm, q.x / norm, q.y / norm, q.z / norm}};
+}
+
+PrincipalFrame rounded(const WidePrincipalFrame& frame) {
+    PrincipalFrame nearest;
+    const Vector3<Wide>& I = frame.moments;
+    nearest.q_BP = {double(frame.q_BP.w), double(frame.q_BP.x), double(frame.q_BP.y), double(frame.q_BP.z)};
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        frame.moments[i] = double(a[i][i]);
-        frame.gyroscopic[i] = double((a[j][j] - a[k][k]) / a[i][i]);
-        frame.inverse_moments[i] = double(1 / a[i][i]);
+        nearest.moments[i] = double(I[i]);
+        nearest.gyroscopic[i] = double((I[j] - I[k]) / I[i]);
+        nearest.inverse_moments[i] = double(1 / I[i]);
     }
-    return frame;
+    return nearest;
 }
 
 }  // namespace polhode

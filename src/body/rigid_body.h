@@ -2,6 +2,7 @@
 #pragma once
 
 #include "body/algebra.h"
+#include "body/wide.h"
 
 namespace polhode {
 
@@ -25,8 +26,21 @@ struct PrincipalFrame {
     Vector3<double> inverse_moments;  ///< 1/I_i, rounded once
 };
 
-/// The principal frame of a symmetric tensor, worked out in 128-bit arithmetic (Jacobi rotations) and rounded once.
-/// `tensor` = `about_center` plus the parallel-axis term of `mass` and `arm`, formed in that arithmetic as well.
-PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm);
+/// The same before it is rounded.
+struct WidePrincipalFrame {
+    Vector3<Wide> moments;
+    Quaternion<Wide> q_BP;
+};
+
+/// The principal frame of a symmetric tensor, worked out in 128-bit arithmetic (Jacobi rotations): `about_center` plus
+/// the parallel-axis term of `mass` and `arm`, formed in that arithmetic as well.
+WidePrincipalFrame wide_principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm);
+
+/// Every number rounded once.
+PrincipalFrame rounded(const WidePrincipalFrame& frame);
+
+inline PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm) {
+    return rounded(wide_principal_frame(about_center, mass, arm));
+}
 
 }  // namespace polhode

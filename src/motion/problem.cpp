@@ -92,7 +92,9 @@ Problem pose(const Scene& scene, Formulation formulation) {
     problem.formulation = formulation;
     const ExactBody<Wide> exact = exact_body<Wide>(scene);
     problem.body = rounded(exact);
-    problem.principal = principal_frame(scene.body.inertia_B, scene.body.mass, problem.body.arm);
+    problem.wide_principal = wide_principal_frame(scene.body.inertia_B, scene.body.mass, problem.body.arm);
+    problem.wide_initial_angular_velocity = rotate_back(problem.wide_principal.q_BP, exact.angular_velocity_B);
+    problem.principal = rounded(problem.wide_principal);
     problem.principal_inertia = {problem.principal.gyroscopic, problem.principal.inverse_moments, false};
     problem.full_inertia = {problem.body.inertia_B, cast<double>(inverse(exact.inertia_B))};
     problem.q_BP = formulation == Formulation::full ? Quaternion<double>{} : problem.principal.q_BP;

@@ -216,7 +216,7 @@ TEST(Reference, DecimalsAgreeWithPairs) {
     const Reference truth = reference(scene, 3);
     const DecimalReference decimals = decimal_reference(scene, 3, 40);
     ASSERT_TRUE(truth.available && decimals.available) << decimals.message;
-    EXPECT_LE(decimals.bound, 1.1e-39);
+    EXPECT_LE(decimals.bound, 1.1e-41);
     for (int k = 0; k <= 3; ++k) {
         EXPECT_LT(abs(R(R(decimals.columns[k][0]) - value(truth.samples[k].q.w))), R(promised));
         // w in world axes

@@ -11,6 +11,7 @@
 
 #include "integrators/auto.h"
 #include "integrators/kernels/spectral_norm.h"
+#include "integrators/sensitivity_closed_form.h"
 #include "integrators/sensitivity_session.h"
 
 namespace polhode {
@@ -90,7 +91,33 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
     return result;
 }
 
+// Beyond so many radians CVODES takes some 10^5 steps, and the closed form, where there is one, none.
+constexpr double most_radians_by_steps = 4000;
+
+bool by_closed_form(const Problem& problem, const std::vector<double>& times, Conditioning& result) {
+    if (!(problem.scales.angular_velocity * times.back() > most_radians_by_steps)) return false;
+    const std::vector<Eigen::Matrix<double, 6, 6>> derivatives = sensitivity_by_closed_form(problem, times);
+    if (derivatives.empty()) return false;
+    const bool flies = problem.needs.translation == Translation::closed_form;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        const Eigen::Matrix<double, 6, 6>& S = derivatives[k];
+        const Eigen::Matrix<double, 3, 6> attitude = S.topRows<3>();
+        double state = spectral_norm(S);
+        if (flies) {
+            FreeFlight flight;
+            flight.pass(problem.segments.front(), times[k]);
+            state = std::max(state, flight.norm(problem.scales));
+        }
+        result.times.push_back(times[k]), result.state.push_back(state);
+        result.attitude.push_back(spectral_norm(attitude));
+    }
+    result.available = true;
+    result.message = "differences of the closed form in 113 bits";
+    return true;
+}
+
 Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
+    if (Conditioning far; by_closed_form(problem, times, far)) return far;
     if (problem.needs.translation == Translation::integrated)
         return run<LoadedMotion<double>>(problem, times, settings);
     if (problem.needs.torque_free) return run<FreeRotation<double>>(problem, times, settings);

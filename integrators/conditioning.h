@@ -51,7 +51,8 @@ struct ConditioningSettings {
 /// variational equation dS/dt = df/dy S, solved along with the motion by CVODES' staggered forward sensitivities
 /// (Hindmarsh et al. 2005; Feehery, Tolsma & Barton 1997): Adams' formulas by functional iteration, BDF by Newton's
 /// method where the motion is stiff. df/dy S comes exactly from the one right-hand side on dual numbers, of a torque of
-/// the user's own by central differences. Impulses jump through their own derivative. The same bits on every run.
+/// the user's own by central differences. Impulses jump through their own derivative. Beyond some thousand
+/// radians, where the motion has a closed form, from differences of that. The same bits on every run.
 /// kappa itself is known to about kappa times the tolerance, relatively; where it says that binary64 cannot follow the
 /// motion so does the message. Throws std::invalid_argument on bad times.
 Conditioning conditioning(const Problem& problem, const std::vector<double>& times,

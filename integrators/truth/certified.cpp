@@ -221,12 +221,12 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     Certifier certifier(scene, result.times, digits);
     double bits = certifier.least_bits(), limit = most_bits;
     while (bits <= limit) {
-        result.working_bits = (static_cast<long>(bits) + 31) / 32 * 32;
+        result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
         const Attempt attempt = certifier.attempt();
         limit = std::min(limit, attempt.most_bits);
         if (!attempt.fault.empty()) {
-            bits = attempt.wanted_bits;
+            bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
             continue;
         }
         // a decimal's rounding may add half as much again

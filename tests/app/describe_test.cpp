@@ -51,15 +51,25 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     EXPECT_NE(silent.find("0.001 rad (by default)"), std::string::npos) << silent;
 }
 
-// 10^7 s of a free body are too much for a description: it says how far it looked, and what it found there.
+// 10^7 s on a spring are too much for a description: it says how far it looked, and what it found there.
 TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
-                           "body": {"mass": 1, "inertia": [1, 2, 3]}, "initial": {"angular_velocity": [1, 1, 1]}})");
+                           "loads": [{"type": "spring", "stiffness": 1}],
+                           "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
     const std::string limit = said("long.json", "only until t = ");
     EXPECT_NE(limit.find("more than"), std::string::npos) << limit;
     EXPECT_EQ(said("long.json", "kappa(T)"), "");
     EXPECT_GT(std::stod(said("long.json", "kappa(")), 1000);
     EXPECT_TRUE(said("long.json", "a float engine").starts_with("can be judged until t = "));
+}
+
+// A free body's closed form knows all of 10^7 s: the phase drifts by t times how its rate depends on w.
+TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
+    write("long.json", R"({"name": "long", "duration": 1e7,
+                           "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
+    // d attitude = t dw, dw in units of w = 1
+    EXPECT_NEAR(std::stod(said("long.json", "kappa(T)")), 1e7, 1e4);
+    EXPECT_NE(said("long.json", "by").find("closed form"), std::string::npos);
 }
 
 }  // namespace

@@ -142,6 +142,15 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
+// The bits that a plan asks for are no whole number: a fraction beyond those at work asks for the next.
+TEST(Certified, TakesTheNextPrecisionForAFractionOfABit) {
+    Scene scene = find_scene("bruls_top");
+    for (const double duration : {1.99, 2.0, 2.01}) {
+        scene.duration = duration;
+        expect_proven(certified_reference(scene, 1, 30), 30);
+    }
+}
+
 TEST(Certified, StronglyDampedBody) {
     Scene scene = heavy_top();
     scene.name = "viscous", scene.duration = 2;

@@ -181,16 +181,18 @@ TEST_P(ConditioningAgainstTaylor, Agrees) {
 // Beyond 4000 rad kappa is made of differences of the closed form: at the same times it is what CVODES makes it.
 TEST(Conditioning, OfLongMotionsIsWhatItWasOfShortOnes) {
     for (const char* name : {"free_asymmetric", "lagrange_top", "symmetric", "thrown_hammer"}) {
-        const Scene scene = find_scene(name);
+        Scene scene = find_scene(name);
         const double radian = 1 / pose(scene).scales.angular_velocity;
         std::vector<double> times{0, 1 * radian, 50 * radian, 777 * radian, 1500 * radian};
-        const Conditioning by_steps = conditioning(scene, times);
+        scene.duration = 6000 * radian;
+        const Problem problem = pose(scene);
+        const Conditioning by_steps = conditioning(problem, times);
         times.push_back(5000 * radian);
-        Conditioning by_form = conditioning(scene, times);
+        Conditioning by_form = conditioning(problem, times);
         EXPECT_EQ(by_steps.message.find("closed form"), std::string::npos) << name;
         EXPECT_NE(by_form.message.find("closed form"), std::string::npos) << name << ": " << by_form.message;
         by_form.times.pop_back(), by_form.state.pop_back(), by_form.attitude.pop_back();
-        EXPECT_LT(difference(by_steps, by_form), 1e-8) << name;
+        EXPECT_LT(difference(by_steps, by_form), 1e-7) << name;
     }
 }
 

@@ -402,6 +402,14 @@ class Examination {
             try_one("center_of_mass_for_origin", other,
                     "the centre of mass is taken for the body's origin: arms and pivot are counted from there",
                     "give the engine the body's centre of mass");
+            if (scene_->pivot && length(*scene_->pivot) == 0) {
+                other.body.inertia_B =
+                    other.body.inertia_B + parallel_axis(other.body.mass, scene_->body.center_of_mass);
+                try_one(
+                    "center_of_mass_for_origin", other,
+                    "forces act as if the centre of mass were the body's origin: the inertia alone knows where it is",
+                    "give the engine the body's centre of mass");
+            }
             other = *scene_;
         }
         for (const double unit : {degree, 1 / degree}) {

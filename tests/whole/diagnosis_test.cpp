@@ -176,6 +176,9 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
     Scene other = scene;
     other.body.center_of_mass = {};
     EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
+    // an engine that was given the inertia about the pivot, and the pivot for the centre of mass
+    other.body.inertia_B = other.body.inertia_B + parallel_axis(scene.body.mass, scene.body.center_of_mass);
+    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
     // a thrown body whose file says where its origin is
     scene = find_scene("thrown_hammer");
     ASSERT_FALSE(scene.body.center_of_mass == Vector3<double>());

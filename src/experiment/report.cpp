@@ -191,6 +191,10 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
     std::vector<NamedFigure> figures;
     switch (plan.experiment.kind) {
         case Kind::sweep:
+            // one run of each method is no curve, and of one method nothing is the fastest: the table says it all
+            if (std::all_of(plan.curves.begin(), plan.curves.end(),
+                            [](const PlannedCurve& c) { return c.kind == SettingKind::none; }))
+                break;
             write_finding("fastest", fastest_table(plan, results), "Fastest at each accuracy");
             figures = work_precision_figures(plan, results);
             break;

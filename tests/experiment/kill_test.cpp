@@ -169,7 +169,9 @@ TEST_P(Killed, LosesNothing) {
     ASSERT_EQ(run(), 0) << read(directory_ / "log");
     EXPECT_EQ(lasting(read(results() / "killed.csv")), undisturbed);
     // a few kills may all come before the first case is done
-    if (optimised_build) EXPECT_GT(largest_gain, 0u);
+    if (optimised_build) {
+        EXPECT_GT(largest_gain, 0u);
+    }
     RecordProperty("runs_to_the_end", static_cast<int>(ends));
 }
 

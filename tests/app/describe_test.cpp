@@ -12,14 +12,19 @@ namespace {
 
 class Describe : public Program {
   protected:
-    /// What stands behind the first line that begins with `name`, in the block on conditioning.
-    std::string said(const std::string& scene, const std::string& name) const {
+    /// The lines on conditioning of a scene's description.
+    std::string described(const std::string& scene) const {
         const Outcome outcome = run({"describe", scene});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         EXPECT_LT(outcome.seconds, optimised_build ? 5 : 60);
-        std::istringstream text(outcome.out.substr(outcome.out.find("\nConditioning\n") + 1));
+        const std::size_t begin = outcome.out.find("\nConditioning\n") + 1;
+        return outcome.out.substr(begin, outcome.out.find("\nPolhode", begin) - begin);
+    }
+    /// What stands there behind the first line that begins with `name`.
+    static std::string said(const std::string& description, const std::string& name) {
+        std::istringstream text(description);
         std::string line;
-        while (std::getline(text, line) && !line.starts_with("Polhode"))
+        while (std::getline(text, line))
             if (line.starts_with("  " + name)) return line.substr(30);
         return "";
     }
@@ -28,11 +33,12 @@ class Describe : public Program {
 
 TEST_F(Describe, TellsKappaAndTheFloors) {
     const Conditioning c = conditioning(find_scene("near_separatrix"), {60});
-    EXPECT_NEAR(std::stod(said("near_separatrix", "kappa(T)")) / c.state[0], 1, 1e-3);
-    EXPECT_NEAR(std::stod(said("near_separatrix", "floor in binary64")) / c.floor(0, float64_roundoff), 1, 0.05);
-    EXPECT_NEAR(std::stod(said("near_separatrix", "floor in binary32")) / c.floor(0, float32_roundoff), 1, 0.05);
+    const std::string text = described("near_separatrix");
+    EXPECT_NEAR(std::stod(said(text, "kappa(T)")) / c.state[0], 1, 1e-3);
+    EXPECT_NEAR(std::stod(said(text, "floor in binary64")) / c.floor(0, float64_roundoff), 1, 0.05);
+    EXPECT_NEAR(std::stod(said(text, "floor in binary32")) / c.floor(0, float32_roundoff), 1, 0.05);
     // the peak lies within the run, in the flip at 45 s
-    EXPECT_NE(said("near_separatrix", "its peak").find("at t = 45"), std::string::npos);
+    EXPECT_NE(said(text, "its peak").find("at t = 45"), std::string::npos);
 }
 
 // The floor of a sphere at binary32 is 2^-24 sqrt(1 + (w t)^2): beyond 10^-5 rad at t = 167.8 s for w = 1.
@@ -42,12 +48,15 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     write("tight.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-5}, )" + sphere + "}");
     write("loose.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-4}, )" + sphere + "}");
     write("silent.json", R"({"name": "s", "duration": 400, )" + sphere + "}");
-    const std::string tight = said("tight.json", "a float engine"), before = "can be judged until t = ";
+    const std::string tight_text = described("tight.json");
+    const std::string tight = said(tight_text, "a float engine"), before = "can be judged until t = ";
     ASSERT_TRUE(tight.starts_with(before)) << tight;
     EXPECT_NEAR(std::stod(tight.substr(before.size())), 1e-5 * 0x1p24, 0.3);
     EXPECT_NE(tight.find("the scene's tolerated"), std::string::npos) << tight;
-    EXPECT_TRUE(said("loose.json", "a float engine").starts_with("can be judged the whole run"));
-    const std::string silent = said("silent.json", "a float engine");
+    const std::string loose_text = described("loose.json");
+    EXPECT_TRUE(said(loose_text, "a float engine").starts_with("can be judged the whole run"));
+    const std::string silent_text = described("silent.json");
+    const std::string silent = said(silent_text, "a float engine");
     EXPECT_NE(silent.find("0.001 rad (by default)"), std::string::npos) << silent;
 }
 
@@ -56,11 +65,12 @@ TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
                            "loads": [{"type": "spring", "stiffness": 1}],
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
-    const std::string limit = said("long.json", "only until t = ");
+    const std::string text = described("long.json");
+    const std::string limit = said(text, "only until t = ");
     EXPECT_NE(limit.find("more than"), std::string::npos) << limit;
-    EXPECT_EQ(said("long.json", "kappa(T)"), "");
-    EXPECT_GT(std::stod(said("long.json", "kappa(")), 1000);
-    EXPECT_TRUE(said("long.json", "a float engine").starts_with("can be judged until t = "));
+    EXPECT_EQ(said(text, "kappa(T)"), "");
+    EXPECT_GT(std::stod(said(text, "kappa(")), 1000);
+    EXPECT_TRUE(said(text, "a float engine").starts_with("can be judged until t = "));
 }
 
 // A free body's closed form knows all of 10^7 s: the phase drifts by t times how its rate depends on w.
@@ -68,8 +78,9 @@ TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
     write("long.json", R"({"name": "long", "duration": 1e7,
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
     // d attitude = t dw, dw in units of w = 1
-    EXPECT_NEAR(std::stod(said("long.json", "kappa(T)")), 1e7, 1e4);
-    EXPECT_NE(said("long.json", "by").find("closed form"), std::string::npos);
+    const std::string text = described("long.json");
+    EXPECT_NEAR(std::stod(said(text, "kappa(T)")), 1e7, 1e4);
+    EXPECT_NE(said(text, "by").find("closed form"), std::string::npos);
 }
 
 }  // namespace

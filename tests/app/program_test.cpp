@@ -3,6 +3,7 @@
 
 #include "app/program_fixture.h"
 #include "bad_files.h"
+#include "build_kind.h"
 #include "integrators/method.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
@@ -215,7 +216,9 @@ TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {
 }
 
 TEST_F(Program, DescribesEverySceneAndMethod) {
-    for (const std::string& name : builtin_scene_names()) {
+    const std::vector<std::string> names = builtin_scene_names();
+    for (std::size_t i = 0; i < names.size(); i += optimised_build ? 1 : 6) {
+        const std::string& name = names[i];
         const Outcome outcome = run({"describe", name});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         for (const char* part :

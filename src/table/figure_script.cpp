@@ -202,6 +202,9 @@ class Script {
     }
 
     /// `guides`: the elements beneath, each with the comma after it.
+    // a curve of one point is to be seen as well
+    static constexpr double lone = 2;
+
     void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& guides,
                    const Rectangle& plot, const Axis& x, const Axis& y) {
         std::string elements;
@@ -219,7 +222,7 @@ class Script {
                     fmt::format("$curve{} using 1:2 every {}::0::{} with points pointtype {} pointsize {} "
                                 "linecolor \"{}\"",
                                 i, (points.size() + 39) / 40, marked - 1, marker_of(curve),
-                                point_size(marker_of(curve)), color_of(curve)));
+                                (marked == 1 ? lone : 1) * point_size(marker_of(curve)), color_of(curve)));
             }
             if (!curve.cut) continue;
             const std::string last = fmt::format("$curve{} using 1:2 every ::{} with points", i, points.size() - 1);

@@ -36,6 +36,9 @@ int run_program(int argc, const char* const* argv, std::span<const AddCommand> c
 /// Writes data to stdout, or atomically to `path` where it is not empty. Throws std::runtime_error.
 void write_output(const std::string& path, std::string_view text);
 
+/// Throws UsageError where write_output could not write to `path`.
+void require_output(const std::string& path);
+
 /// Throws UsageError unless `value` is finite and positive; `option` is named in the message.
 void require_positive(const char* option, double value);
 

@@ -12,7 +12,6 @@
 #include "app/polhode_picture.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/atomic_file.h"
 
 namespace polhode {
 namespace {
@@ -55,11 +54,7 @@ int draw(const std::string& name, const std::string& path) {
         throw UsageError(fmt::format("--picture: {} ends neither in .svg nor in .pdf; give one that does", path));
     if (name == "auto" || find_method(name))
         throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
-    try {
-        require_writable(path);
-    } catch (const std::runtime_error& error) {
-        throw UsageError(error.what());
-    }
+    require_output(path);
     const Scene scene = find_scene(name);
     const PolhodeCurve polhode = polhode_curve(pose(scene));
     std::string fault = polhode.fault;

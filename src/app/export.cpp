@@ -10,7 +10,6 @@
 #include "app/golden.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/atomic_file.h"
 
 namespace polhode {
 namespace {
@@ -27,13 +26,7 @@ int run(const Options& options) {
     require_count("--samples", options.samples, most_samples);
     if (options.duration) require_positive("--duration", *options.duration);
     const Convention convention = convention_option(options.convention);
-    if (!options.output.empty()) {
-        try {
-            require_writable(options.output);
-        } catch (const std::runtime_error& error) {
-            throw UsageError(error.what());
-        }
-    }
+    require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
     const Reference truth = reference(scene, options.samples);

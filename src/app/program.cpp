@@ -71,6 +71,15 @@ void write_output(const std::string& path, std::string_view text) {
         throw std::runtime_error(fmt::format("stdout cannot be written: {}", std::strerror(errno)));
 }
 
+void require_output(const std::string& path) {
+    if (path.empty()) return;
+    try {
+        require_writable(path);
+    } catch (const std::runtime_error& error) {
+        throw UsageError(error.what());
+    }
+}
+
 namespace {
 
 // Help and versions go through a stream of their own, which keeps its failures to itself.

@@ -12,7 +12,6 @@
 #include "motion/trajectory_csv.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/atomic_file.h"
 
 namespace polhode {
 namespace {
@@ -34,13 +33,7 @@ void check(const Options& options) {
     if (options.steps) require_count("--steps", *options.steps, most_steps);
     require_count("--samples", options.samples, most_samples);
     require_count("--max-steps", options.max_steps, most_steps);
-    if (!options.output.empty()) {
-        try {
-            require_writable(options.output);
-        } catch (const std::runtime_error& error) {
-            throw UsageError(error.what());
-        }
-    }
+    require_output(options.output);
 }
 
 Choice chosen(const Options& options, const Problem& problem) {

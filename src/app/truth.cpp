@@ -12,7 +12,6 @@
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/atomic_file.h"
 #include "table/decimal.h"
 
 namespace polhode {
@@ -110,13 +109,7 @@ int run(const Options& options) {
     require_count("--samples", options.samples, most_samples);
     require_count("--digits", options.digits, 1'000'000);
     if (options.duration) require_positive("--duration", *options.duration);
-    if (!options.output.empty()) {
-        try {
-            require_writable(options.output);
-        } catch (const std::runtime_error& error) {
-            throw UsageError(error.what());
-        }
-    }
+    require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
     if (options.certified) return run_certified(options, scene);

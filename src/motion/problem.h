@@ -77,8 +77,8 @@ struct Problem {
     Vector3<double> initial_angular_velocity;  ///< posed axes
     Quaternion<double> initial_q;              ///< posed axes to world
 
-    WidePrincipalFrame wide_principal;             ///< `principal` before it was rounded
-    Vector3<Wide> wide_initial_angular_velocity;   ///< in the axes of wide_principal
+    WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
+    Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal
 };
 
 /// Poses a valid scene. The scene's duration is the run's.

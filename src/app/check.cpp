@@ -35,6 +35,7 @@ struct Options {
 // A file in our conventions, with what had to be done to it.
 TrajectoryFile prepared(const Scene& scene, const Convention& convention, CheckedFile& checked) {
     TrajectoryFile file = read_trajectory(checked.path, convention.quaternion);
+    if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
     convert(file, convention);
     if (const std::optional<double> dt = restore_clock(file, scene.duration))
         checked.remarks.push_back(fmt::format(

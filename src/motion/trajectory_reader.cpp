@@ -92,7 +92,10 @@ class Reader {
         : rest_(text), file_(file), quaternion_(quaternion) {}
 
     TrajectoryFile read() {
-        if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+        if (rest_.starts_with("\xef\xbb\xbf")) {
+            rest_.remove_prefix(3);
+            read_past("line 1 begins with a byte order mark");
+        }
         if (!next_line()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
         header();
         while (next_line()) {
@@ -108,6 +111,7 @@ class Reader {
     [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
         throw InputError(file_, place, fault, remedy);
     }
+    void read_past(const std::string& what) { result_.read_past += (result_.read_past.empty() ? "" : ", ") + what; }
     std::string here() const { return fmt::format("line {}", line_number_); }
     std::string at(std::size_t column) const {
         return fmt::format("line {}, column {}", line_number_, columns_[column]->name);
@@ -121,7 +125,11 @@ class Reader {
             line_ = rest_.substr(0, end);
             rest_ = end == rest_.npos ? std::string_view() : rest_.substr(end + 1);
             ++line_number_;
-            if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
+            if (!line_.empty() && line_.back() == '\r') {
+                line_.remove_suffix(1);
+                if (!returns_) read_past(fmt::format("line {} ends in a carriage return", line_number_));
+                returns_ = true;
+            }
             if (line_.size() > longest_line)
                 fail(here(), "has more than 64 KiB", "give one sample a line, of a few hundred characters");
             if (const std::size_t zero = line_.find('\0'); zero != line_.npos)
@@ -227,6 +235,7 @@ class Reader {
     const std::string& file_;
     QuaternionColumns quaternion_;
     long line_number_ = 0;
+    bool returns_ = false;                             // a line ended in \r\n
     std::vector<const Column*> columns_;               // in the file's order
     std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
     std::vector<std::string_view> cells_;

@@ -84,8 +84,15 @@ TEST(TrajectoryFile, TakesWhatOtherProgramsWrite) {
              "t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n\n \r\n",                           // blank lines at the end
              "t,qw,qx,qy,qz\n+0.0,1.,0e5,.0,00\n1e0,0,10E-1,0,0\n",                    // decimals in other words
              "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // too small is nearest to zero
-         })
-        EXPECT_EQ(parse_trajectory(text, "f"), plain) << text;
+         }) {
+        TrajectoryFile file = parse_trajectory(text, "f");
+        const std::string read_past = file.read_past;
+        file.read_past.clear();
+        EXPECT_EQ(file, plain) << text;
+        const bool spreadsheet = text[0] == '\xef';
+        EXPECT_EQ(read_past,
+                  spreadsheet ? "line 1 begins with a byte order mark, line 1 ends in a carriage return" : "");
+    }
 }
 
 TEST(TrajectoryFile, NumbersAreTheNearestBinary64) {

@@ -47,9 +47,9 @@ std::vector<Eigen::Matrix<double, 6, 6>> sensitivity_by_closed_form(const Proble
             (k < 3 ? a : b)[k % 3] = by;
             return Form::find(frame.moments, forcing, w + scale * b, turned(q, a), Wide(0x1p-100));
         };
-        std::optional<Form> after = moved(distance), before = moved(-distance);
+        const std::optional<Form> after = moved(distance), before = moved(-distance);
         if (!after || !before) return {};
-        beside.emplace_back(std::move(*before), std::move(*after));
+        beside.emplace_back(*before, *after);
     }
     std::vector<Eigen::Matrix<double, 6, 6>> result;
     for (const double t : times) {

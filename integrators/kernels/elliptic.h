@@ -22,7 +22,8 @@ S arithmetic_geometric_mean(S a, S b) {
     // quadratic convergence: once the gap is below the root of epsilon, one more mean is exact
     const S enough = square_root(Elementary<S>::epsilon());
     for (;;) {
-        const S mean = (a + b) / S(2), gap = Elementary<S>::magnitude(S(a - b));
+        S mean = (a + b) / S(2);
+        const S gap = Elementary<S>::magnitude(S(a - b));
         if (gap <= enough * mean) return mean;
         b = square_root(S(a * b));
         a = mean;
@@ -179,7 +180,7 @@ class Lattice {
     S reduce(S& u) const {
         if (!(quarter < Elementary<S>::infinity())) return S(0);
         const S period = quarter + quarter;
-        const S j = Elementary<S>::rounded(S(u / period));
+        S j = Elementary<S>::rounded(S(u / period));
         u -= j * period;
         return j;
     }

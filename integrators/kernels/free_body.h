@@ -107,7 +107,7 @@ class FreeSymmetricBody {
     }
 
   private:
-    int axis_;
+    int axis_ = 0;
     Vector3<S> w_;
     Quaternion<S> q_;
     Vector3<S> L_B_;
@@ -176,7 +176,7 @@ class FreeAsymmetricBody {
 
     // axes sorted out, before anything elliptic
     struct Labelled {
-        std::array<int, 3> axis;
+        std::array<int, 3> axis{};
         std::array<S, 3> sign;
         S I1, I2, I3, w1, w2, w3, excess;  // excess: the numerator of 1 - m, >= 0
 
@@ -246,7 +246,7 @@ class FreeAsymmetricBody {
         base_ = unit(q * conjugate(nutation(turned, l)));
     }
 
-    std::array<int, 3> axis_;
+    std::array<int, 3> axis_{};
     std::array<S, 3> sign_;
     Lattice<S> lattice_;
     ShiftedTheta<S> theta_;

@@ -224,7 +224,7 @@ class LagrangeTop {
     }
 
   private:
-    int axis_;
+    int axis_ = 0;
     S w3_;
     Lattice<S> lattice_;
     ShiftedTheta<S> plus_, minus_;

@@ -40,6 +40,19 @@ struct FreeFlight {
     }
 };
 
+// Adds what the derivative S at time t says; `flight`: that of p and v up to the segment's begin.
+template <class M>
+void add(Conditioning& result, const Problem& problem, const Segment& segment, double t, const M& S,
+         FreeFlight flight) {
+    const Eigen::Matrix<double, 3, M::ColsAtCompileTime> attitude = S.template topRows<3>();
+    double state = spectral_norm(S);
+    if (problem.needs.translation == Translation::closed_form) {
+        flight.pass(segment, t);
+        state = std::max(state, flight.norm(problem.scales));
+    }
+    result.times.push_back(t), result.state.push_back(state), result.attitude.push_back(spectral_norm(attitude));
+}
+
 template <class SystemType>
 Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
     Conditioning result;
@@ -48,18 +61,10 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
     const long max_steps = settings.max_steps;
     SensitivitySession<SystemType> session(problem, by_bdf ? Multistep::bdf : Multistep::adams,
                                            by_bdf ? Iteration::newton : Iteration::functional, tolerance);
-    const bool flies = problem.needs.translation == Translation::closed_form;
     FreeFlight flight;
     const auto keep = [&](double t, const Segment& segment, const Sensitivity<SystemType>& S) {
-        const Eigen::Matrix<double, 3, SystemType::dimension - 1> attitude = S.template topRows<3>();
-        double state = spectral_norm(S);
-        if (flies) {
-            FreeFlight now = flight;
-            now.pass(segment, t);
-            state = std::max(state, now.norm(problem.scales));
-        }
-        result.times.push_back(t), result.state.push_back(state), result.attitude.push_back(spectral_norm(attitude));
-        return std::isfinite(state);
+        add(result, problem, segment, t, S, flight);
+        return std::isfinite(result.state.back());
     };
     const auto fail = [&](std::string message) {
         result.message = std::move(message);
@@ -98,19 +103,8 @@ bool by_closed_form(const Problem& problem, const std::vector<double>& times, Co
     if (!(problem.scales.angular_velocity * times.back() > most_radians_by_steps)) return false;
     const std::vector<Eigen::Matrix<double, 6, 6>> derivatives = sensitivity_by_closed_form(problem, times);
     if (derivatives.empty()) return false;
-    const bool flies = problem.needs.translation == Translation::closed_form;
-    for (std::size_t k = 0; k < times.size(); ++k) {
-        const Eigen::Matrix<double, 6, 6>& S = derivatives[k];
-        const Eigen::Matrix<double, 3, 6> attitude = S.topRows<3>();
-        double state = spectral_norm(S);
-        if (flies) {
-            FreeFlight flight;
-            flight.pass(problem.segments.front(), times[k]);
-            state = std::max(state, flight.norm(problem.scales));
-        }
-        result.times.push_back(times[k]), result.state.push_back(state);
-        result.attitude.push_back(spectral_norm(attitude));
-    }
+    for (std::size_t k = 0; k < times.size(); ++k)
+        add(result, problem, problem.segments.front(), times[k], derivatives[k], {});
     result.available = true;
     result.message = "differences of the closed form in 113 bits";
     return true;

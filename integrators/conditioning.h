@@ -47,6 +47,9 @@ struct ConditioningSettings {
     long max_steps = 2'000'000;       ///< beyond it not available
 };
 
+/// max_steps for what is read at once: half a second of work.
+constexpr long prompt_conditioning_steps = 100'000;
+
 /// kappa at times (s, not decreasing, from 0 to the scene's duration; at the time of an event: after it), from the
 /// variational equation dS/dt = df/dy S, solved along with the motion by CVODES' staggered forward sensitivities
 /// (Hindmarsh et al. 2005; Feehery, Tolsma & Barton 1997): Adams' formulas by functional iteration, BDF by Newton's

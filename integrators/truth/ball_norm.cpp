@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/truth/damping.h"
 #include "integrators/truth/euler_form.h"
 #include "integrators/truth/series.h"
 
@@ -109,13 +110,6 @@ double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
     return sum / std::log(2.0);
 }
 
-// The fastest decay: trace(I^-1 D) is at most three times its largest eigenvalue.
-double damping_rate(const Problem& problem, const Forcing<double>& f) {
-    double trace = 0;
-    for (int i = 0; i < 3; ++i) trace += f.has_damping ? problem.principal.inverse_moments[i] * f.damping[i][i] : 0;
-    return std::max(trace, f.has_translational_drag && !problem.body.pivoted ? f.specific_drag : 0);
-}
-
 }  // namespace
 
 std::vector<PiecePlan> plan_pieces(const Problem& problem) {
@@ -169,8 +163,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
             for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
         for (int b = 0; b < blocks; ++b) plan.scales.insert(plan.scales.end(), first[b + 1] - first[b], size[b]);
         plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
-        plan.damping_number =
-            damping_rate(problem, problem.segments[piece].forcing) * (times[piece + 1] - times[piece]);
+        plan.damping_number = damping_number(problem, problem.segments[piece]);
         plans.push_back(std::move(plan));
     }
     return plans;

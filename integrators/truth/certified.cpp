@@ -12,6 +12,7 @@
 
 #include "integrators/truth/ball_decimal.h"
 #include "integrators/truth/ball_flow.h"
+#include "integrators/truth/damping.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
 #include "table/content_hash.h"
@@ -30,8 +31,6 @@ constexpr double bits_per_digit = 3.3219280948873623;
 constexpr double spare_bits = 40;
 // what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
 constexpr double most_series_bits = 3000, most_bits = 32768;
-// a series takes a step each 20 decay times, a collocation polynomial as the motion goes
-constexpr double stiff_damping_number = 3000;
 
 // The columns of a trajectory file after t, as balls: blocks q, w, p, v.
 using Columns = std::array<Ball, 13>;
@@ -123,7 +122,7 @@ class Certifier {
             result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
             return {};
         }
-        const bool stiff = plan.damping_number > stiff_damping_number;
+        const bool stiff = plan.damping_number > truth::stiff_damping_number;
         (stiff ? result.by_collocation : result.by_series) = true;
         result.most_bits = std::min(result.most_bits, stiff ? truth::most_collocation_bits : most_series_bits);
         if (wanted > bits || bits > result.most_bits) {

@@ -10,6 +10,7 @@
 
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/cache.h"
+#include "integrators/truth/damping.h"
 #include "integrators/truth/decimal.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
@@ -33,25 +34,15 @@ std::vector<double> times_of(const Scene& scene, long samples) {
     return times;
 }
 
-// The fastest decay times the duration: trace(I^-1 D) is at most three times its largest eigenvalue. A Taylor series
-// takes a step each 3 of these.
-double damping_number(const Problem& problem) {
-    double sum = 0;
-    const Vector3<double>& inverse = problem.principal.inverse_moments;
-    for (const Segment& segment : problem.segments) {
-        const Forcing<double>& f = segment.forcing;
-        const double rate = f.has_translational_drag && !problem.body.pivoted ? f.specific_drag : 0;
-        double trace = 0;
-        for (int i = 0; i < 3; ++i) trace += f.has_damping ? inverse[i] * f.damping[i][i] : 0;
-        sum += std::max(rate, trace) * (segment.end - segment.begin);
-    }
-    return sum;
-}
 constexpr int usual_digits = 25;
 // written beyond the digits asked for, so that rounding leaves those right
 constexpr int guard_digits = 2;
-constexpr double stiff_damping_number = 3000;
-bool is_stiff(const Problem& problem) { return damping_number(problem) > stiff_damping_number; }
+
+bool is_stiff(const Problem& problem) {
+    double sum = 0;
+    for (const Segment& segment : problem.segments) sum += truth::damping_number(problem, segment);
+    return sum > truth::stiff_damping_number;
+}
 
 // Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there
 // the series is the truth, so that no closed form is judged by itself.

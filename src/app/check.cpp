@@ -102,7 +102,7 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
         times.push_back(begin = span.until);
     }
     ConditioningSettings settings;
-    settings.max_steps = 100'000;  // half a second of work
+    settings.max_steps = prompt_conditioning_steps;
     const Conditioning kappa = conditioning(scene, times, settings);
     if (!kappa.available)
         checked.remarks.push_back(kappa.times.empty() ? "the floors are not known: " + kappa.message

@@ -170,9 +170,6 @@ void invariants(Report& report, const Problem& problem) {
     }
 }
 
-// A description is read at once: about half a second of work, a second in flight.
-constexpr long conditioning_steps = 100'000;
-
 // How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
 void conditioning(Report& report, const Problem& problem) {
     report.title("Conditioning");
@@ -185,7 +182,7 @@ void conditioning(Report& report, const Problem& problem) {
         times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(a_decade)));
     std::sort(times.begin(), times.end());
     ConditioningSettings settings;
-    settings.max_steps = conditioning_steps;
+    settings.max_steps = prompt_conditioning_steps;
     const Conditioning found = polhode::conditioning(problem, times, settings);
     if (found.times.empty()) {
         report.line("not known: " + found.message);

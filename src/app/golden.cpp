@@ -58,7 +58,7 @@ void set_tolerance(const Scene& scene, Golden& g) {
     g.tolerance = scene.tolerated_attitude.value_or(default_tolerated_attitude);
     g.tolerance_from = scene.tolerated_attitude ? "what the scene tolerates" : "1/20 of a degree";
     ConditioningSettings settings;
-    settings.max_steps = 100'000;  // half a second of work
+    settings.max_steps = prompt_conditioning_steps;
     const Conditioning kappa = conditioning(scene, times, settings);
     if (!kappa.available) return;
     g.float64_floor = kappa.floor_peak(float64_roundoff).value;

@@ -44,11 +44,11 @@ enum class QuaternionColumns { by_name, scalar_first, scalar_last };
 /// Reads trajectory files: columns by name, in any order; t and q must be there, of w, p, v and o (the body's origin,
 /// in place of p) whole blocks or nothing; `bound`, which `truth` writes, is read past. Numbers are the binary64
 /// nearest to the decimal written, whatever the locale. Lines may end in \r\n, a byte order mark may stand in front
-/// (`read_past` says so),
-/// `#` begins a comment line, spaces may stand around a cell. Throws InputError ("FILE: line 3, column qw: FAULT;
-/// REMEDY"): no header or no sample, an unknown, missing or repeated column, a line of another length than the header,
-/// what is no finite number, a time below 0 or not above the one before, a quaternion without a direction (of length
-/// below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64 KiB.
+/// (`read_past` says so), `#` begins a comment line, spaces may stand around a cell. Throws InputError ("FILE: line 3,
+/// column qw: FAULT; REMEDY"): no header or no sample, an unknown, missing or repeated column, a line of another length
+/// than the header, what is no finite number, a time below 0 or not above the one before, a quaternion without a
+/// direction (of length below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64
+/// KiB.
 TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
                                 QuaternionColumns quaternion = QuaternionColumns::by_name);
 

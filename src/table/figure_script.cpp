@@ -201,10 +201,10 @@ class Script {
         return elements;
     }
 
-    /// `guides`: the elements beneath, each with the comma after it.
     // a curve of one point is to be seen as well
     static constexpr double lone = 2;
 
+    /// `guides`: the elements beneath, each with the comma after it.
     void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& guides,
                    const Rectangle& plot, const Axis& x, const Axis& y) {
         std::string elements;

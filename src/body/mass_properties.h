@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "body/elementary.h"
 #include "body/rigid_body.h"
 
 namespace polhode {
@@ -16,6 +17,12 @@ struct MassProperties {
     Vector3<S> center;
     Matrix3<S> inertia;
 };
+
+template <class S>
+Quaternion<S> normalized(const Quaternion<S>& q) {
+    const S norm = square_root(squared_norm(q));
+    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+}
 
 /// R I R^T.
 template <class S>

@@ -128,7 +128,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
                     const std::string& file) {
     if (changes.empty()) return base;
-    ordered_json json = ordered_json::parse(base.canonical);
+    ordered_json json = ordered_json::parse(base.canonical, nullptr, true, true);
     std::string label;
     for (const auto& [pointer, value] : changes) {
         try {
@@ -145,7 +145,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     PlannedScene scene;
     scene.label = base.label + "{" + label + "}";
     try {
-        scene.scene = parse_scene(json.dump(), scene.label);
+        scene.scene = parse_scene(json.dump(), scene.label, base.scene.directory);
     } catch (const InputError& error) {
         throw InputError(file, "/vary", error);
     }

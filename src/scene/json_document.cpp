@@ -239,7 +239,7 @@ const JsonNode& JsonNode::required(std::string_view key, std::string_view expect
     throw InputError(*file_, pointer() + "/" + pointer_token(key), "is missing", fmt::format("give {}", expected));
 }
 
-void JsonNode::only(std::initializer_list<std::string_view> known) const {
+void JsonNode::only(const std::vector<std::string_view>& known) const {
     for (const JsonNode* member : members()) {
         if (std::find(known.begin(), known.end(), member->key_) != known.end()) continue;
         const std::vector<std::string> keys(known.begin(), known.end());

@@ -1,5 +1,5 @@
 // The elementary functions that closed forms need, for every scalar they are evaluated in: binary64, 128 bits (the C
-// library's), and any number type that finds its own by its namespace (multiprecision).
+// library's), and any number type that finds its own by its namespace (multiprecision). Balls have their own.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "body/wide.h"
-#include "motion/exact_body.h"
 
 #ifdef __clang__
 // the C library has them for every compiler and declares them for GCC alone
@@ -22,6 +21,13 @@ polhode::Wide cbrtf128(polhode::Wide);
 #endif
 
 namespace polhode {
+
+/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
+template <class S>
+S square_root(const S& x) {
+    using std::sqrt;
+    return sqrt(x);
+}
 
 template <class S>
 struct Elementary {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "body/orientation.h"
 #include "body/rigid_body.h"
 #include "body/elementary.h"
 #include "motion/equations.h"

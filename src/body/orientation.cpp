@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 
 namespace polhode {
@@ -20,6 +21,11 @@ Vector3<double> column(const Matrix3<double>& m, int j) { return {m[0][j], m[1][
 Vector3<double> unit(const Vector3<double>& v) {
     const double l = length(v);
     return {v[0] / l, v[1] / l, v[2] / l};
+}
+
+Quaternion<double> unit(const Quaternion<double>& q) {
+    const double l = std::sqrt(squared_norm(q));
+    return {q.w / l, q.x / l, q.y / l, q.z / l};
 }
 
 Matrix3<double> from_columns(const Vector3<double>& x, const Vector3<double>& y, const Vector3<double>& z) {
@@ -42,7 +48,6 @@ std::string number(double x) {
 }
 
 double& component(Quaternion<double>& q, int axis) { return axis == 0 ? q.x : axis == 1 ? q.y : q.z; }
-double component(const Quaternion<double>& q, int axis) { return axis == 0 ? q.x : axis == 1 ? q.y : q.z; }
 
 Quaternion<double> about(int axis, double angle) {
     Quaternion<double> q{std::cos(angle / 2), 0, 0, 0};
@@ -139,7 +144,7 @@ Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
         component(q, j) = A[j][i] + A[i][j];
         component(q, k) = A[k][i] + A[i][k];
     }
-    q = normalized(q);
+    q = unit(q);
     return q.w < 0 ? Quaternion<double>{-q.w, -q.x, -q.y, -q.z} : q;
 }
 

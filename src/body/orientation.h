@@ -6,26 +6,11 @@
 #pragma once
 
 #include <array>
-#include <stdexcept>
 #include <string_view>
 
 #include "body/algebra.h"
-#include "body/wide.h"
 
 namespace polhode {
-
-/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
-template <class S>
-S square_root(const S& x) {
-    using std::sqrt;
-    return sqrt(x);
-}
-
-template <class P>
-Quaternion<P> normalized(const Quaternion<P>& q) {
-    const P norm = square_root(squared_norm(q));
-    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-}
 
 /// The tilde operator: skew(a) b = a x b.
 template <class S>

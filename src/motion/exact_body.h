@@ -14,19 +14,6 @@
 
 namespace polhode {
 
-/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
-template <class S>
-S square_root(const S& x) {
-    using std::sqrt;
-    return sqrt(x);
-}
-
-template <class P>
-Quaternion<P> normalized(const Quaternion<P>& q) {
-    const P norm = square_root(squared_norm(q));
-    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-}
-
 /// Everything in body axes; inertia about the pivot where there is one, else about the centre of mass.
 template <class P>
 struct ExactBody {

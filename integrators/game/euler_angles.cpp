@@ -37,6 +37,8 @@ struct RollPitchYaw {
 };
 using AngleMotion = ChartedMotion<RollPitchYaw>;
 
+constexpr double near = 1e-6;  // rad: nearer to gimbal lock a failure is put down to it
+
 /// rad, from the next right angle.
 double distance_from_lock(double pitch) { return std::asin(std::min(std::abs(std::cos(pitch)), 1.0)); }
 
@@ -230,8 +232,10 @@ Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& sett
     const Problem full = pose(problem.scene, Formulation::full);
     passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, full.body.q)[1]);
     Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(full, settings, passage);
-    if (trajectory.status != Status::ok)
-        trajectory.message += fmt::format(" (least distance from gimbal lock {:.3g} rad)", passage->nearest);
+    // the solver knows of the steps that shrink, not of the reason
+    if (trajectory.status != Status::ok && passage->nearest < near)
+        trajectory.message =
+            fmt::format("the pitch came within {:.3g} rad of gimbal lock; {}", passage->nearest, trajectory.message);
     return trajectory;
 }
 

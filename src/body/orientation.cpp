@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "body/mass_properties.h"
+
 namespace polhode {
 namespace {
 
@@ -21,11 +23,6 @@ Vector3<double> column(const Matrix3<double>& m, int j) { return {m[0][j], m[1][
 Vector3<double> unit(const Vector3<double>& v) {
     const double l = length(v);
     return {v[0] / l, v[1] / l, v[2] / l};
-}
-
-Quaternion<double> unit(const Quaternion<double>& q) {
-    const double l = std::sqrt(squared_norm(q));
-    return {q.w / l, q.x / l, q.y / l, q.z / l};
 }
 
 Matrix3<double> from_columns(const Vector3<double>& x, const Vector3<double>& y, const Vector3<double>& z) {
@@ -144,7 +141,7 @@ Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
         component(q, j) = A[j][i] + A[i][j];
         component(q, k) = A[k][i] + A[i][k];
     }
-    q = unit(q);
+    q = normalized(q);
     return q.w < 0 ? Quaternion<double>{-q.w, -q.x, -q.y, -q.z} : q;
 }
 

@@ -1,7 +1,7 @@
 // What gimbal lock does to Euler angles as integrated state, and not to quaternions.
 //
-// A free body, I = (1, 2, 3), whose nose (the x axis of its body) comes to within d of the vertical half-way, at t = 2 s
-// of 4: there roll, pitch and yaw are atan2(w_y, w_z), 90 deg - d and 0, so that dpitch/dt = w_y cos(roll) - w_z
+// A free body, I = (1, 2, 3), whose nose (the x axis of its body) comes to within d of the vertical half-way, at t = 2
+// s of 4: there roll, pitch and yaw are atan2(w_y, w_z), 90 deg - d and 0, so that dpitch/dt = w_y cos(roll) - w_z
 // sin(roll) = 0, and w = (0.4, 1, 1.5) rad/s. The start is that motion run backwards in closed form.
 #include <cmath>
 #include <numbers>
@@ -99,8 +99,9 @@ StudyResult run_gimbal_lock(const Plan&, bool quick) {
             const Trajectory run = entry.solve(pose(scene), settings, &passage);
             const bool ok = run.status == Status::ok, angles = passage.largest_angle_rate > 0;
             const auto [most, last] = attitude_errors(run, truth);
-            std::vector<Cell> row{distance, std::string(entry.method), std::string(entry.by_step ? "step" : "tolerance"),
-                                  entry.setting, std::string(name_of(run.status)), run.steps};
+            std::vector<Cell> row{
+                distance,      std::string(entry.method),        std::string(entry.by_step ? "step" : "tolerance"),
+                entry.setting, std::string(name_of(run.status)), run.steps};
             row.push_back(std::isfinite(passage.smallest_step) ? Cell(passage.smallest_step) : Cell());
             row.push_back(angles ? Cell(passage.largest_angle_rate) : Cell());
             row.push_back(angles ? Cell(passage.nearest) : Cell());

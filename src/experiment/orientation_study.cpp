@@ -57,6 +57,7 @@ NamedTable interpolation() {
                  {"roll and yaw across 180", {175, 30, -170}, {-160, 40, 165}},
                  {"pitch over the top, as 80 and 80", {0, 80, 0}, {180, 80, 180}},
                  {"beside the top", {0, 89, 0}, {90, 89, 0}},
+                 {"roll along with yaw, to the top", {0, 60, 0}, {170, 89, 170}},
                  {"near a half turn", {0, 0, 0}, {170, 10, 40}}};
     NamedTable table{"interpolation",
                      "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
@@ -86,6 +87,69 @@ NamedTable interpolation() {
                         {"length_ratio", "way / shortest"},
                         {"largest_jump", "largest turn in a step (rad)"},
                         {"speed_ratio", "fastest / slowest"}};
+    return table;
+}
+
+/// A body turned at a constant rate about a horizontal axis but for `distance`, which carries its nose past the
+/// vertical at that distance; known at keys every 9 degrees and interpolated between.
+NamedTable keys() {
+    constexpr int count = 20;
+    NamedTable table{"keys",
+                     "A half turn past gimbal lock, known at 21 keys: what is between them",
+                     {{"distance", "interpolation", "largest_angle_change", "attitude_error", "largest_jump"}, {}}};
+    for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
+        // yaw goes from 100 to 280 degrees: across 180 for certain, not by a rounding error
+        const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
+        const auto motion = [&](double t) {  // t in keys
+            return start * quaternion_from_axis_angle({{0, 1, 0}, t * std::numbers::pi / count});
+        };
+        std::vector<EulerAngles> wrapped, unwrapped;
+        for (int k = 0; k <= count; ++k) {
+            const EulerAngles a = euler_from_quaternion(yaw_pitch_roll, motion(k));
+            wrapped.push_back(a);
+            unwrapped.push_back(a);
+            // the turn count nearest to the key before
+            if (k > 0)
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const double full = 2 * std::numbers::pi, before = unwrapped[unwrapped.size() - 2][i];
+                    unwrapped.back()[i] += full * std::round((before - a[i]) / full);
+                }
+        }
+        const auto add = [&](const char* name, Cell change, const auto& at) {
+            double error = 0, jump = 0;
+            Quaternion<double> before = motion(0);
+            for (int n = 0; n < 50 * count; ++n) {
+                const int k = n / 50;
+                const double t = (n % 50) / 50.0;
+                const Quaternion<double> q = at(static_cast<std::size_t>(k), t);
+                error = std::max(error, rotation_angle_between(q, motion(k + t)));
+                jump = std::max(jump, rotation_angle_between(q, before));
+                before = q;
+            }
+            table.table.rows.push_back({distance, std::string(name), std::move(change), error, jump});
+        };
+        const auto add_angles = [&](const char* name, const std::vector<EulerAngles>& angles) {
+            double change = 0;
+            for (std::size_t k = 0; k < count; ++k)
+                for (std::size_t i = 0; i < 3; ++i)
+                    change = std::max(change, std::abs(angles[k + 1][i] - angles[k][i]));
+            add(name, change, [&](std::size_t k, double t) {
+                EulerAngles now{};
+                for (std::size_t i = 0; i < 3; ++i) now[i] = angles[k][i] + t * (angles[k + 1][i] - angles[k][i]);
+                return quaternion_from_euler(yaw_pitch_roll, now);
+            });
+        };
+        add_angles("euler_angles in (-180, 180]", wrapped);
+        add_angles("euler_angles, full turns counted", unwrapped);
+        add("slerp", {}, [&](std::size_t k, double t) {
+            return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
+        });
+    }
+    table.for_people = {{"distance", "distance from lock (rad)"},
+                        {"interpolation", "interpolation"},
+                        {"largest_angle_change", "largest change of an angle between keys (rad)"},
+                        {"attitude_error", "largest attitude error (rad)"},
+                        {"largest_jump", "largest turn in a 50th of a key (rad)"}};
     return table;
 }
 
@@ -198,8 +262,8 @@ void turn_vertices(const char* scalar, long most, Table& table) {
         }
         const auto add = [&](const char* way, const Matrix3<S>& A) {
             const Matrix3<double> columns = cast<double>(A);
-            const Quaternion<double> truth =
-                quaternion_from_axis_angle({{1, -2, 2}, std::fmod(static_cast<double>(n) / 64, 2 * std::numbers::pi)});
+            // n/128 is a binary64 number: no turn is lost in reducing it
+            const Quaternion<double> truth = quaternion_from_axis_angle({{1, -2, 2}, static_cast<double>(n) / 64});
             const double error = rotation_angle_between(quaternion_from_rotation(nearest_rotation(columns)), truth);
             table.rows.push_back({std::string(scalar), std::string(way), n, orthogonality_defect(columns), error});
         };
@@ -329,10 +393,15 @@ NamedTable inertia(int rounds) {
 
 StudyResult run_orientation(const Plan& plan, bool quick) {
     StudyResult result;
-    result.tables = {interpolation(), angle_order(),   matrix_order(),
-                     reflection(),    vertices(quick), inertia(std::min(plan.experiment.repeats, quick ? 3 : 1000))};
+    result.tables = {interpolation(),
+                     keys(),
+                     angle_order(),
+                     matrix_order(),
+                     reflection(),
+                     vertices(quick),
+                     inertia(std::min(plan.experiment.repeats, quick ? 3 : 1000))};
 
-    const Table& drift = result.tables[4].table;
+    const Table& drift = result.tables[5].table;
     NamedFigure figure{"orientation_vertices", {"Vertices turned on from where they are", 2, {}, ""}};
     for (const char* scalar : {"binary32", "binary64"}) {
         Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};

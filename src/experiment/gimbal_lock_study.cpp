@@ -5,6 +5,7 @@
 // sin(roll) = 0, and w = (0.4, 1, 1.5) rad/s. The start is that motion run backwards in closed form.
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "body/orientation.h"
@@ -102,11 +103,14 @@ StudyResult run_gimbal_lock(const Plan&, bool quick) {
             std::vector<Cell> row{
                 distance,      std::string(entry.method),        std::string(entry.by_step ? "step" : "tolerance"),
                 entry.setting, std::string(name_of(run.status)), run.steps};
-            row.push_back(std::isfinite(passage.smallest_step) ? Cell(passage.smallest_step) : Cell());
-            row.push_back(angles ? Cell(passage.largest_angle_rate) : Cell());
-            row.push_back(angles ? Cell(passage.nearest) : Cell());
-            row.push_back(ok ? Cell(last) : Cell());
-            row.push_back(ok ? Cell(most) : Cell());
+            const auto add = [&](bool exists, double value) {
+                row.push_back(cell_of(exists ? std::optional<double>(value) : std::nullopt));
+            };
+            add(std::isfinite(passage.smallest_step), passage.smallest_step);
+            add(angles, passage.largest_angle_rate);
+            add(angles, passage.nearest);
+            add(ok, last);
+            add(ok, most);
             row.emplace_back(run.message);
             table.table.rows.push_back(std::move(row));
             if (!ok) continue;

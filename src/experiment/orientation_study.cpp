@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "body/mass_properties.h"
@@ -115,7 +116,7 @@ NamedTable keys() {
                     unwrapped.back()[i] += full * std::round((before - a[i]) / full);
                 }
         }
-        const auto add = [&](const char* name, Cell change, const auto& at) {
+        const auto add = [&](const char* name, std::optional<double> change, const auto& at) {
             double error = 0, jump = 0;
             Quaternion<double> before = motion(0);
             for (int n = 0; n < 50 * count; ++n) {
@@ -126,7 +127,7 @@ NamedTable keys() {
                 jump = std::max(jump, rotation_angle_between(q, before));
                 before = q;
             }
-            table.table.rows.push_back({distance, std::string(name), std::move(change), error, jump});
+            table.table.rows.push_back({distance, std::string(name), cell_of(change), error, jump});
         };
         const auto add_angles = [&](const char* name, const std::vector<EulerAngles>& angles) {
             double change = 0;
@@ -141,7 +142,7 @@ NamedTable keys() {
         };
         add_angles("euler_angles in (-180, 180]", wrapped);
         add_angles("euler_angles, full turns counted", unwrapped);
-        add("slerp", {}, [&](std::size_t k, double t) {
+        add("slerp", std::nullopt, [&](std::size_t k, double t) {
             return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
         });
     }
@@ -319,7 +320,7 @@ Matrix3<S> resummed(const std::vector<PointMass<S>>& points, const Matrix3<S>& A
 
 struct Summing {
     std::string scalar, way;
-    long points = 0;
+    std::optional<long> points;
     double error = 0;
     std::vector<double> seconds{};
 };
@@ -342,7 +343,7 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
     const Matrix3<Wide> exact = rotation_matrix(normalized(cast<Wide>(q)));
     const Matrix3<Wide> truth = exact * diagonal(cast<Wide>(moments)) * transposed(exact);
     const Matrix3<S> I = diagonal(cast<S>(moments));
-    const auto measure = [&](const char* way, long points, const auto& tensor) {
+    const auto measure = [&](const char* way, std::optional<long> points, const auto& tensor) {
         // frames turn a little each, so that no compiler takes the sum out of the loop
         Quaternion<S> turned = cast<S>(q);
         Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
@@ -363,7 +364,7 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
         if (!std::isfinite(kept)) throw std::runtime_error("an inertia tensor is not finite");
         found.push_back(std::move(summing));
     };
-    measure("A I A^T", 0, [&](const Matrix3<S>& A) { return A * I * transposed(A); });
+    measure("A I A^T", std::nullopt, [&](const Matrix3<S>& A) { return A * I * transposed(A); });
     for (const int n : {2, 4, 8, 16}) {
         const std::vector<PointMass<S>> points = grid_body<S>(n, moments, 2);
         measure("sum over world points", static_cast<long>(points.size()),
@@ -379,7 +380,7 @@ NamedTable inertia(int rounds) {
                      "The inertia tensor in world axes, anew in every frame: summed over world points, or A I A^T",
                      {{"scalar", "way", "points", "seconds_min", "seconds_median", "inertia_error"}, {}}};
     for (const Summing& s : found)
-        table.table.rows.push_back({s.scalar, s.way, s.points > 0 ? Cell(s.points) : Cell(),
+        table.table.rows.push_back({s.scalar, s.way, cell_of(s.points),
                                     *std::min_element(s.seconds.begin(), s.seconds.end()), median(s.seconds), s.error});
     table.for_people = {{"scalar", "numbers"},
                         {"way", "way"},

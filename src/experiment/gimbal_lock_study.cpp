@@ -50,7 +50,7 @@ struct Entry {
 };
 
 Trajectory solve_fleck_quaternion(const Problem& problem, const Settings& settings, LockPassage* passage) {
-    const Trajectory trajectory = solve(problem, *find_method("fleck_quaternion"), settings);
+    Trajectory trajectory = solve(problem, *find_method("fleck_quaternion"), settings);
     passage->smallest_step = trajectory.step;
     return trajectory;
 }

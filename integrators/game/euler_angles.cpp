@@ -201,9 +201,11 @@ const Method family[] = {
     {.name = "euler_angles",
      .documentation =
          "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near pitch "
-         "+-90 degrees roll and yaw turn like 1/cos(pitch): a step that would turn an angle by more than half a turn "
-         "ends the run as `failed`, with the distance from gimbal lock; a step that jumps over the lock shows in the "
-         "error. All of the motion is integrated, in body axes. Order 1.",
+         "+-90 degrees, gimbal lock, roll and yaw turn like 1/cos(pitch); steps of h come no nearer to it than some h "
+         "w "
+         "but by chance, and pass with an error of the usual size. A step that would turn an angle by more than half a "
+         "turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in body "
+         "axes. Order 1.",
      .source = source,
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
@@ -212,8 +214,9 @@ const Method family[] = {
     {.name = "euler_angles_cvode",
      .documentation =
          "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "
-         "quaternion. Passing gimbal lock at a distance d it needs steps of some d / w; at the lock itself it stops. "
-         "All of the motion is integrated, in body axes.",
+         "quaternion. Passing gimbal lock at a distance d costs steps down to a hundredth of d / w and less, until d "
+         "is "
+         "below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
      .source = source,
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::tolerance,

@@ -7,14 +7,18 @@
 
 namespace polhode {
 
+StudyResult run_gimbal_lock(const Plan& plan, bool quick);
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
+StudyResult run_orientation(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
     static const Study list[] = {
+        {"gimbal_lock", {}, run_gimbal_lock},
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
+        {"orientation", {"repeats"}, run_orientation},
     };
     return list;
 }

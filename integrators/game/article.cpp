@@ -238,6 +238,7 @@ const Method family[] = {
          "body "
          "whose centre of mass is not its origin and that has turned; else it is `article_mended`, bit for bit.",
      .source = source,
+     .described_as = "article: apply_torque's centre of mass as printed, the sign mended",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
@@ -246,6 +247,7 @@ const Method family[] = {
      .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
                       "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
      .source = source,
+     .described_as = "article: update_body_orientation's sign as printed, the centre of mass mended",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,

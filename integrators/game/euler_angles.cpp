@@ -205,6 +205,7 @@ const Method family[] = {
          "ends the run as `failed`, with the distance from gimbal lock; a step that jumps over the lock shows in the "
          "error. All of the motion is integrated, in body axes. Order 1.",
      .source = source,
+     .described_as = "slides: Euler angles, roll, pitch, yaw",
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
      .order = 1,
@@ -215,6 +216,7 @@ const Method family[] = {
          "quaternion. Passing gimbal lock at a distance d it needs steps of some d / w; at the lock itself it stops. "
          "All of the motion is integrated, in body axes.",
      .source = source,
+     .described_as = "slides: Euler angles, by an adaptive solver",
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::tolerance,
      .solve = euler_angles_cvode},

@@ -114,6 +114,7 @@ const Method family[] = {
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
          "term w x Iw appears. R is taken from the normalised q; q itself is left to drift in length.",
      .source = source,
+     .described_as = "the Pixar course that the article recommends",
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
@@ -122,6 +123,7 @@ const Method family[] = {
      .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
                       "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
      .source = source,
+     .described_as = "the same course's Euler step",
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,

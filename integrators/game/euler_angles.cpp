@@ -207,6 +207,7 @@ const Method family[] = {
          "turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in body "
          "axes. Order 1.",
      .source = source,
+     .described_as = "slides: Euler angles, roll, pitch, yaw",
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
      .order = 1,
@@ -218,6 +219,7 @@ const Method family[] = {
          "is "
          "below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
      .source = source,
+     .described_as = "slides: Euler angles, by an adaptive solver",
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::tolerance,
      .solve = euler_angles_cvode},

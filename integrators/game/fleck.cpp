@@ -219,6 +219,7 @@ const Method family[] = {
          "(X kept in direction, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. Order 1. The error of a step is not the "
          "same about all axes, since the first column alone keeps its direction.",
      .source = source,
+     .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
@@ -229,6 +230,7 @@ const Method family[] = {
          "that A^T A - 1 grows like h w^2 t; points and inertia are taken through A as it is, A r and A I^-1 A^T. The "
          "attitude reported is the rotation nearest to A. Order 1.",
      .source = source,
+     .described_as = "slides: the same without re-orthogonalizing, A drifts",
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 1,
@@ -238,6 +240,7 @@ const Method family[] = {
          "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
          "with A = A(q); vertices would be V = A V0, always from the originals. Order 1.",
      .source = source,
+     .described_as = "slides: the same step with the orientation as a quaternion",
      .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
@@ -248,6 +251,7 @@ const Method family[] = {
          "The orientation is read off three of them, re-orthogonalised, for w = A I^-1 A^T L; the vertices keep their "
          "rounding errors, and their A^T A - 1 is the defect reported. Order 1.",
      .source = source,
+     .described_as = "slides: \"always start with the original\" not heeded, vertices turned on from where they are",
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
@@ -258,6 +262,7 @@ const Method family[] = {
          "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor: "
          "the same motion but for rounding, at more cost. Order 1.",
      .source = source,
+     .described_as = "slides: the inertia tensor from world space vectors, re-summed each frame",
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,

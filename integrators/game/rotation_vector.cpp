@@ -93,6 +93,7 @@ const Method family[] = {
      .source =
          "J. E. Bortz 1971, A new mathematical formulation for strapdown inertial navigation, IEEE Trans. Aerosp. "
          "Electron. Syst. AES-7, 61-66; H. Munthe-Kaas 1999, Appl. Numer. Math. 29, 115-127",
+     .described_as = "slides: axis-angle representation, integrated",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,

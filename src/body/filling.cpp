@@ -49,7 +49,7 @@ struct Contains {
         const Vector3<double> p(x, y, z);
         for (int i = 0; i < 4; ++i) {
             const Vector3<double>&a = s.vertices[(i + 1) % 4], &b = s.vertices[(i + 2) % 4],
-                                 &c = s.vertices[(i + 3) % 4];
+                  &c = s.vertices[(i + 3) % 4];
             const Vector3<double> normal = cross(b - a, c - a);
             if (dot(normal, p - a) * dot(normal, s.vertices[i] - a) < 0) return false;
         }
@@ -125,8 +125,8 @@ bool contains(const Shape& shape, const Vector3<double>& point) {
 Bounds bounds(const Shape& shape) { return std::visit(BoundsOf{}, shape); }
 
 std::vector<PointMass<double>> grid_points(const Shape& shape, double mass, int n) {
-    const auto [low, high] = bounds(shape);
-    const auto at = [&](int axis, int i) { return low[axis] + (high[axis] - low[axis]) * ((i + 0.5) / n); };
+    const Bounds box = bounds(shape);
+    const auto at = [&](int axis, int i) { return box.low[axis] + (box.high[axis] - box.low[axis]) * ((i + 0.5) / n); };
     std::vector<PointMass<double>> points;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)

@@ -153,7 +153,8 @@ Scene parse_scene(std::string_view text, const std::string& file, const std::str
 
 Scene read_scene(const std::string& path) {
     const std::size_t slash = path.rfind('/');
-    return parse_scene(read_text(path), path, slash == path.npos ? "" : path.substr(0, std::max<std::size_t>(slash, 1)));
+    return parse_scene(read_text(path), path,
+                       slash == path.npos ? "" : path.substr(0, std::max<std::size_t>(slash, 1)));
 }
 
 Scene find_scene(const std::string& name_or_path) {

@@ -33,13 +33,11 @@ inline Scene held(double duration) {
     scene.initial.orientation = {0.8, 0.36, 0, 0.48};
     scene.initial.angular_velocity = {0.3, -0.2, 4};
     scene.pivot = Vector3<double>(0.1, -0.05, 0.1);
-    scene.loads.push_back(Drag{{0.1, 0.2, 0.3}, 0.5, {}});
-    scene.loads.push_back(Force{{1, 2, 0}, Frame::body, {0.1, 0.2, 0.4}, Frame::body, {}});
-    scene.loads.push_back(Impulse{{0.5, 0, 0.2}, Frame::world, {0.1, 0, 0.6}, Frame::body, 0.5 * duration});
-    scene.loads.push_back(
-        UserTorque{"swirl",
-                   [](const LoadState& s) { return Vector3<double>(std::sin(s.t), s.q.x, -s.angular_velocity_B[2]); },
-                   {}});
+    UserTorque swirl;
+    swirl.torque_B = [](const LoadState& s) { return Vector3<double>(std::sin(s.t), s.q.x, -s.angular_velocity_B[2]); };
+    scene.loads = {scene.loads.front(), Drag{{0.1, 0.2, 0.3}, 0.5, {}},
+                   Force{{1, 2, 0}, Frame::body, {0.1, 0.2, 0.4}, Frame::body, {}},
+                   Impulse{{0.5, 0, 0.2}, Frame::world, {0.1, 0, 0.6}, Frame::body, 0.5 * duration}, swirl};
     return scene;
 }
 

@@ -193,6 +193,8 @@ void JsonNode::fail(const std::string& fault, const std::string& remedy) const {
     throw InputError(*file_, pointer(), fault, remedy);
 }
 
+void JsonNode::fail(const InputError& inner) const { throw InputError(*file_, pointer(), inner); }
+
 void JsonNode::expect(JsonKind kind) const {
     if (kind_ != kind) fail(described(), fmt::format("give {}", name_of(kind)));
 }

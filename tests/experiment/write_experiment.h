@@ -24,7 +24,7 @@ inline std::string write_experiment(const Experiment& e) {
         return "[" + list + "]";
     };
     const char* kinds[] = {"sweep", "convergence", "drift", "tolerance", "leave_out", "conservation"};
-    const char* kind = kinds[static_cast<int>(e.kind)];
+    const std::string kind = e.kind == Kind::study ? e.study : kinds[static_cast<int>(e.kind)];
     std::string settings, vary;
     const auto list = [&](const char* key, const std::vector<double>& values) {
         if (!values.empty())

@@ -116,8 +116,8 @@ Trajectory run(const Problem& problem, const Settings& settings) {
     Trajectory trajectory = SundialsRun(problem, settings, session).solve();
     trajectory.impact_times = session.impact_times();
     if (const std::size_t n = trajectory.impact_times.size(); n > 0 && trajectory.status == Status::ok) {
-        const std::string remark = fmt::format("{} impact{}, the last at t = {:.10g} s", n, n == 1 ? "" : "s",
-                                               trajectory.impact_times.back());
+        const std::string remark =
+            fmt::format("{} impact{}, the last at t = {:.10g} s", n, n == 1 ? "" : "s", trajectory.impact_times.back());
         trajectory.message = trajectory.message.empty() ? remark : remark + "; " + trajectory.message;
     }
     return trajectory;
@@ -131,11 +131,15 @@ Trajectory solve_impacts(const Problem& problem, const Settings& settings) {
 constexpr Method list[] = {{
     .name = "cvode_impacts",
     .documentation =
-        "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. Distances "
-        "to the planes are CVODE's root functions; dips below a plane within one step, which change no sign at its ends, "
-        "are found in the step's own interpolating polynomial. The impact is located to rounding of that polynomial, the "
+        "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. "
+        "Distances "
+        "to the planes are CVODE's root functions; dips below a plane within one step, which change no sign at its "
+        "ends, "
+        "are found in the step's own interpolating polynomial. The impact is located to rounding of that polynomial, "
+        "the "
         "impulse applied, and the solver started again. Gaps below the tolerance times the body's size close together: "
-        "Moreau's law without friction, one contact after the other with it. A body that comes to rest, or whose impacts "
+        "Moreau's law without friction, one contact after the other with it. A body that comes to rest, or whose "
+        "impacts "
         "accumulate at a time (Zeno), ends in `failed` with time and number of the impacts. Without planes it is "
         "`cvode_adams` on all 13 variables.",
     .source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, ACM Trans. Math. Softw. 31, 363-396; "

@@ -120,8 +120,9 @@ constexpr Method list[] = {
          "Semi-implicit Euler as game engines step, with impacts found after the fact: where a step ends with the body "
          "in a plane and approaching it, the impulse is applied there and then, to the deep contacts. The body is not "
          "pushed out. An impact is up to a step late, and a thin dip within a step is missed.",
-     .source = "E. Catto 2005-2015, GDC talks on sequential impulses; C. Hecker 1997, Game Developer, \"Physics, Part 4\" "
-               "(the impulse)",
+     .source =
+         "E. Catto 2005-2015, GDC talks on sequential impulses; C. Hecker 1997, Game Developer, \"Physics, Part 4\" "
+         "(the impulse)",
      .conserves = "|q|; at an impact what the impulse keeps",
      .control = Control::fixed_step,
      .planes = true,
@@ -130,10 +131,12 @@ constexpr Method list[] = {
     {.name = "impact_halving",
      .documentation =
          "`impact_stepping` by the rule of game-physics lectures: a step that ends too deep in a plane is taken again "
-         "at half its length, and again, until the body is no deeper than 10^-6 of its size; then the impulse is applied "
+         "at half its length, and again, until the body is no deeper than 10^-6 of its size; then the impulse is "
+         "applied "
          "and the rest of the step taken. The impact's time is then that of the step's own motion.",
-     .source = "C. Hecker 1997, Game Developer, \"Physics, Part 3: Collision Response\"; lecture slides on game physics "
-               "after it",
+     .source =
+         "C. Hecker 1997, Game Developer, \"Physics, Part 3: Collision Response\"; lecture slides on game physics "
+         "after it",
      .conserves = "|q|; at an impact what the impulse keeps",
      .control = Control::fixed_step,
      .planes = true,

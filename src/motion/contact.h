@@ -51,6 +51,17 @@ class ContactGeometry {
         return {dot(plane.normal_W, at.position_W) + piece.lowest(n) - plane.offset,
                 dot(plane.normal_W, at.velocity_W + cross(at.angular_velocity_W, arm_W))};
     }
+    /// The distances of all pairs.
+    std::vector<S> distances(const Placement<S>& at) const {
+        std::vector<S> all;
+        all.reserve(size());
+        for (const ContactPlane<S>& plane : planes) {
+            const Vector3<S> n = rotate_back(at.q, plane.normal_W);
+            const S height = dot(plane.normal_W, at.position_W) - plane.offset;
+            for (const SupportPiece<S>& piece : pieces) all.push_back(height + piece.lowest(n));
+        }
+        return all;
+    }
     /// The smallest distance to one plane.
     S distance(std::size_t plane, const Placement<S>& at) const {
         const Vector3<S> n = rotate_back(at.q, planes[plane].normal_W);
@@ -113,15 +124,14 @@ class ContactSearch {
 
     struct Node {
         S t;
-        std::vector<Gap<S>> gaps;
+        Placement<S> placement;
+        std::vector<S> distances;
     };
 
     Gap<S> gap(std::size_t k, const S& t) const { return geometry_.gap(k, at_(t)); }
     Node node(const S& t) const {
-        Node n{t, {}};
-        const Placement<S> placement = at_(t);
-        n.gaps.reserve(geometry_.size());
-        for (std::size_t k = 0; k < geometry_.size(); ++k) n.gaps.push_back(geometry_.gap(k, placement));
+        Node n{t, at_(t), {}};
+        n.distances = geometry_.distances(n.placement);
         return n;
     }
 
@@ -161,7 +171,7 @@ class ContactSearch {
         return a;
     }
     std::optional<S> in_leaf(const Node& a, const Node& b, std::size_t k) const {
-        const Gap<S>&from = a.gaps[k], &to = b.gaps[k];
+        const Gap<S> from = geometry_.gap(k, a.placement), to = geometry_.gap(k, b.placement);
         if (to.distance > S(0)) {
             if (!(from.rate < S(0) && to.rate > S(0))) return {};
             const S low = lowest(k, a.t, b.t);
@@ -177,7 +187,7 @@ class ContactSearch {
     std::optional<S> run(const Node& a, const Node& b, int depth) const {
         std::vector<std::size_t> near;
         for (std::size_t k = 0; k < geometry_.size(); ++k)
-            if (a.gaps[k].distance + b.gaps[k].distance <= speed_bound_ * (b.t - a.t)) near.push_back(k);
+            if (a.distances[k] + b.distances[k] <= speed_bound_ * (b.t - a.t)) near.push_back(k);
         if (near.empty()) return {};
         if (depth == most_halvings) {
             std::optional<S> first;

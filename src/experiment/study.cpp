@@ -7,12 +7,14 @@
 
 namespace polhode {
 
+StudyResult run_collisions(const Plan& plan, bool quick);
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
     static const Study list[] = {
+        {"collisions", {"scenes", "vary", "methods", "settings", "seconds_per_run"}, run_collisions},
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
     };

@@ -81,7 +81,8 @@ bool run_study(const Plan& plan, const RunOptions& options, const std::string& l
     }
     // the first shard has it all
     if (done || options.shard > 1) {
-        if (!options.quiet) fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
+        if (!options.quiet)
+            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
         return true;
     }
     const std::atomic<bool> patient{false};

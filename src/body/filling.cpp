@@ -49,7 +49,7 @@ struct Contains {
         const Vector3<double> p(x, y, z);
         for (int i = 0; i < 4; ++i) {
             const Vector3<double>&a = s.vertices[(i + 1) % 4], &b = s.vertices[(i + 2) % 4],
-                                 &c = s.vertices[(i + 3) % 4];
+                  &c = s.vertices[(i + 3) % 4];
             const Vector3<double> normal = cross(b - a, c - a);
             if (dot(normal, p - a) * dot(normal, s.vertices[i] - a) < 0) return false;
         }

@@ -17,8 +17,8 @@ struct Bounds {
 };
 Bounds bounds(const Shape& shape);
 
-/// The centres of those cells of an n x n x n grid over the bounds whose centre is inside, the mass (kg) shared equally.
-/// Empty where no centre is.
+/// The centres of those cells of an n x n x n grid over the bounds whose centre is inside, the mass (kg) shared
+/// equally. Empty where no centre is.
 std::vector<PointMass<double>> grid_points(const Shape& shape, double mass, int n);
 
 /// Points inside, drawn evenly from the bounds by a generator of this seed (SplitMix64: the same on every machine),

@@ -20,8 +20,8 @@ struct Mesh {
 /// (orientations that disagree). Vertices at the same place count as one.
 std::string mesh_fault(const Mesh& mesh);
 
-/// The volume (m^3) that a faultless mesh encloses, negative where its triangles face inward, 0 where it is no more than
-/// what rounding of the coordinates would leave.
+/// The volume (m^3) that a faultless mesh encloses, negative where its triangles face inward, 0 where it is no more
+/// than what rounding of the coordinates would leave.
 double enclosed_volume(const Mesh& mesh);
 
 /// Volume (m^3), centroid and the mean of (r - centroid)(r - centroid)^T of what a faultless mesh that faces outward

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <iterator>
 #include <variant>
 
 #include "body/elementary.h"
@@ -164,6 +165,15 @@ struct ExtentOf {
         return centred(pi() * h * second / S(3), across, across, along);
     }
 };
+
+/// As the scene file calls it.
+inline const char* name_of(const Shape& shape) {
+    constexpr const char* names[] = {"box",     "sphere", "hollow_sphere", "cylinder", "hollow_cylinder",
+                                     "capsule", "cone",   "ellipsoid",     "torus",    "rod",
+                                     "disc",    "plate",  "tetrahedron",   "frustum"};
+    static_assert(std::size(names) == std::variant_size_v<Shape>);
+    return names[shape.index()];
+}
 
 template <class S>
 Extent<S> extent(const Shape& shape) {

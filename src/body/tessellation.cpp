@@ -24,9 +24,7 @@ Mesh tessellated(const Box& box) {
 
 Mesh tessellated(const SolidSphere& sphere, int subdivisions) {
     const double golden = std::numbers::phi;
-    const auto on_sphere = [&](const Vector3<double>& v) {
-        return (sphere.radius / std::sqrt(dot(v, v))) * v;
-    };
+    const auto on_sphere = [&](const Vector3<double>& v) { return (sphere.radius / std::sqrt(dot(v, v))) * v; };
     Mesh mesh;
     for (const Vector3<double>& v :
          {Vector3<double>(-1, golden, 0), Vector3<double>(1, golden, 0), Vector3<double>(-1, -golden, 0),
@@ -34,14 +32,13 @@ Mesh tessellated(const SolidSphere& sphere, int subdivisions) {
           Vector3<double>(0, -1, -golden), Vector3<double>(0, 1, -golden), Vector3<double>(golden, 0, -1),
           Vector3<double>(golden, 0, 1), Vector3<double>(-golden, 0, -1), Vector3<double>(-golden, 0, 1)})
         mesh.vertices.push_back(on_sphere(v));
-    mesh.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},   {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                      {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < subdivisions; ++level) {
         std::map<std::pair<int, int>, int> middles;
         const auto middle = [&](int a, int b) {
-            const auto [place, is_new] =
-                middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
+            const auto [place, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
             if (is_new) mesh.vertices.push_back(on_sphere(mesh.vertices[a] + mesh.vertices[b]));
             return place->second;
         };

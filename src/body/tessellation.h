@@ -9,7 +9,8 @@ namespace polhode {
 /// Twelve triangles: the box itself.
 Mesh tessellated(const Box& box);
 
-/// An icosahedron, each triangle split into four `subdivisions` times, corners on the sphere: 20 4^s triangles inside it.
+/// An icosahedron, each triangle split into four `subdivisions` times, corners on the sphere: 20 4^s triangles inside
+/// it.
 Mesh tessellated(const SolidSphere& sphere, int subdivisions);
 
 /// 2 n n triangles with corners on the torus, n around either circle.

@@ -31,7 +31,7 @@ struct Variation {
 struct Experiment {
     std::string name, about;
     Kind kind = Kind::sweep;
-    std::string study;  ///< the name of it, where that is the kind
+    std::string study;                         ///< the name of it, where that is the kind
     std::vector<std::string> scenes, methods;  ///< names, paths of scenes, or /regular expressions/
     std::vector<double> steps;                 ///< s, from coarse to fine
     std::vector<double> tolerances;            ///< relative, from coarse to fine

@@ -1,5 +1,5 @@
-// What a game engine's shortcuts in the inertia tensor do to a free body's motion: three floats (the products of inertia
-// dropped), one float (a third of the trace).
+// What a game engine's shortcuts in the inertia tensor do to a free body's motion: three floats (the products of
+// inertia dropped), one float (a third of the trace).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,20 +49,30 @@ StudyResult run_inertia_shortcuts(const Plan& plan, bool quick) {
     const std::vector<double> turned = {0.1, 1, 10, 100};
     const long samples = quick ? 500 : 4000;
     StudyResult result;
-    NamedTable table{"",
-                     "",
-                     {{"scene", "shortcut", "angle_of_momentum_to_rate", "turned", "attitude_error_max",
-                       "momentum_error_max", "energy_error_max", "turned_at_0.01", "turned_at_0.1", "turned_at_1",
-                       "status", "message"},
-                      {}}};
+    NamedTable table{
+        "",
+        "",
+        {{"scene", "shortcut", "angle_of_momentum_to_rate", "turned", "attitude_error_max", "momentum_error_max",
+          "energy_error_max", "turned_at_0.01", "turned_at_0.1", "turned_at_1", "status", "message"},
+         {}}};
     NamedFigure figure{"inertia_shortcuts", {"Attitude error of shortcuts in the inertia tensor", 2, {}, ""}};
     for (const PlannedScene& planned : plan.scenes) {
         Scene scene = planned.scene;
         const Problem problem = pose(scene);
         const double rate = length(problem.body.angular_velocity_B);
         if (rate == 0 || !scene.loads.empty() || scene.pivot) {
-            table.table.rows.push_back({planned.label, std::string("all"), {}, {}, {}, {}, {}, {}, {}, {},
-                                        std::string("unsupported"), std::string("the comparison is of free, turning bodies")});
+            table.table.rows.push_back({planned.label,
+                                        std::string("all"),
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        std::string("unsupported"),
+                                        std::string("the comparison is of free, turning bodies")});
             continue;
         }
         scene.duration = turned.back() / rate;
@@ -98,7 +108,11 @@ StudyResult run_inertia_shortcuts(const Plan& plan, bool quick) {
                 const Vector3<double> L_B = problem.body.inertia_B * w;
                 attitude.push_back(rotation_angle(high(right.q), high(wrong.q)));
                 momentum.push_back(length(rotate(high(wrong.q), L_B) - high(right.angular_momentum_W)) / L);
-                energy.push_back(std::abs(dot(w, L_B) / 2 - dot(high(right.angular_velocity_B), problem.body.inertia_B * high(right.angular_velocity_B)) / 2) / std::abs(E));
+                energy.push_back(
+                    std::abs(dot(w, L_B) / 2 - dot(high(right.angular_velocity_B),
+                                                   problem.body.inertia_B * high(right.angular_velocity_B)) /
+                                                   2) /
+                    std::abs(E));
                 angle.push_back(right.t * rate);
             }
             const auto first_beyond = [&](double bound) -> Cell {

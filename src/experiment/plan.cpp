@@ -79,9 +79,9 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
     return values;
 }
 
-constexpr std::pair<const char*, Kind> kinds[] = {
-    {"sweep", Kind::sweep},         {"convergence", Kind::convergence}, {"drift", Kind::drift},
-    {"tolerance", Kind::tolerance}, {"leave_out", Kind::leave_out},     {"conservation", Kind::conservation}};
+constexpr std::pair<const char*, Kind> kinds[] = {{"sweep", Kind::sweep},         {"convergence", Kind::convergence},
+                                                  {"drift", Kind::drift},         {"tolerance", Kind::tolerance},
+                                                  {"leave_out", Kind::leave_out}, {"conservation", Kind::conservation}};
 
 void read_kind(const JsonNode& node, const JsonNode& root, Experiment& e) {
     std::vector<std::string> names;

@@ -39,8 +39,8 @@ std::span<const Study> studies();
 /// By name; nullptr if there is none.
 const Study* find_study(std::string_view name);
 
-/// Writes a study's tables (.csv, .md, .tex, .json) and pictures and its entry in provenance.json. Returns remarks for the
-/// user (a picture that could not be drawn). Throws std::runtime_error.
+/// Writes a study's tables (.csv, .md, .tex, .json) and pictures and its entry in provenance.json. Returns remarks for
+/// the user (a picture that could not be drawn). Throws std::runtime_error.
 std::vector<std::string> write_study_report(const Plan& plan, const StudyResult& result, const std::string& directory,
                                             const std::string& command_line, bool quick);
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "body/rigid_body.h"
 #include "body/elementary.h"
+#include "body/rigid_body.h"
 #include "motion/equations.h"
 #include "scene/body_source.h"
 #include "scene/scene.h"

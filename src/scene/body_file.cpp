@@ -159,7 +159,8 @@ Shape shape(const JsonNode& node) {
 Amount amount(const JsonNode& node, bool is_part) {
     const JsonNode *mass = node.find("mass"), *density = node.find("density");
     if (mass && density) density->fail("stands beside a mass", "give the mass or the density, not both");
-    if (mass) return {positive(*mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass"), false};
+    if (mass)
+        return {positive(*mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass"), false};
     if (!density) node.required("density", "the density in kg/m^3, or \"mass\" in kg");
     const double value = density->number();
     if (value == 0 || (value < 0 && !is_part))
@@ -188,8 +189,7 @@ Matrix3<double> inertia(const JsonNode& node) {
 MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     GivenBody b;
     const JsonNode& mass = node.required("mass", "the mass in kg");
-    const JsonNode& moments =
-        node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
+    const JsonNode& moments = node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
     b.mass = mass.number();
     b.inertia = inertia(moments);
     if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
@@ -212,8 +212,7 @@ MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
     for (const JsonNode* one : list.elements()) {
         const auto& e = one->elements();
         if (e.size() != 4) one->fail(one->described(), "give [mass in kg, x, y, z in m]");
-        body.points.push_back(
-            {positive(*e[0], "a point's mass"), {e[1]->number(), e[2]->number(), e[3]->number()}});
+        body.points.push_back({positive(*e[0], "a point's mass"), {e[1]->number(), e[2]->number(), e[3]->number()}});
     }
     return body;
 }
@@ -329,16 +328,14 @@ struct ShapeWriter {
         return object("cylinder", {{"radius", s.radius}, {"half_height", s.half_height}});
     }
     std::string operator()(const HollowCylinder& s) const {
-        return object("hollow_cylinder", {{"outer_radius", s.outer_radius},
-                                          {"inner_radius", s.inner_radius},
-                                          {"half_height", s.half_height}});
+        return object(
+            "hollow_cylinder",
+            {{"outer_radius", s.outer_radius}, {"inner_radius", s.inner_radius}, {"half_height", s.half_height}});
     }
     std::string operator()(const Capsule& s) const {
         return object("capsule", {{"radius", s.radius}, {"half_height", s.half_height}});
     }
-    std::string operator()(const Cone& s) const {
-        return object("cone", {{"radius", s.radius}, {"height", s.height}});
-    }
+    std::string operator()(const Cone& s) const { return object("cone", {{"radius", s.radius}, {"height", s.height}}); }
     std::string operator()(const Ellipsoid& s) const {
         return fmt::format(R"({{"type": "ellipsoid", "semi_axes": {}}})", json(s.semi_axes));
     }
@@ -403,9 +400,7 @@ struct SourceWriter {
 
 }  // namespace
 
-Body parse_body(const JsonNode& node, const std::string& directory) {
-    return body_of(source(node, directory, false));
-}
+Body parse_body(const JsonNode& node, const std::string& directory) { return body_of(source(node, directory, false)); }
 
 std::string write_body(const Body& body) {
     if (body.source) return std::visit(SourceWriter{}, body.source->made_of);

@@ -146,8 +146,8 @@ template <class S>
 MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
     std::vector<MassProperties<S>> parts;
     for (const PartsBody::Part& part : body.parts)
-        parts.push_back(placed(mass_properties<S>(*part.body), cast<S>(part.position),
-                               normalized(cast<S>(part.orientation))));
+        parts.push_back(
+            placed(mass_properties<S>(*part.body), cast<S>(part.position), normalized(cast<S>(part.orientation))));
     return composite(parts);
 }
 
@@ -164,8 +164,8 @@ std::shared_ptr<const BodySource> body_source(MadeOf made_of);
 /// A body made of it, its numbers rounded once. Says nothing about whether they are those of a body: see validate().
 Body body_of(std::shared_ptr<const BodySource> source);
 
-/// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign and
-/// triangle inequality within 1e-12 of the largest moment. Moments may be 0.
+/// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign
+/// and triangle inequality within 1e-12 of the largest moment. Moments may be 0.
 std::string tensor_fault(const Matrix3<double>& inertia);
 
 /// Of a body that was read with its shape: a shape, a mesh, or parts of such.

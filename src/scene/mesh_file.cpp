@@ -105,8 +105,9 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
                 // counted from 1, or backward from the last
                 const long corner = index < 0 ? count + index : index - 1;
                 if (error != std::errc() || end != word.data() + word.size() || corner < 0 || corner >= count)
-                    lines.fail(fmt::format("has a corner \"{}\" where there are {} vertices", one_line(words[i], 40), count),
-                               "give indices of vertices above it");
+                    lines.fail(
+                        fmt::format("has a corner \"{}\" where there are {} vertices", one_line(words[i], 40), count),
+                        "give indices of vertices above it");
                 corners.push_back(static_cast<int>(corner));
             }
             for (std::size_t i = 2; i < corners.size(); ++i)
@@ -133,8 +134,9 @@ Mesh parse_text_stl(std::string_view text, const std::string& path) {
     const auto expect = [&](std::initializer_list<std::string_view> beginning) {
         if (!lines.next(words, 0)) lines.fail("ends before \"endsolid\"", remedy);
         if (words.size() < beginning.size() || !std::equal(beginning.begin(), beginning.end(), words.begin()))
-            lines.fail(fmt::format("begins with \"{}\" where \"{}\" is due", one_line(words[0], 40), *beginning.begin()),
-                       remedy);
+            lines.fail(
+                fmt::format("begins with \"{}\" where \"{}\" is due", one_line(words[0], 40), *beginning.begin()),
+                remedy);
     };
     while (lines.next(words, 0)) {
         if (words[0] != "solid") lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)), remedy);
@@ -162,7 +164,8 @@ constexpr std::size_t stl_header = 84, stl_triangle = 50;
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
-    for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
+    for (int i = 3; i >= 0; --i)
+        value = value << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
     return value;
 }
 
@@ -198,9 +201,9 @@ Mesh parse_stl(std::string_view bytes, const std::string& path) {
 }
 
 bool ends_in(const std::string& path, std::string_view ending) {
-    return path.size() >= ending.size() && std::equal(ending.rbegin(), ending.rend(), path.rbegin(), [](char a, char b) {
-               return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b);
-           });
+    return path.size() >= ending.size() &&
+           std::equal(ending.rbegin(), ending.rend(), path.rbegin(),
+                      [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
 }
 
 }  // namespace
@@ -216,7 +219,8 @@ Mesh parse_mesh(std::string_view bytes, const std::string& path) {
     if (const std::string fault = mesh_fault(mesh); !fault.empty())
         throw InputError(path, "", fault, "give a closed surface of consistently oriented triangles");
     const double size = enclosed_volume(mesh);
-    if (!std::isfinite(size)) throw InputError(path, "", "encloses a volume beyond binary64", "give smaller coordinates");
+    if (!std::isfinite(size))
+        throw InputError(path, "", "encloses a volume beyond binary64", "give smaller coordinates");
     if (size == 0) throw InputError(path, "", "encloses no volume", "give a surface around a body");
     if (size < 0)
         for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);

@@ -36,8 +36,8 @@ class Reader {
     }
 
     // links of that name, with the names of the models around them in front
-    void find(const XMLElement& within, const char* kind, const std::string& scope, std::vector<const XMLElement*>& found,
-              std::vector<std::string>& names) const {
+    void find(const XMLElement& within, const char* kind, const std::string& scope,
+              std::vector<const XMLElement*>& found, std::vector<std::string>& names) const {
         for (const XMLElement* one = within.FirstChildElement(); one; one = one->NextSiblingElement()) {
             const char* name = one->Attribute("name");
             const std::string own = name ? name : "";

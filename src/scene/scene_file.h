@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-/// The scene that `text` describes; `file` is named in errors, the files it names are relative to `directory` (empty: the
-/// working directory). Throws InputError.
+/// The scene that `text` describes; `file` is named in errors, the files it names are relative to `directory` (empty:
+/// the working directory). Throws InputError.
 Scene parse_scene(std::string_view text, const std::string& file, const std::string& directory = "");
 
 /// Reads and parses a scene file. Throws InputError, also when the file cannot be read.

@@ -82,7 +82,8 @@ RC_GTEST_PROP(PrincipalFrame, ShiftsByTheParallelAxisTheorem, ()) {
     const double mass = moderate(0.1, 3);
     const Vector3<double> arm = moderate_vector();
     // the sum is formed in 128 bits; in binary64 here: an ulp of its entries
-    RC_ASSERT(misfit(I + parallel_axis(mass, arm), principal_frame(cast<Wide>(I) + parallel_axis(Wide(mass), cast<Wide>(arm)))) < 2e-15);
+    RC_ASSERT(misfit(I + parallel_axis(mass, arm),
+                     principal_frame(cast<Wide>(I) + parallel_axis(Wide(mass), cast<Wide>(arm)))) < 2e-15);
 }
 
 /// From the centre of mass to a point and back: what was there, but for the rounding of m r^2, 36 at most.
@@ -102,7 +103,9 @@ RC_GTEST_PROP(ParallelAxis, KeepsTheTriangleInequality, ()) {
     const Matrix3<double> about_center = moderate_inertia();
     const double mass = moderate(0.1, 3), reach = std::pow(10, moderate(-6, 6));
     const Vector3<double> I = principal_frame(cast<Wide>(about_center)).moments;
-    const Vector3<double> J = principal_frame(cast<Wide>(about_center) + parallel_axis(Wide(mass), cast<Wide>(reach * moderate_vector()))).moments;
+    const Vector3<double> J =
+        principal_frame(cast<Wide>(about_center) + parallel_axis(Wide(mass), cast<Wide>(reach * moderate_vector())))
+            .moments;
     const double largest = std::max({J[0], J[1], J[2]});
     for (int i = 0; i < 3; ++i) RC_ASSERT(J[i] <= J[(i + 1) % 3] + J[(i + 2) % 3] + 1e-15 * largest);
     RC_ASSERT(std::min({J[0], J[1], J[2]}) >= std::min({I[0], I[1], I[2]}) - 1e-15 * largest);

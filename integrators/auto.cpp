@@ -41,6 +41,7 @@ bool is_stiff(const Problem& problem) {
 }
 
 Choice choose_method(const Problem& problem) {
+    if (!problem.scene.planes.empty()) return {find_method("cvode_impacts"), "impacts on planes, located as events"};
     if (const Method* method = find_method("exact"); method && has_closed_form(problem))
         return {method, "the motion has a closed form"};
     if (is_stiff(problem))

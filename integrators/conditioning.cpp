@@ -148,6 +148,11 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
                           const ConditioningSettings& settings) {
     demand_times(times);
     if (problem.formulation != Formulation::reduced) return conditioning(problem.scene, times, settings);
+    if (!problem.scene.planes.empty()) {
+        Conditioning none;
+        none.message = "the variational equation does not pass through impacts on planes";
+        return none;
+    }
     if (times.back() > problem.scene.duration) throw std::invalid_argument("a time beyond the duration");
     Conditioning result = run(problem, times, settings);
     if (const double reach = 1 / float64_roundoff; result.state_peak().value > reach) {

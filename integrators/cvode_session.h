@@ -32,7 +32,6 @@ template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base = SundialsSession<SystemType, Vector>;
     using Base::absolute_, Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
-    using Base::demand;
 
   public:
     using Base::dimension, Base::y;
@@ -86,10 +85,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     int enter(const Segment& segment) {
         close();
         Base::pass(segment);
-        if (!(end_ > t_)) return CV_SUCCESS;
-        running_ = true;
-        if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
-        return CVodeSetStopTime(memory_.get(), end_);
+        return resume();
     }
 
     /// One internal step, cut at the segment's end; CVODE's flag. time() and the state have moved if it is >= 0.
@@ -105,6 +101,15 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         }
         t_ = flag == CV_TSTOP_RETURN ? end_ : reached;
         return flag;
+    }
+
+    /// Goes on from the state as it is now: the history of the steps before is dropped.
+    int resume() {
+        close();
+        if (!(end_ > t_)) return CV_SUCCESS;
+        running_ = true;
+        if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
+        return CVodeSetStopTime(memory_.get(), end_);
     }
 
     /// The motion at a time within the last step, by the step's own interpolating polynomial.
@@ -129,6 +134,21 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return steps_;
     }
     long rhs_evaluations() const { return this->evaluations_; }
+
+  protected:
+    using Base::demand;
+
+    void* memory() { return memory_.get(); }
+    /// The state at a time within the last step, until the next call.
+    const double* state_inside(double t) {
+        CVodeGetDky(memory_.get(), t, 0, inside_.get());
+        return Vector::data(inside_.get());
+    }
+    /// Makes a time within the last step the present one.
+    void set_back(double t) {
+        CVodeGetDky(memory_.get(), t, 0, state_.get());
+        t_ = t;
+    }
 
   private:
     // By default the iteration stops at a tenth of what the error test allows, and what is left of it is noise that

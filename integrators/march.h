@@ -83,7 +83,8 @@ Trajectory unsupported(std::string message);
 
 /// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
 /// scheme for first-order systems is one through SystemStepper. One whose step can fail has `bool failed() const` and
-/// `void explain(Trajectory&)`, which gives status and message; it stays where it is after a failure.
+/// `void explain(Trajectory&)`, which gives status and message; it stays where it is after a failure. One that has more
+/// to tell at the end has `void report(Trajectory&)`.
 template <class S>
 concept Stepper = requires(S s, const S c, const Segment& segment, double t, double h) {
     { s.restart() } -> std::same_as<void>;       // back to t = 0
@@ -215,6 +216,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     trajectory.seconds = stopwatch.seconds() / settings.repetitions;
     trajectory.steps = budget.steps() / settings.repetitions;
     trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
     if (!settings.record && trajectory.status == Status::ok) keep(T);
     return trajectory;
 }

@@ -39,7 +39,8 @@ struct Method {
     std::string_view described_as{};
     std::string_view conserves{};  ///< what it keeps by construction: "nothing", "|q|", ..
     Control control = Control::none;
-    int order = 0;  ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
+    bool planes = false;  ///< it follows impacts on planes; without it a scene that has any is `unsupported`
+    int order = 0;        ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
 };
 

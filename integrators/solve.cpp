@@ -52,6 +52,8 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
     if (settings.step && !takes_step(method)) return failed(fmt::format("{} takes no step", method.name));
     if (settings.tolerance && !takes_tolerance(method))
         return failed(fmt::format("{} takes no tolerance", method.name));
+    if (!problem.scene.planes.empty() && !method.planes)
+        return unsupported(fmt::format("{} knows no impacts on planes", method.name));
     return method.solve(problem, with_defaults(problem, method, settings));
 }
 

@@ -27,6 +27,7 @@ Trajectory solve_truth(const Problem& problem, const Settings& settings) {
         trajectory.status = problem.needs.user_torque ? Status::unsupported : Status::failed;
         return trajectory;
     }
+    for (const Pair& t : truth.reference.impact_times) trajectory.impact_times.push_back(t.high);
     for (const ReferenceSample& sample : truth.reference.samples) trajectory.samples.push_back(rounded(sample));
     if (!settings.record) trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);
     return trajectory;
@@ -41,6 +42,7 @@ constexpr Method truth_methods[] = {{
     .source = "R. E. Moore 1966; A. Jorba and M. Zou 2005, Exp. Math. 14, 99; E. Hairer and G. Wanner 1996",
     .conserves = "everything the motion does, to 25 digits",
     .control = Control::none,
+    .planes = true,
     .solve = solve_truth,
 }};
 

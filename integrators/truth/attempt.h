@@ -17,6 +17,7 @@ struct Truth {
     long steps = 0;                        ///< of both runs
     double seconds = 0;                    ///< wall clock, when it was computed
     std::vector<DecimalColumns> decimals;  ///< one a sample, to more digits than agree
+    std::vector<std::string> impact_decimals;  ///< of Reference::impact_times, likewise
 };
 
 /// The truth from the cache, or else computed and kept there; throws as reference() does.

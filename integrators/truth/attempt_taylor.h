@@ -6,8 +6,7 @@
 
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/compare.h"
-#include "integrators/truth/euler_form.h"
-#include "integrators/truth/momentum_form.h"
+#include "integrators/truth/impacts.h"
 #include "integrators/truth/taylor.h"
 
 namespace polhode::truth {
@@ -33,8 +32,8 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
     const Scene& scene = problem.scene;
     const Vector3<double>& moments = problem.principal.moments;
     auto second =
-        in_thread([&] { return taylor<P, MomentumForm<P>>(scene, sample_times, problem.scales, moments, coarse); });
-    const Run<P> first = taylor<P, EulerForm<P>>(scene, sample_times, problem.scales, moments, fine);
+        in_thread([&] { return taylor<P, MomentumFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, coarse); });
+    const Run<P> first = taylor<P, EulerFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, fine);
     const Run<P> other = second.get();
     return compared(
         problem, sample_times, first, other,

@@ -83,6 +83,7 @@ class Words {
             throw std::runtime_error("no count");
         return value;
     }
+    bool more() const { return rest_.find_first_not_of(" \n") != rest_.npos; }
     std::size_t left() const { return rest_.size(); }
 
   private:
@@ -102,6 +103,16 @@ std::string encode(const std::string& key, const Truth& truth) {
         put(text, reference.samples[i].t);
         each_pair(reference.samples[i], [&](const Pair& pair) { put(text, pair.high), put(text, pair.low); });
         for (const std::string& decimal : truth.decimals[i]) text.append(decimal).append(" ");
+        text += '\n';
+    }
+    // only where there are any: the files of scenes without planes stay what they were
+    if (!reference.impact_times.empty()) {
+        text += fmt::format("{} ", reference.impact_times.size());
+        put(text, reference.impact_time_error);
+        for (std::size_t i = 0; i < reference.impact_times.size(); ++i) {
+            put(text, reference.impact_times[i].high), put(text, reference.impact_times[i].low);
+            text.append(truth.impact_decimals[i]).append(" ");
+        }
         text += '\n';
     }
     const std::string checksum = content_hash(text);
@@ -130,6 +141,15 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
             truth.reference.samples[i].t = in.real();
             each_pair(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
             for (std::string& decimal : truth.decimals[i]) decimal = in.word();
+        }
+        if (in.more()) {
+            const std::size_t impacts = in.count(in.left() / 6);
+            truth.reference.impact_time_error = in.real();
+            for (std::size_t i = 0; i < impacts; ++i) {
+                const double high = in.real(), low = in.real();
+                truth.reference.impact_times.emplace_back(high, low);
+                truth.impact_decimals.emplace_back(in.word());
+            }
         }
         return truth;
     } catch (const std::runtime_error&) {

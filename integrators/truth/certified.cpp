@@ -213,6 +213,10 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
             result.message = "no certified truth: a user's torque has none";
             return result;
         }
+    if (!scene.planes.empty()) {
+        result.message = "no certified truth: impacts on planes are not enclosed; leave out --certified";
+        return result;
+    }
     result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
     for (long k = 0; k <= samples; ++k) result.times.push_back(sample_time(scene.duration, k, samples));

@@ -92,12 +92,26 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
     Attempt attempt;
     attempt.fault = first.fault.empty() ? second.fault : first.fault;
     if (!attempt.fault.empty()) return attempt;
-    const double difference = disagreement(first, second);
+    double difference = disagreement(first, second);
+    P late(0);
+    for (std::size_t i = 0; i < std::min(first.impacts.size(), second.impacts.size()); ++i)
+        late = std::max(late, P(abs(first.impacts[i] - second.impacts[i])));
+    // another number of impacts is another motion
+    if (first.impacts.size() != second.impacts.size()) difference = std::numeric_limits<double>::infinity();
     attempt.agreed_digits = difference > 0 ? -std::log10(difference) : digits;
     attempt.truth = written(problem, sample_times, first, digits);
     attempt.truth.steps = first.steps + second.steps;
     attempt.truth.reference.bound = difference;
     attempt.truth.reference.message = how;
+    if (first.impacts.empty()) return attempt;
+    for (const P& t : first.impacts) {
+        attempt.truth.reference.impact_times.push_back(pair_of(t));
+        attempt.truth.impact_decimals.push_back(decimal_of(t, digits));
+    }
+    attempt.truth.reference.impact_time_error = late.template convert_to<double>();
+    attempt.truth.reference.message +=
+        fmt::format("; {} impact{}, whose times differ by {:.1e} s at most", first.impacts.size(),
+                    first.impacts.size() == 1 ? "" : "s", attempt.truth.reference.impact_time_error);
     return attempt;
 }
 

@@ -68,6 +68,10 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.message = "a user's torque has no truth";
         return dense;
     }
+    if (!scene.planes.empty()) {
+        dense.message = "impacts on planes are not kept as polynomials";
+        return dense;
+    }
     const bool is_stiff = truth_method(problem) == "collocation";
     dense.body_ = exact_body<double>(dense.scene_);
     std::vector<double> times;

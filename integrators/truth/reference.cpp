@@ -66,6 +66,8 @@ Attempt attempted(const Problem& problem, const std::vector<double>& times, doub
 // Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
 Truth computed(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
+    if (!scene.planes.empty() && is_stiff(problem))
+        return none("no truth: a stiff motion is followed by collocation, which knows no planes");
     double local = digits + 8, most_agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
@@ -100,6 +102,8 @@ std::string refusal(const Scene& scene, int digits) {
     validate(scene, scene.name);
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "no truth: a user's torque has none";
+    for (const Plane& plane : scene.planes)
+        if (plane.friction > 0) return "no truth: an impact with friction has none";
     if (digits > most_truth_digits)
         return fmt::format("no truth to {} digits: {} at most can be asked for", digits, most_truth_digits);
     return "";
@@ -145,6 +149,9 @@ DecimalReference decimal_reference(const Scene& scene, long samples, int digits)
     const int written = digits + guard_digits;
     result.bound = truth.reference.bound + std::pow(10.0, 1 - written);
     result.scene_hash = content_hash(write_scene(scene));
+    for (const std::string& t : truth.impact_decimals)
+        result.impact_times.push_back(truth::rounded_decimal(t, written));
+    result.impact_time_error = truth.reference.impact_time_error;
     for (std::size_t i = 0; i < truth.decimals.size(); ++i) {
         result.times.push_back(truth.reference.samples[i].t);
         result.columns.emplace_back();

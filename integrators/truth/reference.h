@@ -15,7 +15,8 @@ namespace polhode {
 /// The motion at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
 /// after it. Made twice, in two formulations with two orders and steps; where they differ by more than 10^-digits
 /// (attitude in rad, other blocks relative to their largest length) precision is raised, and in the end
-/// `available` is false and the message says how many digits agreed. A scene with a user's own torque has no truth.
+/// `available` is false and the message says how many digits agreed. A scene with a user's own torque has no truth,
+/// nor has one with friction at a plane, or a body that comes to rest on one.
 /// Kept in a cache on disk by the scene's content: $POLHODE_CACHE, else $XDG_CACHE_HOME/polhode, else
 /// ~/.cache/polhode. Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample or digit.
 Reference reference(const Scene& scene, long samples, int digits = 25);
@@ -37,7 +38,9 @@ struct DecimalReference {
     double bound = 0;        ///< as Reference::bound
     std::string scene_hash;  ///< of write_scene(scene)
     std::vector<double> times;
-    std::vector<DecimalColumns> columns;  ///< one a sample
+    std::vector<DecimalColumns> columns;    ///< one a sample
+    std::vector<std::string> impact_times;  ///< s, of the impacts on the scene's planes
+    double impact_time_error = 0;           ///< s, largest of them
 };
 
 /// The same motion as decimals of two significant digits more than `digits`: `digits` are right relative to the block's

@@ -2,8 +2,11 @@
 // last coefficients (Jorba & Zou 2005), samples from the polynomial, pieces between events.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "integrators/truth/motion.h"
 #include "integrators/truth/real.h"
 #include "integrators/truth/series.h"
+#include "motion/contact.h"
 #include "motion/problem.h"
 
 namespace polhode::truth {
@@ -20,6 +24,7 @@ template <class P, class Sample = Motion<P>>
 struct Run {
     std::string fault;            ///< why it stopped early; empty if it did not
     std::vector<Sample> motions;  ///< one a sample
+    std::vector<P> impacts;       ///< s, times of impacts on planes
     long steps = 0;
 };
 
@@ -51,11 +56,70 @@ void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&&
     }
 }
 
+/// A formulation that knows planes: `geometry()` in its body axes, `placement(y)`, `fastest(a, b, reach)`: a bound on
+/// the speed of the body's points where the first block of y is no longer than a, that of translation no longer than b;
+/// `meet(tolerance, y)`: the impact of what is that near.
+template <class Form, class P>
+concept MeetsPlanes = requires(Form form, const P& x, P* y) {
+    form.geometry();
+    form.placement(y);
+    form.fastest(x, x);
+    form.meet(x, y);
+};
+
+/// No component of the block at `first` of y(t + s), 0 <= s <= h, is longer together with its two neighbours.
+template <class P>
+P block_bound(const Series<P>& series, int first, const P& h) {
+    P squares(0);
+    for (int i = first; i < first + 3; ++i) {
+        P sum(0), power(1);
+        for (int k = 0; k <= series.order(); ++k, power *= h) sum += abs(series.coefficient(i, k)) * power;
+        squares += sum * sum;
+    }
+    return square_root(squares);
+}
+
+/// When the first gap closes within a step of length h: time after its begin.
+template <class P, class Form>
+std::optional<P> impact_within(const Form& form, const Series<P>& series, const P& h) {
+    std::vector<P> y(form.dimension());
+    const auto at = [&](const P& s) {
+        series.evaluate(s, y.data());
+        return form.placement(y.data());
+    };
+    return first_contact(form.geometry(), at, P(0), h,
+                         form.fastest(block_bound(series, 0, h), block_bound(series, 10, h)));
+}
+
 /// What is done with each step's polynomial: nothing.
 struct ForgetStep {
     template <class P, class Step>
     void operator()(const P&, const P&, const Step&) const {}
 };
+
+/// The impact at t, in place; false, with a fault, where the motion cannot be followed beyond it.
+template <class P, class Form, class Sample>
+bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Scales& scales, P* y,
+          Run<P, Sample>& run) {
+    constexpr std::size_t most_impacts = 100'000;
+    run.impacts.push_back(t);
+    const double reach = form.geometry().reach.template convert_to<double>();
+    // gaps that differ by what the steps may have lost close together
+    const ImpactOutcome outcome = form.meet(P(reach * std::pow(10.0, 6 - settings.digits)), y);
+    // below this speed the parabola of a flight is no higher than what the steps lose
+    const double resting = std::pow(10.0, -settings.digits / 2) * (scales.velocity + reach * scales.angular_velocity);
+    const char* why = nullptr;
+    if (!outcome.resolved)
+        why = "the contacts that touch at once find no impulses";
+    else if (!outcome.struck || outcome.separation <= resting)
+        why = "the body comes to rest on a plane, and resting contact is not followed";
+    else if (run.impacts.size() > most_impacts)
+        why = "they do not end";
+    if (why)
+        run.fault = fmt::format("{} impact{} up to t = {:.10g} s: {}", run.impacts.size(),
+                                run.impacts.size() == 1 ? "" : "s", t.template convert_to<double>(), why);
+    return !why;
+}
 
 /// on_step(t, h, series): the polynomial of the step from t to t + h.
 template <class P, class Form, class OnStep = ForgetStep>
@@ -103,9 +167,16 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
                 return false;
             }
             const bool to_end = remaining <= step;
-            const P h = to_end ? remaining : P(step);
-            const P reached = to_end ? P(end) : t + h;
-            if (!to_end && reached <= t) {
+            P h = to_end ? remaining : P(step);
+            P reached = to_end ? P(end) : t + h;
+            bool impact = false;
+            if constexpr (MeetsPlanes<Form, P>)
+                if (form.geometry().any())
+                    if (const std::optional<P> after = impact_within(form, series, h)) {
+                        h = *after, reached = t + h;
+                        impact = true;
+                    }
+            if (!to_end && !impact && reached <= t) {
                 run.fault = "the step vanishes";
                 return false;
             }
@@ -117,6 +188,8 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
             on_step(t, h, series);
             series.evaluate(h, y.data());
             t = reached;
+            if constexpr (MeetsPlanes<Form, P>)
+                if (impact && !meet(form, settings, t, scales, y.data(), run)) return false;
         }
         return true;
     });

@@ -160,9 +160,10 @@ Conditioning reference_conditioning(const Problem& problem, const std::vector<do
     if (times.empty() || times.front() < 0 || !(times.back() <= problem.scene.duration) ||
         !std::is_sorted(times.begin(), times.end()))
         throw std::invalid_argument("times must be within the duration and not decreasing");
-    if (problem.needs.user_torque) {
+    if (problem.needs.user_torque || !problem.scene.planes.empty()) {
         Conditioning none;
-        none.message = "a torque of the user's own has no Taylor series";
+        none.message = problem.needs.user_torque ? "a torque of the user's own has no Taylor series"
+                                                 : "the variational equation does not pass through impacts on planes";
         return none;
     }
     return problem.needs.translation == Translation::fixed ? truth::run<false>(problem, times, digits, max_steps)

@@ -128,6 +128,18 @@ void loads(Report& report, const Problem& problem) {
     }
 }
 
+void planes(Report& report, const Problem& problem) {
+    if (problem.scene.planes.empty()) return;
+    report.title("Planes");
+    for (const Plane& plane : problem.scene.planes)
+        report.line(fmt::format(
+            "{} . x > {} m, restitution {}, {}", text(plane.normal_W), number(plane.offset), number(plane.restitution),
+            plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction"));
+    const std::size_t pieces = problem.geometry.pieces.size();
+    report.line("hull", fmt::format("of {} point{}, balls or discs, none further than {} m from the centre of mass",
+                                    pieces, pieces == 1 ? "" : "s", number(problem.geometry.reach)));
+}
+
 std::string equations(System system) {
     switch (system) {
         case System::principal_axis_rotation:
@@ -282,6 +294,7 @@ std::string describe_scene(const Scene& scene) {
     report.line("centre of mass at", text(problem.body.position_W) + " m, world axes");
     report.line("its velocity", text(problem.body.velocity_W) + " m/s, world axes");
     loads(report, problem);
+    planes(report, problem);
     system_posed(report, problem);
     invariants(report, problem);
     conditioning(report, problem);

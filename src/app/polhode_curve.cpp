@@ -25,12 +25,15 @@ double rotational_energy(const V& moments, const V& w) {
 }
 
 bool struck_later(const Problem& problem) {
+    if (!problem.scene.planes.empty()) return true;
     return std::any_of(problem.segments.begin() + 1, problem.segments.end(),
                        [](const Segment& segment) { return !segment.impulses.empty(); });
 }
 
-// An impulse within begin < t <= end.
-bool struck(const Problem& problem, double begin, double end) {
+// An impulse or impact within begin < t <= end.
+bool struck(const Problem& problem, const Trajectory& run, double begin, double end) {
+    if (std::any_of(run.impact_times.begin(), run.impact_times.end(), [&](double t) { return begin < t && t <= end; }))
+        return true;
     return std::any_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
         return !segment.impulses.empty() && begin < segment.begin && segment.begin <= end;
     });
@@ -122,7 +125,7 @@ PolhodeCurve polhode_curve(const Problem& problem) {
     double largest_energy = 0;
     for (std::size_t i = 0; i < run.samples.size(); ++i) {
         const Sample& sample = run.samples[i];
-        if (i > 0 && struck(problem, run.samples[i - 1].t, sample.t)) polhode.curve.emplace_back();
+        if (i > 0 && struck(problem, run, run.samples[i - 1].t, sample.t)) polhode.curve.emplace_back();
         polhode.curve.back().push_back(rotate_back(q_BP, sample.angular_velocity_B));
         largest_energy = std::max(largest_energy, rotational_energy(moments, polhode.curve.back().back()));
     }

@@ -43,6 +43,7 @@ std::string loads_of(const Scene& scene) {
         const std::string name = std::visit(LoadName{}, load);
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
+    if (!scene.planes.empty()) names.emplace_back(scene.planes.size() == 1 ? "a plane" : "planes");
     return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 

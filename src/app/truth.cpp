@@ -32,6 +32,8 @@ std::string csv(const Scene& scene, const DecimalReference& truth) {
     std::string text = fmt::format("# {}: {}\nt", one_line(scene.name, 100), truth.message);
     for (const char* name : names) text.append(",").append(name);
     text += ",bound\n";
+    for (std::size_t i = 0; i < truth.impact_times.size(); ++i)
+        text += fmt::format("# impact {} at t = {} s\n", i + 1, truth.impact_times[i]);
     const std::string bound = fmt::format(",{:.2e}\n", truth.bound);
     for (std::size_t i = 0; i < truth.times.size(); ++i) {
         text += shortest_decimal(truth.times[i]);
@@ -47,7 +49,14 @@ std::string json(const Scene& scene, const Options& options, const DecimalRefere
         "[\"t\"",
         json_string(scene.name), truth.scene_hash, json_string(truth.message), options.digits, truth.bound);
     for (const char* name : names) text += fmt::format(", \"{}\"", name);
-    text += "],\n \"samples\": [";
+    text += "],\n";
+    if (!truth.impact_times.empty()) {
+        text += fmt::format(" \"impact_time_error\": {:.2e}, \"impact_times\": [", truth.impact_time_error);
+        for (std::size_t i = 0; i < truth.impact_times.size(); ++i)
+            text += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", truth.impact_times[i]);
+        text += "],\n";
+    }
+    text += " \"samples\": [";
     for (std::size_t i = 0; i < truth.times.size(); ++i) {
         text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i]));
         for (const std::string& value : truth.columns[i]) text += fmt::format(", \"{}\"", value);

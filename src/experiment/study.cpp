@@ -8,6 +8,7 @@
 namespace polhode {
 
 StudyResult run_gimbal_lock(const Plan& plan, bool quick);
+StudyResult run_collisions(const Plan& plan, bool quick);
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
 StudyResult run_orientation(const Plan& plan, bool quick);
@@ -16,6 +17,7 @@ std::span<const Study> studies() {
     // the only list
     static const Study list[] = {
         {"gimbal_lock", {}, run_gimbal_lock},
+        {"collisions", {"scenes", "vary", "methods", "settings", "seconds_per_run"}, run_collisions},
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
         {"orientation", {"repeats"}, run_orientation},

@@ -117,6 +117,10 @@ Kicks angular_kicks(const Problem& problem) {
                 add(kicks.along, impulse.vector);
         }
     }
+    for (const ContactPlane<double>& plane : problem.geometry.planes) {
+        if (plane.friction > 0) kicks.anything = true;
+        add(kicks.along, plane.normal_W);
+    }
     return kicks;
 }
 
@@ -134,6 +138,10 @@ Kicks linear_kicks(const Problem& problem) {
                 add(kicks.across, impulse.vector);
         }
     }
+    for (const ContactPlane<double>& plane : problem.geometry.planes) {
+        if (plane.friction > 0) kicks.anything = true;
+        add(kicks.across, plane.normal_W);
+    }
     return kicks;
 }
 
@@ -145,6 +153,8 @@ bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool piv
 }
 
 bool keeps_energy(const Problem& problem) {
+    for (const ContactPlane<double>& plane : problem.geometry.planes)
+        if (plane.restitution < 1 || plane.friction > 0) return false;
     const bool pivoted = problem.body.pivoted;
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
@@ -215,7 +225,35 @@ std::optional<VectorD> symmetry_axis(const Problem& problem) {
     return std::nullopt;
 }
 
+// A A^T is that of a disc across e or an ellipsoid of revolution about it: it maps e to a multiple of e and turns with
+// everything across into itself.
+bool disc_about(const SupportPiece<double>& piece, const VectorD& e) {
+    if (!piece.extended) return true;
+    const Matrix3<double> square = piece.semi_axes * transposed(piece.semi_axes);
+    const double trace = square[0][0] + square[1][1] + square[2][2], along = dot(e, square * e);
+    const double across = (trace - along) / 2;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const double expected = (i == j ? across : 0) + (along - across) * e[i] * e[j];
+            if (std::abs(square[i][j] - expected) > tolerance * trace) return false;
+        }
+    return true;
+}
+
+// Every normal at the hull meets the axis e through the centre of mass: pieces of revolution about it.
+bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
+    const auto off_axis = [&](const SupportPiece<double>& piece) {
+        return length(cross(e, piece.center)) > tolerance * geometry.reach || !disc_about(piece, e);
+    };
+    return std::none_of(geometry.pieces.begin(), geometry.pieces.end(), off_axis);
+}
+
 bool keeps_spin(const Problem& problem, const VectorD& e) {
+    if (problem.geometry.any()) {
+        for (const ContactPlane<double>& plane : problem.geometry.planes)
+            if (plane.friction > 0) return false;
+        if (!revolves(problem.geometry, e)) return false;
+    }
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
         if (f.has_world_torque || !f.world_points.empty() || !f.springs.empty() || !f.user_torques.empty())

@@ -142,14 +142,15 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     if (!(problem.principal.q_BP == Quaternion<double>{}))
         leave_out("products of inertia", "they vanish in the principal frame, in which the system is posed");
 
-    const bool still = !exact.pivoted && at_rest(exact, problem.scene, forcings);
+    const bool planes = !problem.scene.planes.empty();
+    const bool still = !planes && !exact.pivoted && at_rest(exact, problem.scene, forcings);
     if (exact.pivoted) {
         needs.translation = Translation::fixed;
         leave_out("p and v", "the pivot holds the body: both follow from q and w");
     } else if (still && !translation_couples(problem.scene, forcings)) {
         needs.translation = Translation::fixed;
         leave_out("p and v", "no force, and the centre of mass starts at rest at the origin");
-    } else if (!translation_couples(problem.scene, forcings) && !needs.user_torque) {
+    } else if (!planes && !translation_couples(problem.scene, forcings) && !needs.user_torque) {
         needs.translation = Translation::closed_form;
         leave_out("p and v", "constant acceleration and linear drag at most: a closed form, piecewise");
     } else {

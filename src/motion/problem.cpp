@@ -119,6 +119,14 @@ Problem pose(const Scene& scene, Formulation formulation) {
         segment.forcing.only_field = !segment.forcing.any_torque_beside_field();
         problem.segments.push_back(std::move(segment));
     }
+    const ContactGeometry<Wide> geometry = contact_geometry(scene, exact.center, q_BP);
+    for (const ContactPlane<Wide>& plane : geometry.planes)
+        problem.geometry.planes.push_back(
+            {cast<double>(plane.normal_W), double(plane.offset), double(plane.restitution), double(plane.friction)});
+    for (const SupportPiece<Wide>& piece : geometry.pieces)
+        problem.geometry.pieces.push_back(
+            {cast<double>(piece.center), piece.extended, cast<double>(piece.semi_axes), double(piece.radius)});
+    problem.geometry.reach = double(geometry.reach);
     find_needs(problem, exact, q_BP, forcings);
 
     if (problem.needs.translation != Translation::integrated) {
@@ -268,6 +276,29 @@ Sample sample_of(const Problem& problem, double t, const double* y) {
         translate(segment, t - segment.begin, sample.position_W, sample.velocity_W);
     }
     return sample;
+}
+
+Placement<double> placement_of(const double* y) {
+    const Quaternion<double> q = normalized(quaternion_at(y, 3));
+    return {q, vector_at(y, 7), vector_at(y, 10), rotate(q, vector_at(y, 0))};
+}
+
+ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y) {
+    const Placement<double> at = placement_of(y);
+    const std::vector<Contact<double>> touching = problem.geometry.contacts(at, tolerance);
+    if (touching.empty()) return {};
+    const Matrix3<double> inverse_inertia = problem.formulation == Formulation::full
+                                                ? problem.full_inertia.inverse
+                                                : diagonal(problem.principal_inertia.inverse_moments);
+    StruckBody<double> body{1 / problem.body.mass, rotated(inverse_inertia, at.q), at.position_W, at.velocity_W,
+                            at.angular_velocity_W};
+    const ImpactOutcome outcome = resolve_impact(body, touching);
+    if (outcome.struck) {
+        // the change alone is turned back: a component that no impulse touches keeps its bits but for that
+        put(y, 0, vector_at(y, 0) + rotate_back(at.q, body.angular_velocity_W - at.angular_velocity_W));
+        put(y, 10, body.velocity_W);
+    }
+    return outcome;
 }
 
 template <class SystemType>

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "motion/contact.h"
 #include "motion/equations.h"
 #include "motion/exact_body.h"
 #include "motion/systems.h"
@@ -73,6 +74,7 @@ struct Problem {
     Needs needs;
     std::vector<Segment> segments;
     Scales scales;
+    ContactGeometry<double> geometry;  ///< of the scene's planes and the body's hull, posed axes
 
     Vector3<double> initial_angular_velocity;  ///< posed axes
     Quaternion<double> initial_q;              ///< posed axes to world
@@ -125,6 +127,12 @@ bool enter(const Problem& problem, const Segment& segment, double* y);
 /// The motion that y at time t stands for; closed-form blocks are filled in.
 template <class SystemType>
 Sample sample_of(const Problem& problem, double t, const double* y);
+
+/// Where the body is at a state of a 13-dimensional system, as contacts need it.
+Placement<double> placement_of(const double* y);
+
+/// The impact of a state of a 13-dimensional system at the contacts whose gap is at most `tolerance` (m), in place.
+ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y);
 
 /// One scale for each component of y.
 template <class SystemType>

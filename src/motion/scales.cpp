@@ -69,6 +69,10 @@ void scout(const Problem& problem, Scales& scales) {
             }
             t = segment.end - t <= h ? segment.end : t + h;
             y = next, k1 = k4;
+            if constexpr (N == 13)
+                // as impact_stepping: what is too deep is sent back
+                if (problem.geometry.any() && strike_planes(problem, 0, y.data()).struck)
+                    f.derivative(t, y.data(), k1.data());
             note(problem, sample_of<SystemType>(problem, t, y.data()), scales);
             h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
         }

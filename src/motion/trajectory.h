@@ -30,6 +30,7 @@ struct Trajectory {
     std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
     std::vector<Sample> samples;  ///< those reached; the first at t = 0
     std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
+    std::vector<double> impact_times;          ///< s, of the impacts on the scene's planes
     long steps = 0;
     long rhs_evaluations = 0;
     double seconds = 0;          ///< wall clock of the integration alone, set-up left out
@@ -63,6 +64,8 @@ struct Reference {
     bool available = false;
     std::string message;  ///< why there is none, or how it was made
     double bound = 0;     ///< largest of the attitude's error (rad) and the other blocks' relative errors
+    std::vector<Pair> impact_times;  ///< s, of the impacts on the scene's planes
+    double impact_time_error = 0;    ///< s, largest of them
     std::vector<ReferenceSample> samples;
 };
 

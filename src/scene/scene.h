@@ -101,6 +101,15 @@ struct Body {
     std::shared_ptr<const BodySource> source = nullptr;
 };
 
+/// An immovable plane: the body stays where normal . x > offset. An impact reverses the normal speed of the point that
+/// touches `restitution`-fold; `friction` is Coulomb's coefficient.
+struct Plane {
+    Vector3<double> normal_W{0, 0, 1};  ///< of any length but zero
+    double offset = 0;                  ///< m, where the normal is a unit vector
+    double restitution = 1;             ///< 0..1
+    double friction = 0;                ///< >= 0
+};
+
 /// Where the motion starts at t = 0. The orientation is kept as given; it stands for its normalised value.
 struct Initial {
     Quaternion<double> orientation;
@@ -120,6 +129,7 @@ struct Scene {
     Initial initial;
     std::optional<Vector3<double>> pivot;  ///< body point (from the body's origin) held at the world's origin, m
     std::vector<Load> loads;
+    std::vector<Plane> planes;  ///< beside a body that has a shape, without a pivot
     std::optional<double> tolerated_attitude;  ///< rad
 };
 
@@ -134,7 +144,8 @@ class InputError : public std::runtime_error {
 
 /// Throws InputError (file = the scene's name) where the scene breaks a rule of the file format: not finite, mass or
 /// principal moment not positive, triangle inequality or symmetry broken by more than 1e-12 of the largest moment,
-/// | |q| - 1 | > 1e-6, an empty window, a position beside a pivot. `file` is named in the message.
+/// | |q| - 1 | > 1e-6, an empty window, a position beside a pivot, a plane beside a body without a
+/// shape or above where it starts. `file` is named in the message.
 void validate(const Scene& scene, const std::string& file);
 
 /// The window of any load but an impulse, which has none.

@@ -19,12 +19,6 @@ Frame frame(const JsonNode& node) {
     node.fail(node.described(), "give \"body\" or \"world\"");
 }
 
-void refuse_unavailable(const JsonNode& object, std::initializer_list<const char*> keys, const char* remedy) {
-    for (const char* key : keys)
-        if (const JsonNode* node = object.find(key))
-            node->fail(fmt::format("\"{}\" is not available yet", key), remedy);
-}
-
 Initial initial(const JsonNode& node, bool pivoted) {
     node.only({"orientation", "angular_velocity", "angular_velocity_frame", "position", "velocity"});
     Initial start;
@@ -115,10 +109,19 @@ Load load(const JsonNode& node) {
     type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
 }
 
+Plane plane(const JsonNode& node) {
+    node.only({"normal", "offset", "restitution", "friction"});
+    Plane p;
+    p.normal_W = vector3(node.required("normal", "[x, y, z], world axes, towards the body"));
+    if (const JsonNode* offset = node.find("offset")) p.offset = offset->number();
+    p.restitution = node.required("restitution", "how much of the normal speed an impact gives back, 0 to 1").number();
+    if (const JsonNode* friction = node.find("friction")) p.friction = friction->number();
+    return p;
+}
+
 Scene scene(const JsonNode& root, const std::string& directory) {
     if (!root.is_object()) root.fail(root.described(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
-    refuse_unavailable(root, {"planes"}, "leave it out");
-    root.only({"name", "about", "source", "duration", "body", "initial", "pivot", "loads", "tolerated"});
+    root.only({"name", "about", "source", "duration", "body", "initial", "pivot", "loads", "planes", "tolerated"});
     Scene s;
     s.directory = directory;
     s.name = root.required("name", "the scene's name").string();
@@ -130,6 +133,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* start = root.find("initial")) s.initial = initial(*start, s.pivot.has_value());
     if (const JsonNode* loads = root.find("loads"))
         for (const JsonNode* one : loads->elements()) s.loads.push_back(load(*one));
+    if (const JsonNode* planes = root.find("planes"))
+        for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
         tolerated->only({"attitude"});
         s.tolerated_attitude = tolerated->required("attitude", "the largest attitude error in rad").number();

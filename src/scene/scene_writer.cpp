@@ -86,6 +86,13 @@ std::string write_scene(const Scene& scene) {
     for (const Load& load : scene.loads)
         loads += (loads.empty() ? "\n    " : ",\n    ") + std::visit(LoadWriter{}, load);
     if (!loads.empty()) member("loads", "[" + loads + "\n  ]");
+    std::string planes;
+    for (const Plane& plane : scene.planes)
+        planes +=
+            fmt::format(R"({}{{"normal": {}, "offset": {}, "restitution": {}, "friction": {}}})",
+                        planes.empty() ? "\n    " : ",\n    ", json(plane.normal_W), shortest_decimal(plane.offset),
+                        shortest_decimal(plane.restitution), shortest_decimal(plane.friction));
+    if (!planes.empty()) member("planes", "[" + planes + "\n  ]");
     if (scene.tolerated_attitude)
         member("tolerated", fmt::format("{{\"attitude\": {}}}", shortest_decimal(*scene.tolerated_attitude)));
     return text + "\n}\n";

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "body/rigid_body.h"
+#include "scene/body_hull.h"
 #include "scene/message.h"
 #include "scene/scene.h"
 #include "table/decimal.h"
@@ -13,6 +14,7 @@ namespace polhode {
 namespace {
 
 constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
+constexpr double start_tolerance = 1e-12;  // of the body's reach: how deep in a plane rounding may put its start
 constexpr double norm_tolerance = 1e-6;    // of a unit quaternion
 
 // Throws at places inside one scene.
@@ -182,6 +184,45 @@ struct LoadCheck {
     }
 };
 
+// Each plane by itself, then against the body: a shape, no pivot, and a start above it.
+void check_planes(const Check& check, const Scene& scene) {
+    for (std::size_t i = 0; i < scene.planes.size(); ++i) {
+        const Plane& plane = scene.planes[i];
+        const std::string place = fmt::format("/planes/{}", i);
+        check.finite(place + "/normal", plane.normal_W);
+        check.finite(place + "/offset", plane.offset);
+        check.finite(place + "/restitution", plane.restitution);
+        check.finite(place + "/friction", plane.friction);
+        const Wide length = square_root(dot(cast<Wide>(plane.normal_W), cast<Wide>(plane.normal_W)));
+        if (!(length > 0)) check.fail(place + "/normal", "is zero", "give the direction from the plane to the body");
+        if (!std::isfinite(double(1 / length)))
+            check.fail(place + "/normal", "is too short", "a normal needs a length with a finite inverse: >= 1e-307");
+        if (!(plane.restitution >= 0 && plane.restitution <= 1))
+            check.fail(place + "/restitution", "is " + shortest_decimal(plane.restitution),
+                       "the restitution is from 0 (nothing given back) to 1 (no loss)");
+        if (!(plane.friction >= 0))
+            check.fail(place + "/friction", "is " + shortest_decimal(plane.friction), "Coulomb's coefficient is >= 0");
+        if (scene.pivot)
+            check.fail(place, "stands beside a pivot", "leave one of them out: a held body meets no planes");
+        if (!scene.body.source || !has_shape(*scene.body.source))
+            check.fail(place, "stands beside a body without a shape",
+                       "give the body by \"shape\", \"parts\" with shapes, or \"mesh\"");
+        const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*scene.body.source);
+        if (pieces.empty()) check.fail(place, "stands beside a body that is all holes", "give it a part of its own");
+        // the lowest point along the plane's normal
+        const Quaternion<Wide> q = normalized(cast<Wide>(scene.initial.orientation));
+        const Vector3<Wide> normal_W = (1 / length) * cast<Wide>(plane.normal_W), n = rotate_back(q, normal_W);
+        Wide lowest = pieces.front().lowest(n), reach = 0;
+        for (const SupportPiece<Wide>& piece : pieces)
+            lowest = std::min(lowest, piece.lowest(n)), reach = std::max(reach, piece.reach());
+        const Wide gap = dot(normal_W, cast<Wide>(scene.initial.position_W)) - dot(n, scene.body.source->wide.center) +
+                         lowest - Wide(plane.offset) / length;
+        if (!(gap >= -start_tolerance * reach))
+            check.fail(place, fmt::format("has the body {} m deep in it at the start", shortest_decimal(-double(gap))),
+                       "start where normal . x > offset: raise /initial/position");
+    }
+}
+
 }  // namespace
 
 void validate(const Scene& scene, const std::string& file) {
@@ -200,6 +241,7 @@ void validate(const Scene& scene, const std::string& file) {
         std::visit(LoadCheck{check, place}, scene.loads[i]);
         check_window(check, place, window_of(scene.loads[i]));
     }
+    check_planes(check, scene);
     if (scene.tolerated_attitude)
         check.positive("/tolerated/attitude", *scene.tolerated_attitude, "the tolerated attitude error in rad");
 }

@@ -1,0 +1,227 @@
+// A body with a shape before immovable planes: gaps, when the first of them closes, and the impact there.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "motion/impact.h"
+#include "scene/body_hull.h"
+
+namespace polhode {
+
+/// Where a body is and how it moves, world axes; q, of unit length, maps the axes of the pieces to the world's.
+template <class S>
+struct Placement {
+    Quaternion<S> q;
+    Vector3<S> position_W, velocity_W, angular_velocity_W;  ///< of the centre of mass: p and v
+};
+
+/// Distance (m) between a piece of the body's hull and a plane, negative in the plane, and its rate (m/s).
+template <class S>
+struct Gap {
+    S distance = S(0), rate = S(0);
+};
+
+template <class S>
+struct ContactPlane {
+    Vector3<S> normal_W;  ///< unit
+    S offset = S(0);      ///< m
+    S restitution = S(1), friction = S(0);
+};
+
+/// Empty (`any()` is false) of a scene without planes.
+template <class S>
+class ContactGeometry {
+  public:
+    std::vector<ContactPlane<S>> planes;
+    std::vector<SupportPiece<S>> pieces;  ///< about the centre of mass
+    S reach = S(0);                       ///< no point of the body is further from the centre of mass, m
+
+    bool any() const { return !planes.empty() && !pieces.empty(); }
+    std::size_t size() const { return planes.size() * pieces.size(); }
+
+    /// Of the k-th pair of a plane and a piece.
+    Gap<S> gap(std::size_t k, const Placement<S>& at) const {
+        const ContactPlane<S>& plane = planes[k / pieces.size()];
+        const SupportPiece<S>& piece = pieces[k % pieces.size()];
+        const Vector3<S> n = rotate_back(at.q, plane.normal_W);
+        const Vector3<S> arm_W = rotate(at.q, piece.lowest_point(n));
+        return {dot(plane.normal_W, at.position_W) + piece.lowest(n) - plane.offset,
+                dot(plane.normal_W, at.velocity_W + cross(at.angular_velocity_W, arm_W))};
+    }
+    /// The distances of all pairs.
+    std::vector<S> distances(const Placement<S>& at) const {
+        std::vector<S> all;
+        all.reserve(size());
+        for (const ContactPlane<S>& plane : planes) {
+            const Vector3<S> n = rotate_back(at.q, plane.normal_W);
+            const S height = dot(plane.normal_W, at.position_W) - plane.offset;
+            for (const SupportPiece<S>& piece : pieces) all.push_back(height + piece.lowest(n));
+        }
+        return all;
+    }
+    /// The smallest distance to one plane.
+    S distance(std::size_t plane, const Placement<S>& at) const {
+        const Vector3<S> n = rotate_back(at.q, planes[plane].normal_W);
+        S least = pieces.front().lowest(n);
+        for (std::size_t i = 1; i < pieces.size(); ++i) least = std::min(least, pieces[i].lowest(n));
+        return dot(planes[plane].normal_W, at.position_W) + least - planes[plane].offset;
+    }
+    /// The smallest of all distances.
+    S distance(const Placement<S>& at) const {
+        S least = distance(0, at);
+        for (std::size_t i = 1; i < planes.size(); ++i) least = std::min(least, distance(i, at));
+        return least;
+    }
+    /// The contacts whose gap is at most `tolerance`.
+    std::vector<Contact<S>> contacts(const Placement<S>& at, const S& tolerance) const {
+        std::vector<Contact<S>> touching;
+        for (const ContactPlane<S>& plane : planes) {
+            const Vector3<S> n = rotate_back(at.q, plane.normal_W);
+            const S height = dot(plane.normal_W, at.position_W) - plane.offset;
+            for (const SupportPiece<S>& piece : pieces)
+                if (!(height + piece.lowest(n) > tolerance))
+                    touching.push_back({at.position_W + rotate(at.q, piece.lowest_point(n)), plane.normal_W,
+                                        plane.restitution, plane.friction});
+        }
+        return touching;
+    }
+};
+
+/// In axes that q_BP (of unit length) maps to the body's.
+template <class S>
+ContactGeometry<S> contact_geometry(const Scene& scene, const Vector3<S>& center, const Quaternion<S>& q_BP) {
+    ContactGeometry<S> geometry;
+    if (scene.planes.empty() || !scene.body.source) return geometry;
+    for (const Plane& plane : scene.planes) {
+        const Vector3<S> normal = cast<S>(plane.normal_W);
+        const S length = square_root(dot(normal, normal));
+        geometry.planes.push_back(
+            {(S(1) / length) * normal, S(plane.offset) / length, S(plane.restitution), S(plane.friction)});
+    }
+    const Quaternion<S> q_PB = conjugate(q_BP);
+    for (const SupportPiece<S>& piece : hull<S>(*scene.body.source)) {
+        geometry.pieces.push_back(placed(piece, Vector3<S>(-rotate(q_PB, center)), q_PB));
+        geometry.reach = std::max(geometry.reach, geometry.pieces.back().reach());
+    }
+    return geometry;
+}
+
+/// Looks for the first time at which a gap closes. At: `Placement<S> at(t)`.
+template <class S, class At>
+class ContactSearch {
+  public:
+    /// The speed of no point of the body exceeds `speed_bound` (m/s).
+    ContactSearch(const ContactGeometry<S>& geometry, const At& at, const S& speed_bound)
+        : geometry_(geometry), at_(at), speed_bound_(speed_bound) {}
+
+    std::optional<S> first(const S& begin, const S& end) const { return run(node(begin), node(end), 0); }
+
+  private:
+    static constexpr int most_halvings = 8, most_iterations = 400;
+
+    struct Node {
+        S t;
+        Placement<S> placement;
+        std::vector<S> distances;
+    };
+
+    Gap<S> gap(std::size_t k, const S& t) const { return geometry_.gap(k, at_(t)); }
+    Node node(const S& t) const {
+        Node n{t, at_(t), {}};
+        n.distances = geometry_.distances(n.placement);
+        return n;
+    }
+
+    // the root of the k-th distance between a (open) and b (closed): Newton's iteration kept inside by bisection
+    S closing(std::size_t k, S a, S b) const {
+        S t = (a + b) / S(2);
+        for (int i = 0; i < most_iterations; ++i) {
+            const Gap<S> g = gap(k, t);
+            (g.distance > S(0) ? a : b) = t;
+            S next = t - g.distance / g.rate;
+            if (!(next >= a && next <= b)) next = (a + b) / S(2);
+            const S change = next > t ? S(next - t) : S(t - next);
+            t = next;
+            if (!(change > S(2) * Elementary<S>::epsilon() * b)) break;
+        }
+        return t;
+    }
+    // where the k-th distance, falling at a and rising at b, is zero or else smallest
+    S lowest(std::size_t k, S a, S b) const {
+        for (int i = 0; i < most_iterations && b - a > S(2) * Elementary<S>::epsilon() * b; ++i) {
+            const S middle = (a + b) / S(2);
+            const Gap<S> g = gap(k, middle);
+            if (!(g.distance > S(0))) return middle;
+            (g.rate < S(0) ? a : b) = middle;
+        }
+        return b;
+    }
+    // a time between a and b, closed at both, at which the k-th gap is open, or a
+    S opened(std::size_t k, const S& a, const S& b) const {
+        S low = a, high = b;
+        for (int i = 0; i < 60; ++i) {
+            const S middle = (low + high) / S(2);
+            const Gap<S> g = gap(k, middle);
+            if (g.distance > S(0)) return middle;
+            (g.rate > S(0) ? low : high) = middle;
+        }
+        return a;
+    }
+    std::optional<S> in_leaf(const Node& a, const Node& b, std::size_t k) const {
+        const Gap<S> from = geometry_.gap(k, a.placement), to = geometry_.gap(k, b.placement);
+        if (to.distance > S(0)) {
+            if (!(from.rate < S(0) && to.rate > S(0))) return {};
+            const S low = lowest(k, a.t, b.t);
+            if (gap(k, low).distance > S(0)) return {};
+            return from.distance > S(0) ? closing(k, a.t, low) : a.t;
+        }
+        if (from.distance > S(0)) return closing(k, a.t, b.t);
+        if (!(to.rate < S(0))) return {};
+        if (!(from.rate > S(0))) return a.t;
+        const S open = opened(k, a.t, b.t);
+        return open > a.t ? closing(k, open, b.t) : a.t;
+    }
+    std::optional<S> run(const Node& a, const Node& b, int depth) const {
+        std::vector<std::size_t> near;
+        for (std::size_t k = 0; k < geometry_.size(); ++k)
+            if (a.distances[k] + b.distances[k] <= speed_bound_ * (b.t - a.t)) near.push_back(k);
+        if (near.empty()) return {};
+        if (depth == most_halvings) {
+            std::optional<S> first;
+            for (std::size_t k : near)
+                if (const std::optional<S> t = in_leaf(a, b, k); t && (!first || *t < *first)) first = t;
+            return first;
+        }
+        const Node middle = node((a.t + b.t) / S(2));
+        if (std::optional<S> found = run(a, middle, depth + 1)) return found;
+        return run(middle, b, depth + 1);
+    }
+
+    const ContactGeometry<S>& geometry_;
+    const At& at_;
+    const S speed_bound_;
+};
+
+/// The first time in [begin, end] at which a gap closes, to rounding. No point of the body moves faster than
+/// `speed_bound` (m/s): an interval too short for the gaps at its ends is passed over. What is left is halved down to
+/// 2^-8 of the whole; within such a piece a gap is taken to have one minimum at most. A gap that is zero at `begin` and
+/// opens, as after an impact, does not count; one that is zero there and stays closed gives `begin`. Ends whatever the
+/// numbers; NaN closes nothing.
+template <class S, class At>
+std::optional<S> first_contact(const ContactGeometry<S>& geometry, const At& at, const S& begin, const S& end,
+                               const S& speed_bound) {
+    if (!(end > begin)) return {};
+    return ContactSearch<S, At>(geometry, at, speed_bound).first(begin, end);
+}
+
+/// A separation below this part of the motion's speed is no flight: what follows is resting contact, or impacts that
+/// accumulate at a time just ahead.
+template <class S>
+double resting_speed(const S& speed) {
+    return 4 * std::sqrt(static_cast<double>(Elementary<S>::epsilon())) * static_cast<double>(speed);
+}
+
+}  // namespace polhode

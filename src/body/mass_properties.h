@@ -1,0 +1,71 @@
+// Mass, centre of mass and inertia of bodies made of placed and turned parts, over any scalar.
+#pragma once
+
+#include <vector>
+
+#include "body/algebra.h"
+#include "body/rigid_body.h"
+
+namespace polhode {
+
+/// Of a body in its own axes: mass (kg), centre of mass from the origin (m), inertia tensor about the centre of mass
+/// (kg m^2). A negative mass is a hole.
+template <class S>
+struct MassProperties {
+    S mass = S(0);
+    Vector3<S> center;
+    Matrix3<S> inertia;
+};
+
+/// R I R^T.
+template <class S>
+Matrix3<S> rotated(const Matrix3<S>& inertia, const Quaternion<S>& q) {
+    const Matrix3<S> R = rotation_matrix(q);
+    return R * inertia * transposed(R);
+}
+
+/// The tensor about the centre of mass as one about the point `arm` away from it: Steiner's theorem.
+template <class S>
+Matrix3<S> about_point(const MassProperties<S>& body, const Vector3<S>& point) {
+    return body.inertia + parallel_axis(body.mass, Vector3<S>(body.center - point));
+}
+
+/// The body turned by q (a unit quaternion) about its origin, and its origin then moved to `position`.
+template <class S>
+MassProperties<S> placed(const MassProperties<S>& body, const Vector3<S>& position, const Quaternion<S>& q) {
+    return {body.mass, position + rotate(q, body.center), rotated(body.inertia, q)};
+}
+
+/// One rigid body of all parts: m = sum m_i, c = sum m_i c_i / m, I = sum (I_i + Steiner's term of c_i - c). A whole
+/// without mass keeps the origin for its centre.
+template <class S>
+MassProperties<S> composite(const std::vector<MassProperties<S>>& parts) {
+    MassProperties<S> whole;
+    Vector3<S> moment;
+    for (const MassProperties<S>& part : parts) {
+        whole.mass = whole.mass + part.mass;
+        moment = moment + part.mass * part.center;
+    }
+    if (!(whole.mass == S(0)))
+        whole.center = Vector3<S>(moment[0] / whole.mass, moment[1] / whole.mass, moment[2] / whole.mass);
+    for (const MassProperties<S>& part : parts) whole.inertia = whole.inertia + about_point(part, whole.center);
+    return whole;
+}
+
+/// A mass (kg) at a point (m).
+template <class S>
+struct PointMass {
+    S mass = S(0);
+    Vector3<S> position;
+};
+
+/// sum m_i (|r_i|^2 1 - r_i r_i^T) about their centre of mass.
+template <class S>
+MassProperties<S> of_points(const std::vector<PointMass<S>>& points) {
+    std::vector<MassProperties<S>> parts;
+    parts.reserve(points.size());
+    for (const PointMass<S>& point : points) parts.push_back({point.mass, point.position, {}});
+    return composite(parts);
+}
+
+}  // namespace polhode

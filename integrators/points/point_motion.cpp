@@ -1,0 +1,93 @@
+#include "integrators/points/point_motion.h"
+
+#include "motion/exact_body.h"
+
+namespace polhode {
+
+void PointMotion::initial(double* y) const {
+    const ExactBody<double>& start = problem_->body;
+    const int n = body_->count();
+    for (int i = 0; i < n; ++i) {
+        const Vector3<double>& x = body_->rest_B[i];
+        put(y, 3 * i, start.position_W + rotate(start.q, x));
+        put(y, 3 * (n + i), start.velocity_W + rotate(start.q, cross(start.angular_velocity_B, x)));
+    }
+}
+
+PointMotion::Reading PointMotion::read(const double* y, bool attitude) const {
+    const int n = body_->count();
+    Reading reading;
+    reading.cloud = cloud_of(body_->point_mass, y, n);
+    for (int i = 0; i < n; ++i) reading.velocity_W = reading.velocity_W + vector_at(y, 3 * (n + i));
+    reading.velocity_W = (1.0 / n) * reading.velocity_W;
+    Vector3<double> L;
+    for (int i = 0; i < n; ++i)
+        L = L + body_->point_mass *
+                    cross(vector_at(y, 3 * i) - reading.cloud.center, vector_at(y, 3 * (n + i)) - reading.velocity_W);
+    reading.angular_velocity_W = inverse(reading.cloud.inertia) * L;
+    if (attitude) reading.q = best_rotation(body_->rest_B, y, reading.cloud.center);
+    return reading;
+}
+
+void PointMotion::enter(const Segment& segment, double* y) {
+    segment_ = &segment;
+    const Forcing<double>& f = segment.forcing;
+    loaded_ =
+        f.any_torque() ||
+        (!f.pivoted && (f.has_body_force || f.has_translational_drag || !(f.acceleration_W == Vector3<double>())));
+    const int n = body_->count();
+    for (const PosedImpulse<double>& impulse : segment.impulses) {
+        const Reading now = read(y, true);
+        const Quaternion<double> q = now.q * problem_->q_BP;
+        const Vector3<double> before = rotate_back(q, now.angular_velocity_W);
+        Vector3<double> w = before, v = now.velocity_W;
+        const bool pivoted = problem_->body.pivoted;
+        if (problem_->formulation == Formulation::full)
+            apply(impulse, problem_->full_inertia, problem_->body.mass, pivoted, w, q, now.cloud.center, v);
+        else
+            apply(impulse, problem_->principal_inertia, problem_->body.mass, pivoted, w, q, now.cloud.center, v);
+        const Vector3<double> jump = rotate(q, w - before), origin = pivoted ? Vector3<double>() : now.cloud.center;
+        for (int i = 0; i < n; ++i)
+            put(y, 3 * (n + i),
+                vector_at(y, 3 * (n + i)) + (v - now.velocity_W) + cross(jump, vector_at(y, 3 * i) - origin));
+    }
+}
+
+void PointMotion::add_loads(double t, const double* y, double* a) const {
+    if (!loaded_) return;
+    const Forcing<double>& f = segment_->forcing;
+    const int n = body_->count();
+    const bool turned = f.any_torque(), attitude = turned || f.has_body_force;
+    Vector3<double> linear, angular, origin;
+    if (attitude || f.has_translational_drag) {
+        const Reading now = read(y, attitude);
+        const Quaternion<double> q = now.q * problem_->q_BP;
+        if (turned) {
+            const Vector3<double> w = rotate_back(q, now.angular_velocity_W);
+            const Vector3<double> tau = rotate(q, torque(f, t, w, q, now.cloud.center, now.velocity_W));
+            Matrix3<double> tensor = now.cloud.inertia;
+            if (f.pivoted) tensor = tensor + parallel_axis(problem_->body.mass, now.cloud.center);
+            angular = inverse(tensor) * tau;
+            if (!f.pivoted) origin = now.cloud.center;
+        }
+        if (f.has_body_force) linear = rotate(q, f.specific_force);
+        if (f.has_translational_drag) linear = linear - f.specific_drag * now.velocity_W;
+    }
+    linear = f.pivoted ? Vector3<double>() : linear + f.acceleration_W;
+    for (int i = 0; i < n; ++i) {
+        Vector3<double> sum = vector_at(a, 3 * i) + linear;
+        if (turned) sum = sum + cross(angular, vector_at(y, 3 * i) - origin);
+        put(a, 3 * i, sum);
+    }
+}
+
+Sample PointMotion::sample(double t, const double* y) const {
+    const Reading now = read(y, true);
+    Sample sample;
+    sample.t = t, sample.q = now.q;
+    sample.angular_velocity_B = rotate_back(now.q, now.angular_velocity_W);
+    sample.position_W = now.cloud.center, sample.velocity_W = now.velocity_W;
+    return sample;
+}
+
+}  // namespace polhode

@@ -1,0 +1,151 @@
+// Bodies made of points on stiff springs by CVODE's backward differentiation formulas.
+#include <cvodes/cvodes.h>
+#include <cvodes/cvodes_ls.h>
+
+#include "integrators/points/point_runs.h"
+#include "integrators/points/point_session.h"
+#include "integrators/points/spring_network.h"
+#include "integrators/sundials_run.h"
+
+namespace polhode {
+namespace {
+
+class SpringSession : public PointSession {
+  public:
+    SpringSession(const Problem& problem, const PointBody& body, double stiffness, double tolerance)
+        : PointSession(problem, body, tolerance, 0),
+          network_(body, stiffness),
+          matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
+          linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
+          memory_(CVodeCreate(CV_BDF, context_)) {
+        if (!memory_) throw std::bad_alloc();
+        void* memory = memory_.get();
+        PointSession* base = this;
+        demand(CVodeSetErrHandlerFn(memory, note_message, base));
+        demand(CVodeInit(memory, right_hand_side, 0, state_.get()));
+        demand(CVodeSVtolerances(memory, 0, absolute_.get()));
+        demand(CVodeSetUserData(memory, base));
+        demand(CVodeSetMaxHnilWarns(memory, -1));
+        demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
+        demand(CVodeSetJacFn(memory, fill_jacobian));
+    }
+
+    void restart() {
+        begin();
+        steps_ = 0, running_ = false;
+    }
+    int enter(const Segment& segment) {
+        close();
+        pass(segment);
+        if (!(end_ > t_)) return CV_SUCCESS;
+        running_ = true;
+        if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
+        return CVodeSetStopTime(memory_.get(), end_);
+    }
+    int step() {
+        double reached = t_;
+        const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
+        rethrow();
+        if (flag == CV_TOO_CLOSE) {
+            leap();
+            ++steps_;
+            return CV_TSTOP_RETURN;
+        }
+        t_ = flag == CV_TSTOP_RETURN ? end_ : reached;
+        return flag;
+    }
+    std::optional<Sample> sample_inside(double t) {
+        CVodeGetDky(memory_.get(), t, 0, inside_.get());
+        return sample_of(t, N_VGetArrayPointer(inside_.get()));
+    }
+    int inside_flag() const { return CV_SUCCESS; }
+    SundialsFailure failure(int flag) {
+        const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
+        return explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                         CVodeGetReturnFlagName(flag));
+    }
+    long steps() {
+        close();
+        return steps_;
+    }
+
+  private:
+    struct FreeMemory {
+        void operator()(void* memory) const { CVodeFree(&memory); }
+    };
+
+    static int right_hand_side(double t, N_Vector state, N_Vector rate, void* session) {
+        SpringSession* self = static_cast<SpringSession*>(static_cast<PointSession*>(session));
+        if (self->given_up()) return -1;
+        const double* y = N_VGetArrayPointer(state);
+        double* dy = N_VGetArrayPointer(rate);
+        ++self->evaluations_;
+        std::copy(y + self->n_, y + 2 * self->n_, dy);
+        self->network_.accelerations(y, dy + self->n_);
+        try {
+            self->motion_.add_loads(t, y, dy + self->n_);
+        } catch (...) {  // C code lies between here and whoever called
+            self->thrown_ = std::current_exception();
+            return -1;
+        }
+        return self->judged(t, dy, self->dimension_);
+    }
+    // of the springs; what a load changes with the state is slow and left to the iteration
+    static int fill_jacobian(double t, N_Vector state, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector,
+                             N_Vector) {
+        SpringSession* self = static_cast<SpringSession*>(static_cast<PointSession*>(session));
+        const int n = self->n_;
+        Eigen::Map<Eigen::MatrixXd> entries(SUNDenseMatrix_Data(J), 2 * n, 2 * n);
+        entries.setZero();
+        entries.topRightCorner(n, n).setIdentity();
+        entries.bottomLeftCorner(n, n) = self->network_.jacobian(N_VGetArrayPointer(state));
+        return self->judged(t, entries.data(), 4 * n * n);
+    }
+    void close() {
+        if (!running_) return;
+        running_ = false;
+        long steps = 0;
+        CVodeGetNumSteps(memory_.get(), &steps);
+        steps_ += steps;
+    }
+
+    SpringNetwork network_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
+    std::unique_ptr<void, FreeMemory> memory_;
+    long steps_ = 0;
+    bool running_ = false;
+};
+
+constexpr Method list[] = {
+    {.name = "point_springs_cvode_bdf",
+     .documentation =
+         "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the "
+         "springs' "
+         "exact Jacobian and a dense LU factorisation. Tolerance R times the points' extent, and times how fast the "
+         "scene's largest rate moves them: the springs' vibrations are damped where they are below it, and followed "
+         "where they are above.",
+     .source = "Hindmarsh et al. 2005, SUNDIALS, ACM Trans. Math. Softw. 31, 363-396; the body as in the article on "
+               "rotational dynamics",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},
+};
+
+}  // namespace
+
+PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& settings, const PointOptions& options) {
+    const PointBody body = point_body(problem, options.arrangement);
+    if (!body.refusal.empty()) return {unsupported(body.refusal)};
+    SpringSession session(problem, body, options.stiffness ? *options.stiffness : default_stiffness(problem, body),
+                          *settings.tolerance);
+    PointRun run;
+    run.trajectory = SundialsRun(problem, settings, session).solve();
+    run.largest_stretch = session.largest_stretch();
+    return run;
+}
+
+extern const std::span<const Method> point_springs_cvode_methods;
+const std::span<const Method> point_springs_cvode_methods{list};
+
+}  // namespace polhode

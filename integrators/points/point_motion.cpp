@@ -4,14 +4,21 @@
 
 namespace polhode {
 
-void PointMotion::initial(double* y) const {
-    const ExactBody<double>& start = problem_->body;
+void PointMotion::place(const Quaternion<double>& q, const Vector3<double>& angular_velocity_W,
+                        const Vector3<double>& position_W, const Vector3<double>& velocity_W, double* y) const {
     const int n = body_->count();
     for (int i = 0; i < n; ++i) {
-        const Vector3<double>& x = body_->rest_B[i];
-        put(y, 3 * i, start.position_W + rotate(start.q, x));
-        put(y, 3 * (n + i), start.velocity_W + rotate(start.q, cross(start.angular_velocity_B, x)));
+        const Vector3<double> x = rotate(q, body_->rest_B[i]);
+        put(y, 3 * i, position_W + x);
+        put(y, 3 * (n + i), velocity_W + cross(angular_velocity_W, x));
     }
+}
+
+Vector3<double> PointMotion::initial(double* y) const {
+    const ExactBody<double>& start = problem_->body;
+    const Vector3<double> w = rotate(start.q, start.angular_velocity_B);
+    place(start.q, w, start.position_W, start.velocity_W, y);
+    return w;
 }
 
 PointMotion::Reading PointMotion::read(const double* y, bool attitude) const {
@@ -29,28 +36,26 @@ PointMotion::Reading PointMotion::read(const double* y, bool attitude) const {
     return reading;
 }
 
-void PointMotion::enter(const Segment& segment, double* y) {
+std::optional<Vector3<double>> PointMotion::enter(const Segment& segment, double* y) {
     segment_ = &segment;
     const Forcing<double>& f = segment.forcing;
     loaded_ =
         f.any_torque() ||
         (!f.pivoted && (f.has_body_force || f.has_translational_drag || !(f.acceleration_W == Vector3<double>())));
-    const int n = body_->count();
-    for (const PosedImpulse<double>& impulse : segment.impulses) {
-        const Reading now = read(y, true);
-        const Quaternion<double> q = now.q * problem_->q_BP;
-        const Vector3<double> before = rotate_back(q, now.angular_velocity_W);
-        Vector3<double> w = before, v = now.velocity_W;
-        const bool pivoted = problem_->body.pivoted;
+    if (segment.impulses.empty()) return {};
+    const Reading now = read(y, true);
+    const Quaternion<double> q = now.q * problem_->q_BP;
+    Vector3<double> w = rotate_back(q, now.angular_velocity_W), p = now.cloud.center, v = now.velocity_W;
+    const ExactBody<double>& body = problem_->body;
+    for (const PosedImpulse<double>& impulse : segment.impulses)
         if (problem_->formulation == Formulation::full)
-            apply(impulse, problem_->full_inertia, problem_->body.mass, pivoted, w, q, now.cloud.center, v);
+            apply(impulse, problem_->full_inertia, body.mass, body.pivoted, w, q, p, v);
         else
-            apply(impulse, problem_->principal_inertia, problem_->body.mass, pivoted, w, q, now.cloud.center, v);
-        const Vector3<double> jump = rotate(q, w - before), origin = pivoted ? Vector3<double>() : now.cloud.center;
-        for (int i = 0; i < n; ++i)
-            put(y, 3 * (n + i),
-                vector_at(y, 3 * (n + i)) + (v - now.velocity_W) + cross(jump, vector_at(y, 3 * i) - origin));
-    }
+            apply(impulse, problem_->principal_inertia, body.mass, body.pivoted, w, q, p, v);
+    if (body.pivoted) pivoted_center(q, w, f.arm, p, v);
+    const Vector3<double> w_W = rotate(q, w);
+    place(now.q, w_W, p, v, y);
+    return w_W;
 }
 
 void PointMotion::add_loads(double t, const double* y, double* a) const {

@@ -16,11 +16,12 @@ class PointMotion {
     /// Both must outlive it.
     PointMotion(const Problem& problem, const PointBody& body) : problem_(&problem), body_(&body) {}
 
-    /// y (6N numbers) at t = 0: r_i = p + R x_i, v_i = v + w x R x_i.
-    void initial(double* y) const;
+    /// y (6N numbers) at t = 0: r_i = p + R x_i, v_i = v + w x R x_i. Returns w in world axes.
+    Vector3<double> initial(double* y) const;
 
-    /// An event: its impulses change all v_i as a rigid body's, then its loads act.
-    void enter(const Segment& segment, double* y);
+    /// An event: its impulses act on the rigid motion that the points stand for, and put them into the one that
+    /// follows, at their own distances; then its loads act. Returns w in world axes after the impulses, if any.
+    std::optional<Vector3<double>> enter(const Segment& segment, double* y);
 
     /// Adds the loads' accelerations (m/s^2) to a (3N numbers).
     void add_loads(double t, const double* y, double* a) const;
@@ -36,6 +37,8 @@ class PointMotion {
         Quaternion<double> q;  ///< body to world; only where asked for
     };
     Reading read(const double* y, bool attitude) const;
+    void place(const Quaternion<double>& q, const Vector3<double>& angular_velocity_W,
+               const Vector3<double>& position_W, const Vector3<double>& velocity_W, double* y) const;
 
     const Problem* problem_;
     const PointBody* body_;

@@ -10,7 +10,9 @@ namespace polhode {
 struct PointOptions {
     Arrangement arrangement{};
     std::optional<double> stiffness{};  ///< N/m, of every spring; default_stiffness() where absent
-    int iterations = 10;                ///< sweeps over the distances a step, of the position-based update
+    /// Of the springs' slowest vibration, as a share of the critical one; 0, and 1 for CVODE, where absent.
+    std::optional<double> damping_ratio{};
+    int iterations = 10;  ///< sweeps over the distances a step, of the position-based update
 };
 
 /// What it tells: the trajectory, and the largest | |d| - l | / l over all samples and links.

@@ -63,15 +63,16 @@ class PointSession {
         return motion_.sample(t, y);
     }
 
-    void begin() {
+    // as PointMotion's initial() and enter()
+    Vector3<double> begin() {
         N_VConst(0, state_.get());
-        motion_.initial(y());
         evaluations_ = 0;
         not_finite_at_.reset();
+        return motion_.initial(y());
     }
-    void pass(const Segment& segment) {
-        motion_.enter(segment, y());
+    std::optional<Vector3<double>> pass(const Segment& segment) {
         t_ = segment.begin, end_ = segment.end;
+        return motion_.enter(segment, y());
     }
     // a segment of a rounding error's length, which no solver can start on
     void leap() {

@@ -13,7 +13,7 @@ namespace {
 
 struct Setup {
     const PointBody* body;
-    double stiffness;
+    double stiffness, damping;
     double* largest_stretch;
 };
 
@@ -25,14 +25,16 @@ class SpringStepper {
           largest_stretch_(setup.largest_stretch),
           n_(3 * static_cast<std::size_t>(setup.body->count())),
           motion_(problem, *setup.body),
-          network_(*setup.body, setup.stiffness),
+          network_(*setup.body, setup.stiffness, setup.damping),
           y_(2 * n_) {}
 
     void restart() {
-        motion_.initial(y_.data());
+        network_.settle(motion_.initial(y_.data()), y_.data());
         evaluations_ = 0;
     }
-    void enter(const Segment& segment) { motion_.enter(segment, y_.data()); }
+    void enter(const Segment& segment) {
+        if (const auto w = motion_.enter(segment, y_.data())) network_.settle(*w, y_.data());
+    }
     Sample sample(double t) const {
         *largest_stretch_ = std::max(*largest_stretch_, polhode::largest_stretch(*body_, y_.data()));
         return motion_.sample(t, y_.data());
@@ -123,7 +125,8 @@ PointRun run(const Problem& problem, const Settings& settings, const PointOption
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     PointRun run;
-    const Setup setup{&body, options.stiffness ? *options.stiffness : default_stiffness(problem, body),
+    const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
+    const Setup setup{&body, stiffness, damping_of_ratio(body, stiffness, options.damping_ratio.value_or(0)),
                       &run.largest_stretch};
     run.trajectory = march<Stepper>(problem, settings, setup);
     if (run.trajectory.status == Status::diverged) {

@@ -12,9 +12,9 @@ namespace {
 
 class SpringSession : public PointSession {
   public:
-    SpringSession(const Problem& problem, const PointBody& body, double stiffness, double tolerance)
+    SpringSession(const Problem& problem, const PointBody& body, const SpringNetwork& network, double tolerance)
         : PointSession(problem, body, tolerance, 0),
-          network_(body, stiffness),
+          network_(network),
           matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
           linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
           memory_(CVodeCreate(CV_BDF, context_)) {
@@ -28,15 +28,17 @@ class SpringSession : public PointSession {
         demand(CVodeSetMaxHnilWarns(memory, -1));
         demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
         demand(CVodeSetJacFn(memory, fill_jacobian));
+        if (getenv("ORD")) demand(CVodeSetMaxOrd(memory, atoi(getenv("ORD"))));
+        if (getenv("SLD")) demand(CVodeSetStabLimDet(memory, SUNTRUE));
     }
 
     void restart() {
-        begin();
+        network_.settle(begin(), y());
         steps_ = 0, running_ = false;
     }
     int enter(const Segment& segment) {
         close();
-        pass(segment);
+        if (const auto w = pass(segment)) network_.settle(*w, y());
         if (!(end_ > t_)) return CV_SUCCESS;
         running_ = true;
         if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
@@ -99,6 +101,8 @@ class SpringSession : public PointSession {
         entries.setZero();
         entries.topRightCorner(n, n).setIdentity();
         entries.bottomLeftCorner(n, n) = self->network_.jacobian(N_VGetArrayPointer(state));
+        if (self->network_.damped())
+            entries.bottomRightCorner(n, n) = self->network_.velocity_jacobian(N_VGetArrayPointer(state));
         return self->judged(t, entries.data(), 4 * n * n);
     }
     void close() {
@@ -137,8 +141,9 @@ constexpr Method list[] = {
 PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& settings, const PointOptions& options) {
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
-    SpringSession session(problem, body, options.stiffness ? *options.stiffness : default_stiffness(problem, body),
-                          *settings.tolerance);
+    const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
+    const double damping = damping_of_ratio(body, stiffness, options.damping_ratio.value_or(1));
+    SpringSession session(problem, body, SpringNetwork(body, stiffness, damping), *settings.tolerance);
     PointRun run;
     run.trajectory = SundialsRun(problem, settings, session).solve();
     run.largest_stretch = session.largest_stretch();

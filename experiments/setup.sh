@@ -5,7 +5,7 @@
 
 # what the program is built from; dpkg-dev unpacks the SUNDIALS source package, Arb is for truth --certified
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev gnuplot-nox)
+    libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev gnuplot-nox)
 test_packages=(libgtest-dev librapidcheck-dev)
 # for tests/run --all
 check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy)

@@ -8,6 +8,7 @@
 
 #include "integrators/kernels/free_body.h"
 #include "integrators/kernels/lagrange_top.h"
+#include "motion/equations.h"
 
 namespace polhode {
 

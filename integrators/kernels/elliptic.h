@@ -11,7 +11,7 @@
 #include <array>
 #include <type_traits>
 
-#include "integrators/kernels/elementary.h"
+#include "body/elementary.h"
 
 namespace polhode {
 

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "body/algebra.h"
 #include "integrators/kernels/elliptic.h"
 
 namespace polhode {

@@ -30,6 +30,7 @@ class SpringSession : public PointSession {
         demand(CVodeSetJacFn(memory, fill_jacobian));
         if (getenv("ORD")) demand(CVodeSetMaxOrd(memory, atoi(getenv("ORD"))));
         if (getenv("SLD")) demand(CVodeSetStabLimDet(memory, SUNTRUE));
+        if (getenv("NLC")) demand(CVodeSetNonlinConvCoef(memory, atof(getenv("NLC")))), demand(CVodeSetMaxNonlinIters(memory, 6));
     }
 
     void restart() {

@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "body/elementary.h"
+
 namespace polhode::truth {
 
 /// A real number known to lie in [midpoint - radius, midpoint + radius]. Results are rounded to the thread's working
@@ -235,3 +237,20 @@ inline void convolve(Ball& result, const Ball* a, const Ball* b, int k, Ball&) {
 }
 
 }  // namespace polhode::truth
+
+namespace polhode {
+
+/// What a body's mass properties need.
+template <>
+struct Elementary<truth::Ball> {
+    static truth::Ball pi() {
+        truth::Ball pi;
+        arb_const_pi(pi.raw(), truth::Ball::precision());
+        return pi;
+    }
+    static void sine_cosine(const truth::Ball& x, truth::Ball& sine, truth::Ball& cosine) {
+        arb_sin_cos(sine.raw(), cosine.raw(), x.raw(), truth::Ball::precision());
+    }
+};
+
+}  // namespace polhode

@@ -1,5 +1,6 @@
 // The second formulation of the truth, written on its own so that a wrong sign in one of the two cannot pass: momenta
-// in world axes, straight from the scene's loads. Of the first formulation it shares the algebra and nothing else.
+// in world axes, straight from the scene's loads. Of the first formulation it shares the algebra and the body's mass
+// properties, and nothing else.
 //
 //   dL/dt = tau_W,  dq/dt = 1/2 q (0, w_B),  w_B = I^-1 R(q)^T L        L about the pivot or the centre of mass
 //   dp/dt = P/m,    dP/dt = F_W                                         in flight
@@ -25,16 +26,15 @@ class MomentumForm {
     static constexpr const char* name = "momentum form";
 
     explicit MomentumForm(const Scene& scene)
-        : scene_(&scene), mass_(scene.body.mass), reference_(cast<P>(scene.body.center_of_mass)) {
+        : scene_(&scene), body_(mass_properties<P>(scene.body)), mass_(body_.mass), reference_(body_.center) {
         if (scene.pivot) {
             reference_ = cast<P>(*scene.pivot);
-            to_center_ = cast<P>(scene.body.center_of_mass) - reference_;
+            to_center_ = body_.center - reference_;
         }
         // Steiner: I + m (|a|^2 1 - a a^T)
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                const P mean = (P(scene.body.inertia_B[i][j]) + P(scene.body.inertia_B[j][i])) / P(2);
-                inertia_[i][j] = mean - mass_ * to_center_[i] * to_center_[j];
+                inertia_[i][j] = body_.inertia[i][j] - mass_ * to_center_[i] * to_center_[j];
                 if (i == j) inertia_[i][j] += mass_ * dot(to_center_, to_center_);
             }
         inverse_inertia_ = eliminated(inertia_);
@@ -142,6 +142,7 @@ class MomentumForm {
 
   private:
     const Scene* scene_;
+    MassProperties<P> body_;
     P mass_;
     Vector3<P> reference_, to_center_;  // body point that L is about, and from it the centre of mass; body axes
     Matrix3<P> inertia_, inverse_inertia_;

@@ -47,9 +47,34 @@ class Report {
     std::string text_;
 };
 
+std::string made_of(const MadeOf& source) {
+    struct Words {
+        std::string operator()(const GivenBody&) const { return "numbers"; }
+        std::string operator()(const ShapedBody& b) const {
+            return fmt::format("a {} of uniform density", name_of(b.shape));
+        }
+        std::string operator()(const PointsBody& b) const { return fmt::format("{} point masses", b.points.size()); }
+        std::string operator()(const MeshBody& b) const {
+            return fmt::format("what {} encloses with {} triangles", b.file, b.mesh.triangles.size());
+        }
+        std::string operator()(const PartsBody& b) const { return fmt::format("{} parts", b.parts.size()); }
+        std::string operator()(const ImportedBody& b) const { return fmt::format("the link {} of {}", b.link, b.file); }
+    };
+    return one_line(std::visit(Words{}, source), 200);
+}
+
+// how far the momentum is from the rate it belongs to
+void momentum_direction(Report& report, const Problem& problem) {
+    const Vector3<double>& w = problem.body.angular_velocity_B;
+    const Vector3<double> L = problem.body.inertia_B * w, across = cross(w, L);
+    const double aside = std::atan2(std::sqrt(dot(across, across)), dot(w, L));
+    if (dot(w, w) > 0) report.line("angle from w to L", number(aside) + " rad at t = 0");
+}
+
 void mass_properties(Report& report, const Problem& problem) {
     const Body& body = problem.scene.body;
     report.title("Mass properties");
+    if (body.source) report.line("made of", made_of(body.source->made_of));
     report.line("mass", number(body.mass) + " kg");
     report.line("centre of mass", text(body.center_of_mass) + " m, from the body's origin");
     report.line("inertia about it", text(body.inertia_B) + " kg m^2, body axes");
@@ -64,6 +89,7 @@ void mass_properties(Report& report, const Problem& problem) {
     report.line("principal axes", problem.principal.q_BP == Quaternion<double>{}
                                       ? "the body's own"
                                       : "q " + text(problem.principal.q_BP) + ", principal to body");
+    momentum_direction(report, problem);
 }
 
 struct LoadText {

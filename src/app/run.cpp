@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -9,10 +10,12 @@
 #include <thread>
 
 #include "app/commands.h"
+#include "experiment/case_store.h"
 #include "experiment/experiment.h"
 #include "experiment/locks.h"
 #include "experiment/pattern.h"
 #include "experiment/report.h"
+#include "experiment/study.h"
 #include "experiment/sweep.h"
 #include "scene/message.h"
 
@@ -66,8 +69,45 @@ std::string command_line(const Options& options) {
     return line;
 }
 
+// An experiment that is one function: done or not, as a whole.
+bool run_study(const Plan& plan, const RunOptions& options, const std::string& line) {
+    const std::string& name = plan.experiment.name;
+    const std::string key = study_key(plan, options.quick);
+    const bool done = is_done(options.directory, key);
+    if (options.dry_run) {
+        const std::optional<double> before = load_duration(options.directory, name);
+        if (!done) write_output("", name + (before ? fmt::format("  {:.3g} s last time\n", *before) : "\n"));
+        return true;
+    }
+    // the first shard has it all
+    if (done || options.shard > 1) {
+        if (!options.quiet)
+            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
+        return true;
+    }
+    const std::atomic<bool> patient{false};
+    StudyResult result;
+    double seconds = 0;
+    {
+        const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, patient);
+        const auto start = std::chrono::steady_clock::now();
+        result = find_study(plan.experiment.study)->run(plan, options.quick);
+        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
+    const std::vector<std::string> remarks = write_study_report(plan, result, options.directory, line, options.quick);
+    save_done(options.directory, key);
+    save_duration(options.directory, name, seconds);
+    if (!options.quiet)
+        fmt::print(stderr, "{}: {} tables, {} pictures in {}, {:.3g} s\n", name, result.tables.size(),
+                   result.figures.size(), options.directory, seconds);
+    for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
+    return true;
+}
+
 // One experiment: its rows, tables and pictures. False when it was interrupted.
 bool run_one(const Plan& plan, const RunOptions& options, const std::string& line) {
+    if (plan.experiment.kind == Kind::study) return run_study(plan, options, line);
     const std::string& name = plan.experiment.name;
     if (options.dry_run) {
         double total = 0;

@@ -21,6 +21,23 @@ std::vector<int> same_places(const Mesh& mesh) {
 
 }  // namespace
 
+<<<<<<< HEAD
+=======
+double enclosed_volume(const Mesh& mesh) {
+    // the sum of the tetrahedra's volumes, and of their sizes
+    const Vector3<Wide> from = cast<Wide>(mesh.vertices[static_cast<std::size_t>(mesh.triangles.front()[0])]);
+    Wide volume = 0, size = 0;
+    for (const std::array<int, 3>& triangle : mesh.triangles) {
+        std::array<Vector3<Wide>, 3> v;
+        for (int k = 0; k < 3; ++k) v[k] = cast<Wide>(mesh.vertices[triangle[k]]) - from;
+        const Vector3<Wide> c = cross(v[1], v[2]);
+        volume += dot(v[0], c) / 6;
+        for (int i = 0; i < 3; ++i) size += Elementary<Wide>::magnitude(v[0][i] * c[i]) / 6;
+    }
+    return Elementary<Wide>::magnitude(volume) <= Wide(0x1p-52) * size ? 0 : double(volume);
+}
+
+>>>>>>> seeds
 std::string mesh_fault(const Mesh& mesh) {
     if (mesh.triangles.empty()) return "has no triangles";
     const std::vector<int> same = same_places(mesh);

@@ -36,8 +36,8 @@ void rotate_away(Matrix3<Wide>& a, Quaternion<Wide>& q, int p, int r) {
 
 }  // namespace
 
-WidePrincipalFrame wide_principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm) {
-    Matrix3<Wide> a = cast<Wide>(about_center) + parallel_axis(Wide(mass), cast<Wide>(arm));
+WidePrincipalFrame wide_principal_frame(const Matrix3<Wide>& inertia) {
+    Matrix3<Wide> a = inertia;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) a[i][j] = a[j][i] = (a[i][j] + a[j][i]) / 2;
     Quaternion<Wide> q{1, 0, 0, 0};

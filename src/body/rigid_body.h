@@ -32,15 +32,13 @@ struct WidePrincipalFrame {
     Quaternion<Wide> q_BP;
 };
 
-/// The principal frame of a symmetric tensor, worked out in 128-bit arithmetic (Jacobi rotations): `about_center` plus
-/// the parallel-axis term of `mass` and `arm`, formed in that arithmetic as well.
-WidePrincipalFrame wide_principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm);
+/// The principal frame of a tensor, worked out in 128-bit arithmetic (Jacobi rotations); of entries that disagree
+/// across the diagonal their mean counts.
+WidePrincipalFrame wide_principal_frame(const Matrix3<Wide>& inertia);
 
 /// Every number rounded once.
 PrincipalFrame rounded(const WidePrincipalFrame& frame);
 
-inline PrincipalFrame principal_frame(const Matrix3<double>& about_center, double mass, const Vector3<double>& arm) {
-    return rounded(wide_principal_frame(about_center, mass, arm));
-}
+inline PrincipalFrame principal_frame(const Matrix3<Wide>& inertia) { return rounded(wide_principal_frame(inertia)); }
 
 }  // namespace polhode

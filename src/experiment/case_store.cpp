@@ -58,6 +58,15 @@ void save_case(const std::string& directory, const std::string& key, const std::
     write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
 }
 
+void save_done(const std::string& directory, const std::string& key) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    write_atomically(path_of(directory, key, ".done").string(), "done\n");
+}
+
+bool is_done(const std::string& directory, const std::string& key) {
+    return std::filesystem::exists(path_of(directory, key, ".done"));
+}
+
 void save_duration(const std::string& directory, const std::string& words, double seconds) {
     write_atomically(path_of(directory, content_hash(words), ".seconds").string(), fmt::format("{:.3g}\n", seconds));
 }

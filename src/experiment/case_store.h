@@ -23,6 +23,10 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result);
 
+/// Remembers that all that stands under this key is done, and asks for it.
+void save_done(const std::string& directory, const std::string& key);
+bool is_done(const std::string& directory, const std::string& key);
+
 /// How long a case took, by the words that name it, whatever program ran it: what a dry run tells.
 void save_duration(const std::string& directory, const std::string& words, double seconds);
 std::optional<double> load_duration(const std::string& directory, const std::string& words);

@@ -19,6 +19,7 @@ enum class Kind {
     tolerance,     ///< digits gained or lost against what was asked for
     leave_out,     ///< each case three times, by all Formulations: what leaving out is worth
     conservation,  ///< how errors grow over a long run, every method at the same number of evaluations a revolution
+    study,         ///< a function that makes tables of its own: see study.h
 };
 
 /// A JSON pointer into the scene and the values (JSON texts) it takes in turn.
@@ -30,6 +31,7 @@ struct Variation {
 struct Experiment {
     std::string name, about;
     Kind kind = Kind::sweep;
+    std::string study;                         ///< the name of it, where that is the kind
     std::vector<std::string> scenes, methods;  ///< names, paths of scenes, or /regular expressions/
     std::vector<double> steps;                 ///< s, from coarse to fine
     std::vector<double> tolerances;            ///< relative, from coarse to fine

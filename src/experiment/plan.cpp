@@ -11,6 +11,7 @@
 
 #include "experiment/experiment.h"
 #include "experiment/pattern.h"
+#include "experiment/study.h"
 #include "scene/builtin.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
@@ -78,14 +79,28 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
     return values;
 }
 
-Kind kind_named(const JsonNode& node) {
-    if (node.string() == "sweep") return Kind::sweep;
-    if (node.string() == "convergence") return Kind::convergence;
-    if (node.string() == "drift") return Kind::drift;
-    if (node.string() == "tolerance") return Kind::tolerance;
-    if (node.string() == "leave_out") return Kind::leave_out;
-    if (node.string() == "conservation") return Kind::conservation;
-    node.fail(node.described(), "one of sweep, convergence, drift, tolerance, leave_out, conservation");
+constexpr std::pair<const char*, Kind> kinds[] = {{"sweep", Kind::sweep},         {"convergence", Kind::convergence},
+                                                  {"drift", Kind::drift},         {"tolerance", Kind::tolerance},
+                                                  {"leave_out", Kind::leave_out}, {"conservation", Kind::conservation}};
+
+void read_kind(const JsonNode& node, const JsonNode& root, Experiment& e) {
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kinds) {
+        if (node.string() == name) {
+            e.kind = kind;
+            return;
+        }
+        names.push_back(name);
+    }
+    if (const Study* study = find_study(node.string())) {
+        e.kind = Kind::study, e.study = study->name;
+        std::vector<std::string_view> keys = {"name", "about", "kind"};
+        keys.insert(keys.end(), study->reads.begin(), study->reads.end());
+        root.only(keys);
+        return;
+    }
+    for (const Study& study : studies()) names.emplace_back(study.name);
+    node.fail(node.described(), "one of " + listed(names));
 }
 
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
@@ -128,7 +143,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
                     const std::string& file) {
     if (changes.empty()) return base;
-    ordered_json json = ordered_json::parse(base.canonical);
+    ordered_json json = ordered_json::parse(base.canonical, nullptr, true, true);
     std::string label;
     for (const auto& [pointer, value] : changes) {
         try {
@@ -145,7 +160,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     PlannedScene scene;
     scene.label = base.label + "{" + label + "}";
     try {
-        scene.scene = parse_scene(json.dump(), scene.label);
+        scene.scene = parse_scene(json.dump(), scene.label, base.scene.directory);
     } catch (const InputError& error) {
         throw InputError(file, "/vary", error);
     }
@@ -198,9 +213,10 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
     if (const JsonNode* node = root.find("about")) e.about = node->string();
-    if (const JsonNode* node = root.find("kind")) e.kind = kind_named(*node);
-    e.scenes = strings(root.required("scenes", "a list of scenes"));
-    e.methods = strings(root.required("methods", "a list of methods"));
+    if (const JsonNode* node = root.find("kind")) read_kind(*node, root, e);
+    for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
+        if (e.kind != Kind::study || root.find(key))
+            *list = strings(root.required(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
         node->only({"steps", "tolerances", "evaluations_per_revolution"});
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "experiment/provenance.h"
+#include "experiment/study.h"
 #include "integrators/versions.h"
 #include "measure/observed_order.h"
 #include "table/atomic_file.h"
@@ -68,6 +69,15 @@ void write_table(const Table& full, const Table& short_form, const std::string& 
     write_atomically(path + ".json", json(full));
     write_atomically(path + ".md", markdown(short_form));
     write_atomically(path + ".tex", latex(short_form, caption, "tab:" + name));
+}
+
+std::vector<std::string> draw_all(const std::vector<NamedFigure>& figures, const std::string& directory) {
+    std::vector<std::string> remarks;
+    for (const NamedFigure& named : figures) {
+        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / named.name).string());
+        if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
+    }
+    return remarks;
 }
 
 // drift.csv is shared by all experiments of this kind: the rows of the others stay.
@@ -217,13 +227,26 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
             write_finding("growth", growth_table(plan, results), "Growth of errors", growth_for_people);
             figures = conservation_figures(plan, results);
             break;
+        case Kind::study:
+            break;
     }
-    std::vector<std::string> remarks;
-    for (const NamedFigure& named : figures) {
-        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / named.name).string());
-        if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
-    }
+    std::vector<std::string> remarks = draw_all(figures, directory);
     record_provenance(directory, name, command_line, quick);
+    return remarks;
+}
+
+std::vector<std::string> write_study_report(const Plan& plan, const StudyResult& result, const std::string& directory,
+                                            const std::string& command_line, bool quick) {
+    const std::string& experiment = plan.experiment.name;
+    std::filesystem::create_directories(directory);
+    for (const NamedTable& named : result.tables) {
+        const std::string name = named.name.empty() ? experiment : experiment + "_" + named.name;
+        write_table(named.table, named.for_people.empty() ? named.table : select(named.table, named.for_people),
+                    named.title.empty() ? plan.experiment.about : named.title,
+                    (std::filesystem::path(directory) / name).string(), name);
+    }
+    std::vector<std::string> remarks = draw_all(result.figures, directory);
+    record_provenance(directory, experiment, command_line, quick);
     return remarks;
 }
 

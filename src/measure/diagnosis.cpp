@@ -398,6 +398,7 @@ class Examination {
         };
         Scene other = *scene_;
         if (length(scene_->body.center_of_mass) > 0) {
+            other.body.source = nullptr;
             other.body.center_of_mass = {};
             try_one("center_of_mass_for_origin", other,
                     "the centre of mass is taken for the body's origin: arms and pivot are counted from there",

@@ -99,7 +99,7 @@ struct Judge::State {
         Vector3<S> p = p_true, v = v_true;  // what the file does not tell is not judged: the truth stands in for it
         if (has_position()) {
             p = cast<S>(row.position_W);
-            if (file->has_origin) p = p + rotate(unit, cast<S>(scene->body.center_of_mass));
+            if (file->has_origin) p = p + rotate(unit, own.center);
             note(position, length(p - p_true));
         }
         if (file->has_velocity) {

@@ -6,25 +6,13 @@
 #include <limits>
 #include <vector>
 
+#include "body/elementary.h"
 #include "body/rigid_body.h"
-#include "body/wide.h"
 #include "motion/equations.h"
+#include "scene/body_source.h"
 #include "scene/scene.h"
 
 namespace polhode {
-
-/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
-template <class S>
-S square_root(const S& x) {
-    using std::sqrt;
-    return sqrt(x);
-}
-
-template <class P>
-Quaternion<P> normalized(const Quaternion<P>& q) {
-    const P norm = square_root(squared_norm(q));
-    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-}
 
 /// Everything in body axes; inertia about the pivot where there is one, else about the centre of mass.
 template <class P>
@@ -32,6 +20,7 @@ struct ExactBody {
     P mass = P(0);
     Matrix3<P> inertia_B;
     bool pivoted = false;
+    Vector3<P> center;  ///< of mass, from the body's own origin
     Vector3<P> origin;  ///< body point about which the equations are written: pivot or centre of mass
     Vector3<P> arm;     ///< from there to the centre of mass (zero in flight)
     Quaternion<P> q;    ///< at t = 0, normalised
@@ -49,17 +38,13 @@ void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P
 template <class P>
 ExactBody<P> exact_body(const Scene& scene) {
     ExactBody<P> b;
-    b.mass = P(scene.body.mass);
+    const MassProperties<P> body = mass_properties<P>(scene.body);
+    b.mass = body.mass;
+    b.center = body.center;
     b.pivoted = scene.pivot.has_value();
-    const Vector3<P> center = cast<P>(scene.body.center_of_mass);
-    b.origin = b.pivoted ? cast<P>(*scene.pivot) : center;
-    b.arm = center - b.origin;
-    b.inertia_B = cast<P>(scene.body.inertia_B);
-    // asymmetry within the accepted 1e-12 is rounding of the input: the body has the mean of the two entries
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < i; ++j)
-            b.inertia_B[i][j] = b.inertia_B[j][i] = (b.inertia_B[i][j] + b.inertia_B[j][i]) / P(2);
-    b.inertia_B = b.inertia_B + parallel_axis(b.mass, b.arm);
+    b.origin = b.pivoted ? cast<P>(*scene.pivot) : body.center;
+    b.arm = body.center - b.origin;
+    b.inertia_B = body.inertia + parallel_axis(b.mass, b.arm);
     b.q = normalized(cast<P>(scene.initial.orientation));
     b.angular_velocity_B = cast<P>(scene.initial.angular_velocity);
     if (scene.initial.angular_velocity_frame == Frame::world)
@@ -184,7 +169,7 @@ Invariants<P> invariants(const Scene& scene, const ExactBody<P>& body, double t,
             result.energy -= body.mass * dot(cast<P>(gravity->acceleration_W), center_W);
         } else if (const auto* force = std::get_if<Force>(&load)) {
             if (force->frame == Frame::world && force->point_frame == Frame::body) {
-                const Vector3<P> from_center = cast<P>(force->point) - cast<P>(scene.body.center_of_mass);
+                const Vector3<P> from_center = cast<P>(force->point) - body.center;
                 result.energy -= dot(cast<P>(force->vector), center_W + rotate(q, from_center));
             }
         } else if (const auto* spring = std::get_if<Spring>(&load)) {

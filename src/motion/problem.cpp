@@ -13,6 +13,7 @@ ExactBody<double> rounded(const ExactBody<Wide>& b) {
     r.mass = double(b.mass);
     r.inertia_B = cast<double>(b.inertia_B);
     r.pivoted = b.pivoted;
+    r.center = cast<double>(b.center);
     r.origin = cast<double>(b.origin);
     r.arm = cast<double>(b.arm);
     r.q = cast<double>(b.q);
@@ -92,7 +93,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
     problem.formulation = formulation;
     const ExactBody<Wide> exact = exact_body<Wide>(scene);
     problem.body = rounded(exact);
-    problem.wide_principal = wide_principal_frame(scene.body.inertia_B, scene.body.mass, problem.body.arm);
+    problem.wide_principal = wide_principal_frame(exact.inertia_B);
     problem.wide_initial_angular_velocity = rotate_back(problem.wide_principal.q_BP, exact.angular_velocity_B);
     problem.principal = rounded(problem.wide_principal);
     problem.principal_inertia = {problem.principal.gyroscopic, problem.principal.inverse_moments, false};

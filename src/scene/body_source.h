@@ -1,14 +1,18 @@
 // What a body is made of, as the scene file has it: data only, from which its mass properties follow exactly.
 #pragma once
 
+#include <array>
+#include <concepts>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "body/mesh.h"
 #include "body/shapes.h"
+#include "scene/scene.h"
 
 namespace polhode {
 
@@ -17,8 +21,6 @@ struct Amount {
     double value = 0;
     bool is_density = false;
 };
-
-struct BodySource;
 
 /// Mass (kg), tensor about the centre of mass (kg m^2) and centre of mass (m), given as numbers.
 struct GivenBody {
@@ -33,9 +35,10 @@ struct ShapedBody {
 struct PointsBody {
     std::vector<PointMass<double>> points;
 };
-/// The surface in a file beside the scene's.
+/// A closed surface, from a file.
 struct MeshBody {
     std::string file;  ///< as the scene names it
+    std::string hash;  ///< of the file's bytes
     Mesh mesh;
     Amount amount;
 };
@@ -49,20 +52,54 @@ struct PartsBody {
     std::vector<Part> parts;
 };
 
-struct BodySource {
-    std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody> made_of;
+/// Three turns about axes of the frame, each an angle in rad or degrees.
+struct EulerTurn {
+    std::array<int, 3> axes{0, 1, 2};
+    Vector3<double> angles;
+    bool in_degrees = false;
+    bool about_turned_axes = false;  ///< each about the axes as the ones before left them; else about fixed axes
 };
+/// Of a robot description: the inertial frame stands in the link's; the tensor is about the centre of mass in its axes.
+struct ImportedBody {
+    std::string file, link;  ///< as the scene names them
+    std::string hash;        ///< of the file's bytes
+    double mass = 0;
+    Matrix3<double> inertia;
+    Vector3<double> center_of_mass;
+    std::variant<Quaternion<double>, EulerTurn> orientation;
+};
+
+using MadeOf = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
+
+struct BodySource {
+    MadeOf made_of;
+    MassProperties<Wide> wide;  ///< what follows from it, to 113 bits
+};
+
+/// The orientation in the scalar S, of unit length.
+template <class S>
+Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>& orientation) {
+    if (const auto* q = std::get_if<Quaternion<double>>(&orientation)) return normalized(cast<S>(*q));
+    const EulerTurn& turn = std::get<EulerTurn>(orientation);
+    Quaternion<S> q;
+    for (int i = 0; i < 3; ++i) {
+        if (turn.angles[i] == 0) continue;
+        S angle(turn.angles[i]);
+        if (turn.in_degrees) angle = angle * Elementary<S>::pi() / S(180);
+        Vector3<S> axis;
+        Quaternion<S> one;
+        Elementary<S>::sine_cosine(S(angle / S(2)), axis[turn.axes[i]], one.w);
+        one = {one.w, axis[0], axis[1], axis[2]};
+        q = turn.about_turned_axes ? q * one : one * q;
+    }
+    return q;
+}
 
 /// The exact real function of the source's binary64 numbers, in the scalar S.
 template <class S>
 struct MassPropertiesOf {
     MassProperties<S> operator()(const GivenBody& given) const {
-        MassProperties<S> body{S(given.mass), cast<S>(given.center_of_mass), cast<S>(given.inertia)};
-        // asymmetry within the accepted 1e-12 is rounding of the input: the body has the mean of the two entries
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < i; ++j)
-                body.inertia[i][j] = body.inertia[j][i] = (body.inertia[i][j] + body.inertia[j][i]) / S(2);
-        return body;
+        return {S(given.mass), cast<S>(given.center_of_mass), symmetric(given.inertia)};
     }
     MassProperties<S> operator()(const ShapedBody& shaped) const {
         const S amount(shaped.amount.value);
@@ -76,29 +113,62 @@ struct MassPropertiesOf {
     }
     MassProperties<S> operator()(const MeshBody& body) const {
         const S amount(body.amount.value);
-        if (body.amount.is_density) return of_mesh<S>(body.mesh, amount);
-        MassProperties<S> whole = of_mesh<S>(body.mesh, S(1));
-        const S density = amount / whole.mass;
-        whole.mass = amount;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) whole.inertia[i][j] = density * whole.inertia[i][j];
-        return whole;
+        const Extent<S> e = mesh_extent<S>(body.mesh);
+        return uniform_body(e, body.amount.is_density ? S(amount * e.size) : amount);
     }
-    MassProperties<S> operator()(const PartsBody& body) const {
-        std::vector<MassProperties<S>> parts;
-        for (const PartsBody::Part& part : body.parts) {
-            Quaternion<S> q = cast<S>(part.orientation);
-            const S norm = square_root(squared_norm(q));
-            q = {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-            parts.push_back(placed(std::visit(*this, part.body->made_of), cast<S>(part.position), q));
-        }
-        return composite(parts);
+    MassProperties<S> operator()(const PartsBody& body) const;
+    MassProperties<S> operator()(const ImportedBody& body) const {
+        return {S(body.mass), cast<S>(body.center_of_mass),
+                rotated(symmetric(body.inertia), unit_quaternion<S>(body.orientation))};
+    }
+
+    // asymmetry within the accepted 1e-12 is rounding of the input: the body has the mean of the two entries
+    static Matrix3<S> symmetric(const Matrix3<double>& inertia) {
+        Matrix3<S> m = cast<S>(inertia);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < i; ++j) m[i][j] = m[j][i] = (m[i][j] + m[j][i]) / S(2);
+        return m;
     }
 };
 
 template <class S>
 MassProperties<S> mass_properties(const BodySource& source) {
-    return std::visit(MassPropertiesOf<S>{}, source.made_of);
+    if constexpr (std::is_same_v<S, Wide>) {
+        return source.wide;
+    } else if constexpr (std::is_same_v<S, double>) {
+        return {double(source.wide.mass), cast<double>(source.wide.center), cast<double>(source.wide.inertia)};
+    } else {
+        return std::visit(MassPropertiesOf<S>{}, source.made_of);
+    }
 }
+
+template <class S>
+MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
+    std::vector<MassProperties<S>> parts;
+    for (const PartsBody::Part& part : body.parts)
+        parts.push_back(
+            placed(mass_properties<S>(*part.body), cast<S>(part.position), normalized(cast<S>(part.orientation))));
+    return composite(parts);
+}
+
+/// Of a scene's body.
+template <class S>
+MassProperties<S> mass_properties(const Body& body) {
+    if (body.source) return mass_properties<S>(*body.source);
+    return MassPropertiesOf<S>{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
+}
+
+/// Works out what follows from it.
+std::shared_ptr<const BodySource> body_source(MadeOf made_of);
+
+/// A body made of it, its numbers rounded once. Says nothing about whether they are those of a body: see validate().
+Body body_of(std::shared_ptr<const BodySource> source);
+
+/// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign
+/// and triangle inequality within 1e-12 of the largest moment. Moments may be 0.
+std::string tensor_fault(const Matrix3<double>& inertia);
+
+/// Of a body that was read with its shape: a shape, a mesh, or parts of such.
+bool has_shape(const BodySource& source);
 
 }  // namespace polhode

@@ -193,6 +193,8 @@ void JsonNode::fail(const std::string& fault, const std::string& remedy) const {
     throw InputError(*file_, pointer(), fault, remedy);
 }
 
+void JsonNode::fail(const InputError& inner) const { throw InputError(*file_, pointer(), inner); }
+
 void JsonNode::expect(JsonKind kind) const {
     if (kind_ != kind) fail(described(), fmt::format("give {}", name_of(kind)));
 }
@@ -239,7 +241,7 @@ const JsonNode& JsonNode::required(std::string_view key, std::string_view expect
     throw InputError(*file_, pointer() + "/" + pointer_token(key), "is missing", fmt::format("give {}", expected));
 }
 
-void JsonNode::only(std::initializer_list<std::string_view> known) const {
+void JsonNode::only(const std::vector<std::string_view>& known) const {
     for (const JsonNode* member : members()) {
         if (std::find(known.begin(), known.end(), member->key_) != known.end()) continue;
         const std::vector<std::string> keys(known.begin(), known.end());

@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -49,10 +48,12 @@ class JsonNode {
     /// The member of an object; `expected` says in the message what to give where it is missing.
     const JsonNode& required(std::string_view key, std::string_view expected) const;
     /// Throws at the first member whose key is not among `known`: the message lists them and the near miss.
-    void only(std::initializer_list<std::string_view> known) const;
+    void only(const std::vector<std::string_view>& known) const;
 
     /// Throws InputError at this value.
     [[noreturn]] void fail(const std::string& fault, const std::string& remedy) const;
+    /// Throws InputError at this value: a fault in what it brings in.
+    [[noreturn]] void fail(const InputError& inner) const;
     /// "is a string", "is -1", "has 2 elements": the beginning of a fault.
     std::string described() const;
 

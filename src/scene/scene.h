@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -87,12 +88,17 @@ struct UserTorque {
 
 using Load = std::variant<Gravity, Torque, Force, Impulse, Drag, Spring, UserTorque>;
 
+struct BodySource;
+
 /// Mass (kg), inertia tensor about the centre of mass (kg m^2, body axes, off-diagonal entries -int xy dm), and the
 /// centre of mass from the body's origin (m).
 struct Body {
     double mass = 1;
     Matrix3<double> inertia_B = diagonal(Vector3<double>(1, 1, 1));
     Vector3<double> center_of_mass;
+    /// What it is made of, where that was given in place of the numbers: they are then rounded from it, and whoever
+    /// alters them lets go of it. See scene/body_source.h.
+    std::shared_ptr<const BodySource> source = nullptr;
 };
 
 /// Where the motion starts at t = 0. The orientation is kept as given; it stands for its normalised value.
@@ -105,6 +111,7 @@ struct Initial {
 };
 
 struct Scene {
+    std::string directory;  ///< that the files it names are relative to; empty for the working directory
     std::string name;
     std::string about;
     std::string source;

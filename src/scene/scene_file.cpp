@@ -3,23 +3,15 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+
+#include "scene/body_file.h"
 #include "scene/builtin.h"
-#include "scene/json_document.h"
+#include "scene/json_values.h"
 #include "scene/message.h"
 
 namespace polhode {
 namespace {
-
-Vector3<double> vector3(const JsonNode& node) {
-    if (node.elements().size() != 3) node.fail(node.described(), "give 3 numbers [x, y, z]");
-    return {node.elements()[0]->number(), node.elements()[1]->number(), node.elements()[2]->number()};
-}
-
-Quaternion<double> quaternion(const JsonNode& node) {
-    const auto& e = node.elements();
-    if (e.size() != 4) node.fail(node.described(), "give a quaternion of 4 numbers [w, x, y, z]");
-    return {e[0]->number(), e[1]->number(), e[2]->number(), e[3]->number()};
-}
 
 Frame frame(const JsonNode& node) {
     if (node.string() == "body") return Frame::body;
@@ -31,34 +23,6 @@ void refuse_unavailable(const JsonNode& object, std::initializer_list<const char
     for (const char* key : keys)
         if (const JsonNode* node = object.find(key))
             node->fail(fmt::format("\"{}\" is not available yet", key), remedy);
-}
-
-Matrix3<double> inertia(const JsonNode& node) {
-    const char* remedy = "give 3 moments or a 3x3 matrix in kg m^2";
-    const auto& e = node.elements();
-    if (e.size() != 3) node.fail(node.described(), remedy);
-    if (!e[0]->is_array()) {
-        for (const JsonNode* moment : e)
-            if (!moment->is_number()) moment->fail(moment->described(), remedy);
-        return diagonal(vector3(node));
-    }
-    Matrix3<double> m;
-    for (int i = 0; i < 3; ++i) {
-        if (!e[i]->is_array() || e[i]->elements().size() != 3) e[i]->fail(e[i]->described(), "give a row of 3 numbers");
-        m[i] = vector3(*e[i]);
-    }
-    return m;
-}
-
-Body body(const JsonNode& node) {
-    refuse_unavailable(node, {"shape", "parts", "points", "mesh", "import", "density"},
-                       "give \"mass\", \"inertia\" and \"center_of_mass\"");
-    node.only({"mass", "inertia", "center_of_mass"});
-    Body b;
-    b.mass = node.required("mass", "the mass in kg").number();
-    b.inertia_B = inertia(node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2"));
-    if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
-    return b;
 }
 
 Initial initial(const JsonNode& node, bool pivoted) {
@@ -151,16 +115,17 @@ Load load(const JsonNode& node) {
     type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
 }
 
-Scene scene(const JsonNode& root) {
+Scene scene(const JsonNode& root, const std::string& directory) {
     if (!root.is_object()) root.fail(root.described(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
     refuse_unavailable(root, {"planes"}, "leave it out");
     root.only({"name", "about", "source", "duration", "body", "initial", "pivot", "loads", "tolerated"});
     Scene s;
+    s.directory = directory;
     s.name = root.required("name", "the scene's name").string();
     if (const JsonNode* about = root.find("about")) s.about = about->string();
     if (const JsonNode* source = root.find("source")) s.source = source->string();
     s.duration = root.required("duration", "the duration in s, > 0").number();
-    s.body = body(root.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"));
+    s.body = parse_body(root.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
     if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
     if (const JsonNode* start = root.find("initial")) s.initial = initial(*start, s.pivot.has_value());
     if (const JsonNode* loads = root.find("loads"))
@@ -179,14 +144,18 @@ bool is_file(const std::string& path) {
 
 }  // namespace
 
-Scene parse_scene(std::string_view text, const std::string& file) {
+Scene parse_scene(std::string_view text, const std::string& file, const std::string& directory) {
     const JsonDocument document(text, file);
-    Scene parsed = scene(document.root());
+    Scene parsed = scene(document.root(), directory);
     validate(parsed, file);
     return parsed;
 }
 
-Scene read_scene(const std::string& path) { return parse_scene(read_text(path), path); }
+Scene read_scene(const std::string& path) {
+    const std::size_t slash = path.rfind('/');
+    return parse_scene(read_text(path), path,
+                       slash == path.npos ? "" : path.substr(0, std::max<std::size_t>(slash, 1)));
+}
 
 Scene find_scene(const std::string& name_or_path) {
     if (const std::string_view text = builtin_scene_text(name_or_path); !text.empty())

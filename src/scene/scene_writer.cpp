@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "scene/body_file.h"
 #include "scene/json_document.h"
 #include "scene/scene_file.h"
 #include "table/decimal.h"
@@ -21,13 +22,6 @@ std::string json(const Quaternion<double>& q) {
 }
 
 std::string json(Frame frame) { return frame == Frame::body ? "\"body\"" : "\"world\""; }
-
-// three moments where nothing stands off the diagonal
-std::string json(const Matrix3<double>& m) {
-    const bool is_diagonal = m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2]));
-    if (is_diagonal) return json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
-    return fmt::format("[{}, {}, {}]", json(m[0]), json(m[1]), json(m[2]));
-}
 
 std::string json(const Window& window) {
     std::string text;
@@ -78,9 +72,7 @@ std::string write_scene(const Scene& scene) {
     if (!scene.about.empty()) member("about", json_string(scene.about));
     if (!scene.source.empty()) member("source", json_string(scene.source));
     member("duration", shortest_decimal(scene.duration));
-    member("body",
-           fmt::format("{{\n    \"mass\": {},\n    \"inertia\": {},\n    \"center_of_mass\": {}\n  }}",
-                       shortest_decimal(scene.body.mass), json(scene.body.inertia_B), json(scene.body.center_of_mass)));
+    member("body", "{\n    " + write_body(scene.body) + "\n  }");
     const Initial& initial = scene.initial;
     std::string start =
         fmt::format("{{\n    \"orientation\": {},\n    \"angular_velocity\": {},\n    \"angular_velocity_frame\": {}",

@@ -66,7 +66,9 @@ void check_moments(const Check& check, const Vector3<double>& I, const std::stri
 }
 
 void check_inertia(const Check& check, const Body& body) {
-    const std::string place = "/body/inertia";
+    // what a source makes is wrong as a whole
+    const bool given = !body.source;
+    const std::string place = given ? "/body/inertia" : "/body";
     const Matrix3<double>& J = body.inertia_B;
     bool is_diagonal = true;
     for (int i = 0; i < 3; ++i)
@@ -75,12 +77,17 @@ void check_inertia(const Check& check, const Body& body) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (!is_diagonal) check.finite(fmt::format("{}/{}/{}", place, i, j), J[i][j]);
-    if (is_diagonal) {
+    if (!given)
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (!std::isfinite(J[i][j]))
+                    check.fail(place, "has moments of inertia beyond binary64", "give smaller sizes or masses");
+    if (is_diagonal && given) {
         for (int i = 0; i < 3; ++i) check.positive(fmt::format("{}/{}", place, i), J[i][i], "a moment of inertia");
         check_moments(check, {J[0][0], J[1][1], J[2][2]}, place, true);
         return;
     }
-    const Vector3<double> I = principal_frame(J, 1, Vector3<double>()).moments;
+    const Vector3<double> I = principal_frame(cast<Wide>(J)).moments;
     const double largest = std::max({I[0], I[1], I[2]});
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j)
@@ -100,13 +107,22 @@ void check_inertia(const Check& check, const Body& body) {
 }
 
 void check_body(const Check& check, const Scene& scene) {
-    check.positive("/body/mass", scene.body.mass, "the mass");
+    if (scene.body.source) {
+        if (!(scene.body.mass > 0))
+            check.fail("/body", fmt::format("has the mass {} in all", shortest_decimal(scene.body.mass)),
+                       "the whole must have a mass > 0: make the holes smaller");
+        check.positive("/body", scene.body.mass, "the mass of the whole");
+    } else {
+        check.positive("/body/mass", scene.body.mass, "the mass");
+    }
     check.finite("/body/center_of_mass", scene.body.center_of_mass);
     check_inertia(check, scene.body);
     if (!scene.pivot) return;
     check.finite("/pivot", *scene.pivot);
     const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
-    const Vector3<double> I = principal_frame(scene.body.inertia_B, scene.body.mass, arm).moments;
+    const Vector3<double> I =
+        principal_frame(cast<Wide>(scene.body.inertia_B) + parallel_axis(Wide(scene.body.mass), cast<Wide>(arm)))
+            .moments;
     if (!std::isfinite(I[0] + I[1] + I[2]))
         check.fail("/pivot", "makes the inertia about it infinite as binary64",
                    "give a nearer pivot or a lighter body");

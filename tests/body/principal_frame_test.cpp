@@ -27,7 +27,7 @@ double misfit(const Matrix3<double>& tensor, const PrincipalFrame& frame) {
 }
 
 void check(const Matrix3<double>& tensor) {
-    const PrincipalFrame frame = principal_frame(tensor, 1, {});
+    const PrincipalFrame frame = principal_frame(cast<Wide>(tensor));
     // moments and quaternion are rounded once each: an ulp of every entry
     RC_ASSERT(misfit(tensor, frame) < 1e-15);
     RC_ASSERT(std::abs(squared_norm(frame.q_BP) - 1) < 1e-15);
@@ -72,7 +72,7 @@ RC_GTEST_PROP(PrincipalFrame, TakesTinyProducts, ()) {
 RC_GTEST_PROP(PrincipalFrame, LeavesADiagonalTensorAlone, ()) {
     const double a = moderate(0.1, 2), b = moderate(0.1, 2), c = moderate(0.1, 2);
     const Vector3<double> moments(a + b, b + c, c + a);
-    const PrincipalFrame frame = principal_frame(diagonal(moments), 3, {});
+    const PrincipalFrame frame = principal_frame(cast<Wide>(diagonal(moments)));
     RC_ASSERT(frame.moments == moments);
     RC_ASSERT((frame.q_BP == Quaternion<double>{1, 0, 0, 0}));
 }
@@ -82,7 +82,8 @@ RC_GTEST_PROP(PrincipalFrame, ShiftsByTheParallelAxisTheorem, ()) {
     const double mass = moderate(0.1, 3);
     const Vector3<double> arm = moderate_vector();
     // the sum is formed in 128 bits; in binary64 here: an ulp of its entries
-    RC_ASSERT(misfit(I + parallel_axis(mass, arm), principal_frame(I, mass, arm)) < 2e-15);
+    RC_ASSERT(misfit(I + parallel_axis(mass, arm),
+                     principal_frame(cast<Wide>(I) + parallel_axis(Wide(mass), cast<Wide>(arm)))) < 2e-15);
 }
 
 /// From the centre of mass to a point and back: what was there, but for the rounding of m r^2, 36 at most.
@@ -101,8 +102,10 @@ RC_GTEST_PROP(ParallelAxis, LeadsThereAndBack, ()) {
 RC_GTEST_PROP(ParallelAxis, KeepsTheTriangleInequality, ()) {
     const Matrix3<double> about_center = moderate_inertia();
     const double mass = moderate(0.1, 3), reach = std::pow(10, moderate(-6, 6));
-    const Vector3<double> I = principal_frame(about_center, 1, {}).moments;
-    const Vector3<double> J = principal_frame(about_center, mass, reach * moderate_vector()).moments;
+    const Vector3<double> I = principal_frame(cast<Wide>(about_center)).moments;
+    const Vector3<double> J =
+        principal_frame(cast<Wide>(about_center) + parallel_axis(Wide(mass), cast<Wide>(reach * moderate_vector())))
+            .moments;
     const double largest = std::max({J[0], J[1], J[2]});
     for (int i = 0; i < 3; ++i) RC_ASSERT(J[i] <= J[(i + 1) % 3] + J[(i + 2) % 3] + 1e-15 * largest);
     RC_ASSERT(std::min({J[0], J[1], J[2]}) >= std::min({I[0], I[1], I[2]}) - 1e-15 * largest);
@@ -113,7 +116,7 @@ TEST(PrincipalFrame, FindsTheAxesOfAKnownTensor) {
     const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
     Matrix3<double> I = diagonal(Vector3<double>(c * c + 2 * s * s, s * s + 2 * c * c, 2.5));
     I[0][1] = I[1][0] = -s * c;
-    const PrincipalFrame frame = principal_frame(I, 1, {});
+    const PrincipalFrame frame = principal_frame(cast<Wide>(I));
     EXPECT_NEAR(frame.moments[0], 1, 1e-15);
     EXPECT_NEAR(frame.moments[1], 2, 1e-15);
     EXPECT_EQ(frame.moments[2], 2.5);

@@ -159,14 +159,17 @@ RC_GTEST_PROP(Mesh, IsTheBodyThatItBounds, ()) {
     for (Vector3<double>& v : mesh.vertices) v = position + rotate(turn, v);
     const MassProperties<double> expected = placed(of_density<double>(box, 2.5), position, turn);
     expect_near(of_mesh<double>(mesh, 2.5), expected, 1e-13);
+    const double volume = enclosed_volume(mesh);
+    RC_ASSERT(std::abs(volume * 2.5 - expected.mass) <= 1e-14 * expected.mass);
     // inside out
     for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
     RC_ASSERT(mesh_fault(mesh).empty());
-    expect_near(of_mesh<double>(mesh, 2.5), expected, 1e-13);
+    RC_ASSERT(enclosed_volume(mesh) == -volume);
 
     Tetrahedron t;
     for (Vector3<double>& v : t.vertices) v = any_vector(2);
     const MassProperties<double> whole = of_density<double>(t, 2);
+    if (is_left_handed(t)) std::swap(t.vertices[0], t.vertices[1]);
     if (whole.mass > 0.01) expect_near(of_mesh<double>(mesh_of(t), 2), whole, 1e-11);
 }
 

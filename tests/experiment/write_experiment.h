@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiment/experiment.h"
+#include "experiment/study.h"
 #include "scene/json_document.h"
 #include "table/decimal.h"
 
@@ -24,7 +25,7 @@ inline std::string write_experiment(const Experiment& e) {
         return "[" + list + "]";
     };
     const char* kinds[] = {"sweep", "convergence", "drift", "tolerance", "leave_out", "conservation"};
-    const char* kind = kinds[static_cast<int>(e.kind)];
+    const std::string kind = e.kind == Kind::study ? e.study : kinds[static_cast<int>(e.kind)];
     std::string settings, vary;
     const auto list = [&](const char* key, const std::vector<double>& values) {
         if (!values.empty())
@@ -38,6 +39,18 @@ inline std::string write_experiment(const Experiment& e) {
     for (const Variation& variation : e.vary)
         vary += fmt::format("{}{}: [{}]", vary.empty() ? "" : ", ", json_string(variation.pointer),
                             fmt::join(variation.values, ", "));
+    if (e.kind == Kind::study) {
+        std::string text = fmt::format("{{\"name\": {}, \"about\": {}, \"kind\": \"{}\"", json_string(e.name),
+                                       json_string(e.about), kind);
+        for (const std::string_view key : find_study(e.study)->reads) {
+            if (key == "scenes" && !e.scenes.empty()) text += ", \"scenes\": " + strings(e.scenes);
+            if (key == "methods" && !e.methods.empty()) text += ", \"methods\": " + strings(e.methods);
+            if (key == "settings" && !settings.empty()) text += ", \"settings\": {" + settings + "}";
+            if (key == "repeats") text += fmt::format(", \"repeats\": {}", e.repeats);
+            if (key == "samples") text += fmt::format(", \"samples\": {}", e.samples);
+        }
+        return text + "}";
+    }
     return fmt::format(
         "{{\"name\": {}, \"about\": {}, \"kind\": \"{}\", \"scenes\": {}, \"methods\": {}, \"settings\": {{{}}}, "
         "\"vary\": {{{}}}, \"samples\": {}, \"repeats\": {}, \"seconds_per_run\": {}, \"max_steps\": {}{}}}",

@@ -47,6 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
     Fuzz, Findings,
     testing::Values(Target{"scene", oracles::scene, {top + "/experiments/scenes", top + "/tests/scene/bad"}},
                     Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
+                    Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
                     Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
                     Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
     name_of);

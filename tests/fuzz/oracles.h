@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "body/mesh.h"
 #include "experiment/result.h"
 #include "experiment/write_experiment.h"
 #include "integrators/truth/cache.h"
@@ -18,7 +19,10 @@
 #include "motion/problem.h"
 #include "motion/sample_clock.h"
 #include "motion/trajectory_csv.h"
+#include "scene/body_source.h"
 #include "scene/builtin.h"
+#include "scene/mesh_file.h"
+#include "scene/robot_file.h"
 #include "scene/scene_file.h"
 #include "table/content_hash.h"
 #include "table/table.h"
@@ -64,6 +68,24 @@ inline void scene(std::string_view text) {
     if (one_in(256, text)) pose(*scene);
 }
 
+/// Surfaces and robot descriptions: refused by one line, or bodies that have mass properties.
+inline void body(std::string_view bytes) {
+    for (const char* path : {"fuzz.obj", "fuzz.stl"}) {
+        try {
+            const Mesh mesh = parse_mesh(bytes, path);
+            require(mesh_fault(mesh).empty() && enclosed_volume(mesh) > 0, "a surface bounds no body");
+        } catch (const InputError& error) {
+            require_one_line(error.what());
+            require(std::string_view(error.what()).starts_with("fuzz."), "the message does not name the file");
+        }
+    }
+    parsed([&] {
+        const ImportedBody body = parse_robot_body(bytes, "fuzz", "base");
+        require(body.mass > 0 && tensor_fault(body.inertia).empty(), "a link has no mass or no tensor");
+        return body_of(body_source(body));
+    });
+}
+
 inline void experiment(std::string_view text) {
     const std::optional<Experiment> experiment = parsed([&] { return parse_experiment(text, "fuzz"); });
     if (!experiment) return;
@@ -80,8 +102,10 @@ inline void experiment(std::string_view text) {
 }
 
 inline void trajectory(std::string_view text) {
-    const std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
+    std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
     if (!file) return;
+    // said of this text, not of the motion: what is written has nothing to be read past
+    file->read_past.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, {1, 2, 3}).size() == file->rows.size(), "samples are lost");
     // read in another order, there is as much of it; in other axes and on another clock as well

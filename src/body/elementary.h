@@ -1,13 +1,13 @@
 // The elementary functions that closed forms need, for every scalar they are evaluated in: binary64, 128 bits (the C
-// library's), and any number type that finds its own by its namespace (multiprecision).
+// library's), and any number type that finds its own by its namespace (multiprecision). Balls have their own.
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <numbers>
 
 #include "body/wide.h"
-#include "motion/exact_body.h"
 
 #ifdef __clang__
 // the C library has them for every compiler and declares them for GCC alone
@@ -22,6 +22,13 @@ polhode::Wide cbrtf128(polhode::Wide);
 #endif
 
 namespace polhode {
+
+/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
+template <class S>
+S square_root(const S& x) {
+    using std::sqrt;
+    return sqrt(x);
+}
 
 template <class S>
 struct Elementary {
@@ -39,17 +46,17 @@ struct Elementary {
     static S cube_root(const S& x) { return cbrt(x); }
 };
 
-template <>
-struct Elementary<double> {
-    static constexpr double pi() { return std::numbers::pi; }
-    static constexpr double epsilon() { return 0x1p-52; }
-    static constexpr double infinity() { return std::numeric_limits<double>::infinity(); }
-    static double exponential(double x) { return std::exp(x); }
-    static double exponential_less_one(double x) { return std::expm1(x); }
-    static void sine_cosine(double x, double& sine, double& cosine) { sine = std::sin(x), cosine = std::cos(x); }
-    static double magnitude(double x) { return std::abs(x); }
-    static double rounded(double x) { return std::nearbyint(x); }
-    static double cube_root(double x) { return std::cbrt(x); }
+template <std::floating_point F>
+struct Elementary<F> {
+    static constexpr F pi() { return std::numbers::pi_v<F>; }
+    static constexpr F epsilon() { return std::numeric_limits<F>::epsilon(); }
+    static constexpr F infinity() { return std::numeric_limits<F>::infinity(); }
+    static F exponential(F x) { return std::exp(x); }
+    static F exponential_less_one(F x) { return std::expm1(x); }
+    static void sine_cosine(F x, F& sine, F& cosine) { sine = std::sin(x), cosine = std::cos(x); }
+    static F magnitude(F x) { return std::abs(x); }
+    static F rounded(F x) { return std::nearbyint(x); }
+    static F cube_root(F x) { return std::cbrt(x); }
 };
 
 template <>

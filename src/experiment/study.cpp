@@ -1,0 +1,41 @@
+#include "experiment/study.h"
+
+#include <fmt/format.h>
+
+#include "experiment/case_store.h"
+#include "table/content_hash.h"
+
+namespace polhode {
+
+StudyResult run_inertia(const Plan& plan, bool quick);
+StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
+
+std::span<const Study> studies() {
+    // the only list
+    static const Study list[] = {
+        {"inertia", {"repeats"}, run_inertia},
+        {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
+    };
+    return list;
+}
+
+const Study* find_study(std::string_view name) {
+    for (const Study& study : studies())
+        if (study.name == name) return &study;
+    return nullptr;
+}
+
+std::string study_key(const Plan& plan, bool quick) {
+    const Experiment& e = plan.experiment;
+    std::string text =
+        fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n", program_key(), e.name, e.about, e.study, quick, e.repeats);
+    for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
+    for (const PlannedCurve& curve : plan.curves) {
+        text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));
+        for (const double setting : curve.settings) text += fmt::format(" {}", setting);
+        text += "\n";
+    }
+    return content_hash(text);
+}
+
+}  // namespace polhode

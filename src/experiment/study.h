@@ -1,0 +1,50 @@
+// Experiments that are no sweep of methods over scenes: each is a function that makes tables and pictures of its own.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiment/experiment.h"
+#include "experiment/report.h"
+#include "table/table.h"
+
+namespace polhode {
+
+/// A table of a study's and, where they differ, the columns that a page shows of it.
+struct NamedTable {
+    std::string name;   ///< of its files after the experiment's: EXPERIMENT_name; empty: EXPERIMENT
+    std::string title;  ///< of the page; empty: what the experiment is about
+    Table table;
+    std::vector<ColumnChoice> for_people{};  ///< empty: all columns
+};
+
+struct StudyResult {
+    std::vector<NamedTable> tables;
+    std::vector<NamedFigure> figures{};
+};
+
+/// Called with the plan of an experiment file whose "kind" is the study's name. `quick`: a tenth of the work. Failures
+/// of methods are rows.
+struct Study {
+    std::string_view name;
+    std::vector<std::string_view> reads;  ///< keys of the experiment file that it uses beside name, about and kind
+    StudyResult (*run)(const Plan& plan, bool quick);
+};
+
+/// All studies, in no order that matters.
+std::span<const Study> studies();
+
+/// By name; nullptr if there is none.
+const Study* find_study(std::string_view name);
+
+/// Writes a study's tables (.csv, .md, .tex, .json) and pictures and its entry in provenance.json. Returns remarks for
+/// the user (a picture that could not be drawn). Throws std::runtime_error.
+std::vector<std::string> write_study_report(const Plan& plan, const StudyResult& result, const std::string& directory,
+                                            const std::string& command_line, bool quick);
+
+/// The identity of a study's result: program, experiment, scenes.
+std::string study_key(const Plan& plan, bool quick);
+
+}  // namespace polhode

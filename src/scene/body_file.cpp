@@ -1,0 +1,410 @@
+#include "scene/body_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "scene/json_values.h"
+#include "scene/mesh_file.h"
+#include "scene/message.h"
+#include "scene/robot_file.h"
+#include "table/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr double norm_tolerance = 1e-6;  // of a unit quaternion
+
+std::string path_in(const std::string& directory, const std::string& path) {
+    return directory.empty() || path.starts_with('/') ? path : directory + '/' + path;
+}
+
+double positive(const JsonNode& node, const char* what) {
+    const double value = node.number();
+    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
+    return value;
+}
+double length(const JsonNode& object, const char* key) {
+    return positive(object.required(key, "a length in m, > 0"), "a length in m");
+}
+double not_negative(const JsonNode& object, const char* key) {
+    const JsonNode& node = object.required(key, "a length in m, >= 0");
+    if (!(node.number() >= 0)) node.fail(node.described(), "this length in m must be >= 0");
+    return node.number();
+}
+template <std::size_t n>
+std::array<double, n> lengths(const JsonNode& object, const char* key) {
+    const JsonNode& node = object.required(key, fmt::format("{} lengths in m, > 0", n));
+    const auto& e = node.elements();
+    if (e.size() != n) node.fail(node.described(), fmt::format("give {} lengths in m", n));
+    std::array<double, n> values{};
+    for (std::size_t i = 0; i < n; ++i) values[i] = positive(*e[i], "a length in m");
+    return values;
+}
+Vector3<double> three_lengths(const JsonNode& object, const char* key) {
+    const auto [x, y, z] = lengths<3>(object, key);
+    return {x, y, z};
+}
+double inner_radius(const JsonNode& object, double outer) {
+    const double inner = not_negative(object, "inner_radius");
+    if (!(inner < outer))
+        object.find("inner_radius")
+            ->fail(fmt::format("is {}, the outer radius {}", shortest_decimal(inner), shortest_decimal(outer)),
+                   "the inner radius must be the smaller one");
+    return inner;
+}
+
+Shape box(const JsonNode& node) {
+    node.only({"type", "half_extents"});
+    return Box{three_lengths(node, "half_extents")};
+}
+Shape sphere(const JsonNode& node) {
+    node.only({"type", "radius"});
+    return SolidSphere{length(node, "radius")};
+}
+Shape hollow_sphere(const JsonNode& node) {
+    node.only({"type", "outer_radius", "inner_radius"});
+    const double outer = length(node, "outer_radius");
+    return HollowSphere{outer, inner_radius(node, outer)};
+}
+Shape cylinder(const JsonNode& node) {
+    node.only({"type", "radius", "half_height"});
+    return Cylinder{length(node, "radius"), length(node, "half_height")};
+}
+Shape hollow_cylinder(const JsonNode& node) {
+    node.only({"type", "outer_radius", "inner_radius", "half_height"});
+    const double outer = length(node, "outer_radius");
+    return HollowCylinder{outer, inner_radius(node, outer), length(node, "half_height")};
+}
+Shape capsule(const JsonNode& node) {
+    node.only({"type", "radius", "half_height"});
+    return Capsule{length(node, "radius"), length(node, "half_height")};
+}
+Shape cone(const JsonNode& node) {
+    node.only({"type", "radius", "height"});
+    return Cone{length(node, "radius"), length(node, "height")};
+}
+Shape ellipsoid(const JsonNode& node) {
+    node.only({"type", "semi_axes"});
+    return Ellipsoid{three_lengths(node, "semi_axes")};
+}
+Shape torus(const JsonNode& node) {
+    node.only({"type", "major_radius", "minor_radius"});
+    const Torus torus{length(node, "major_radius"), length(node, "minor_radius")};
+    if (!(torus.minor_radius <= torus.major_radius))
+        node.find("minor_radius")
+            ->fail(fmt::format("is {}, the major radius {}", shortest_decimal(torus.minor_radius),
+                               shortest_decimal(torus.major_radius)),
+                   "a torus that does not meet itself has the greater major radius");
+    return torus;
+}
+Shape rod(const JsonNode& node) {
+    node.only({"type", "length"});
+    return ThinRod{length(node, "length")};
+}
+Shape disc(const JsonNode& node) {
+    node.only({"type", "radius"});
+    return ThinDisc{length(node, "radius")};
+}
+Shape plate(const JsonNode& node) {
+    node.only({"type", "half_extents"});
+    return ThinPlate{lengths<2>(node, "half_extents")};
+}
+Shape tetrahedron(const JsonNode& node) {
+    node.only({"type", "vertices"});
+    const JsonNode& vertices = node.required("vertices", "4 points [x, y, z] in m");
+    if (vertices.elements().size() != 4) vertices.fail(vertices.described(), "give 4 points [x, y, z]");
+    Tetrahedron shape;
+    for (std::size_t i = 0; i < 4; ++i) shape.vertices[i] = vector3(*vertices.elements()[i]);
+    if (six_volumes(shape) == 0) vertices.fail("has no volume: the four lie in a plane", "give 4 points around a body");
+    return shape;
+}
+Shape frustum(const JsonNode& node) {
+    node.only({"type", "bottom_radius", "top_radius", "height"});
+    const Frustum shape{not_negative(node, "bottom_radius"), not_negative(node, "top_radius"), length(node, "height")};
+    if (shape.bottom_radius == 0 && shape.top_radius == 0)
+        node.find("top_radius")->fail("is 0, and so is the bottom radius", "give one of them > 0");
+    return shape;
+}
+
+constexpr std::pair<const char*, Shape (*)(const JsonNode&)> shapes[] = {
+    {"box", box},
+    {"sphere", sphere},
+    {"hollow_sphere", hollow_sphere},
+    {"cylinder", cylinder},
+    {"hollow_cylinder", hollow_cylinder},
+    {"capsule", capsule},
+    {"cone", cone},
+    {"ellipsoid", ellipsoid},
+    {"torus", torus},
+    {"rod", rod},
+    {"disc", disc},
+    {"plate", plate},
+    {"tetrahedron", tetrahedron},
+    {"frustum", frustum},
+};
+
+Shape shape(const JsonNode& node) {
+    if (!node.is_object()) node.fail(node.described(), "give an object {\"type\": .., ..}");
+    std::vector<std::string> names;
+    for (const auto& [name, read] : shapes) names.push_back(name);
+    const JsonNode& type = node.required("type", "one of " + listed(names));
+    for (const auto& [name, read] : shapes)
+        if (type.string() == name) return read(node);
+    const std::string meant = did_you_mean(type.string(), names);
+    type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+}
+
+Amount amount(const JsonNode& node, bool is_part) {
+    const JsonNode *mass = node.find("mass"), *density = node.find("density");
+    if (mass && density) density->fail("stands beside a mass", "give the mass or the density, not both");
+    if (mass)
+        return {positive(*mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass"), false};
+    if (!density) node.required("density", "the density in kg/m^3, or \"mass\" in kg");
+    const double value = density->number();
+    if (value == 0 || (value < 0 && !is_part))
+        density->fail(density->described(), is_part ? "a density is not 0; a hole has a negative one"
+                                                    : "the density must be > 0; only a part can be a hole");
+    return {value, true};
+}
+
+Matrix3<double> inertia(const JsonNode& node) {
+    const char* remedy = "give 3 moments or a 3x3 matrix in kg m^2";
+    const auto& e = node.elements();
+    if (e.size() != 3) node.fail(node.described(), remedy);
+    if (!e[0]->is_array()) {
+        for (const JsonNode* moment : e)
+            if (!moment->is_number()) moment->fail(moment->described(), remedy);
+        return diagonal(vector3(node));
+    }
+    Matrix3<double> m;
+    for (int i = 0; i < 3; ++i) {
+        if (!e[i]->is_array() || e[i]->elements().size() != 3) e[i]->fail(e[i]->described(), "give a row of 3 numbers");
+        m[i] = vector3(*e[i]);
+    }
+    return m;
+}
+
+MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
+    GivenBody b;
+    const JsonNode& mass = node.required("mass", "the mass in kg");
+    const JsonNode& moments = node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
+    b.mass = mass.number();
+    b.inertia = inertia(moments);
+    if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
+    if (is_part) {
+        positive(mass, "the mass of a part (a hole has a negative density)");
+        if (const std::string fault = tensor_fault(b.inertia); !fault.empty())
+            moments.fail(fault, "give the tensor of some distribution of mass; a part's moments may be 0");
+    }
+    return b;
+}
+
+MadeOf shaped(const JsonNode& node, const std::string&, bool is_part) {
+    return ShapedBody{shape(*node.find("shape")), amount(node, is_part)};
+}
+
+MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
+    const JsonNode& list = *node.find("points");
+    PointsBody body;
+    if (list.elements().empty()) list.fail("has no points", "give at least one [mass, x, y, z]");
+    for (const JsonNode* one : list.elements()) {
+        const auto& e = one->elements();
+        if (e.size() != 4) one->fail(one->described(), "give [mass in kg, x, y, z in m]");
+        body.points.push_back({positive(*e[0], "a point's mass"), {e[1]->number(), e[2]->number(), e[3]->number()}});
+    }
+    return body;
+}
+
+MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) {
+    const JsonNode& file = *node.find("mesh");
+    const Amount how_much = amount(node, is_part);
+    try {
+        auto [mesh, hash] = read_mesh(path_in(directory, file.string()));
+        return MeshBody{file.string(), std::move(hash), std::move(mesh), how_much};
+    } catch (const InputError& error) {
+        file.fail(error);
+    }
+}
+
+MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
+    const JsonNode& import = *node.find("import");
+    import.only({"file", "link"});
+    const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
+    const JsonNode& link = import.required("link", "the name of the link or body");
+    try {
+        ImportedBody body = read_robot_body(path_in(directory, file.string()), link.string());
+        body.file = file.string(), body.link = link.string();
+        return body;
+    } catch (const InputError& error) {
+        import.fail(error);
+    }
+}
+
+std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part);
+
+MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
+    const JsonNode& list = *node.find("parts");
+    if (list.elements().empty()) list.fail("has no parts", "give at least one body");
+    PartsBody body;
+    for (const JsonNode* one : list.elements()) {
+        PartsBody::Part part;
+        part.body = source(*one, directory, true);
+        if (const JsonNode* position = one->find("position")) part.position = vector3(*position);
+        if (const JsonNode* orientation = one->find("orientation")) {
+            const Quaternion<double> q = part.orientation = quaternion(*orientation);
+            const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
+            if (!(std::abs(norm - 1) <= norm_tolerance))
+                orientation->fail("has norm " + shortest_decimal(norm),
+                                  "a unit quaternion [w, x, y, z] has norm 1 within 1e-6");
+        }
+        body.parts.push_back(std::move(part));
+    }
+    return body;
+}
+
+// The ways to say what a body is, by the key that tells each; the first has none of the others' keys.
+struct Way {
+    const char* key;
+    MadeOf (*read)(const JsonNode&, const std::string& directory, bool is_part);
+    std::vector<std::string_view> keys;
+};
+const std::vector<Way>& ways() {
+    static const std::vector<Way> all{
+        {"inertia", given, {"mass", "inertia", "center_of_mass"}},
+        {"shape", shaped, {"shape", "mass", "density"}},
+        {"parts", composed, {"parts"}},
+        {"points", of_point_masses, {"points"}},
+        {"mesh", meshed, {"mesh", "mass", "density"}},
+        {"import", imported, {"import"}},
+    };
+    return all;
+}
+
+std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part) {
+    if (!node.is_object()) node.fail(node.described(), "give an object {\"mass\": .., \"inertia\": ..}");
+    const Way* chosen = nullptr;
+    for (const Way& way : ways()) {
+        const JsonNode* told = node.find(way.key);
+        if (!told) continue;
+        if (chosen)
+            told->fail(fmt::format("\"{}\" stands beside \"{}\"", way.key, chosen->key),
+                       "give the mass properties in exactly one way");
+        chosen = &way;
+    }
+    if (!chosen) chosen = &ways().front();
+    std::vector<std::string_view> keys = chosen->keys;
+    if (is_part) keys.insert(keys.end(), {"position", "orientation"});
+    node.only(keys);
+    return body_source(chosen->read(node, directory, is_part));
+}
+
+std::string json(const Vector3<double>& v) {
+    return fmt::format("[{}, {}, {}]", shortest_decimal(v[0]), shortest_decimal(v[1]), shortest_decimal(v[2]));
+}
+// three moments where nothing stands off the diagonal
+std::string json(const Matrix3<double>& m) {
+    const bool is_diagonal = m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2]));
+    if (is_diagonal) return json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
+    return fmt::format("[{}, {}, {}]", json(m[0]), json(m[1]), json(m[2]));
+}
+
+struct ShapeWriter {
+    using Member = std::pair<const char*, double>;
+    static std::string object(const char* type, std::initializer_list<Member> members) {
+        std::string text = fmt::format("{{\"type\": \"{}\"", type);
+        for (const auto& [key, value] : members) text += fmt::format(", \"{}\": {}", key, shortest_decimal(value));
+        return text + "}";
+    }
+    std::string operator()(const Box& s) const {
+        return fmt::format(R"({{"type": "box", "half_extents": {}}})", json(s.half_extents));
+    }
+    std::string operator()(const SolidSphere& s) const { return object("sphere", {{"radius", s.radius}}); }
+    std::string operator()(const HollowSphere& s) const {
+        return object("hollow_sphere", {{"outer_radius", s.outer_radius}, {"inner_radius", s.inner_radius}});
+    }
+    std::string operator()(const Cylinder& s) const {
+        return object("cylinder", {{"radius", s.radius}, {"half_height", s.half_height}});
+    }
+    std::string operator()(const HollowCylinder& s) const {
+        return object(
+            "hollow_cylinder",
+            {{"outer_radius", s.outer_radius}, {"inner_radius", s.inner_radius}, {"half_height", s.half_height}});
+    }
+    std::string operator()(const Capsule& s) const {
+        return object("capsule", {{"radius", s.radius}, {"half_height", s.half_height}});
+    }
+    std::string operator()(const Cone& s) const { return object("cone", {{"radius", s.radius}, {"height", s.height}}); }
+    std::string operator()(const Ellipsoid& s) const {
+        return fmt::format(R"({{"type": "ellipsoid", "semi_axes": {}}})", json(s.semi_axes));
+    }
+    std::string operator()(const Torus& s) const {
+        return object("torus", {{"major_radius", s.major_radius}, {"minor_radius", s.minor_radius}});
+    }
+    std::string operator()(const ThinRod& s) const { return object("rod", {{"length", s.length}}); }
+    std::string operator()(const ThinDisc& s) const { return object("disc", {{"radius", s.radius}}); }
+    std::string operator()(const ThinPlate& s) const {
+        return fmt::format(R"({{"type": "plate", "half_extents": [{}, {}]}})", shortest_decimal(s.half_extents[0]),
+                           shortest_decimal(s.half_extents[1]));
+    }
+    std::string operator()(const Tetrahedron& s) const {
+        return fmt::format(R"({{"type": "tetrahedron", "vertices": [{}, {}, {}, {}]}})", json(s.vertices[0]),
+                           json(s.vertices[1]), json(s.vertices[2]), json(s.vertices[3]));
+    }
+    std::string operator()(const Frustum& s) const {
+        return object("frustum",
+                      {{"bottom_radius", s.bottom_radius}, {"top_radius", s.top_radius}, {"height", s.height}});
+    }
+};
+
+struct SourceWriter {
+    static std::string json_amount(const Amount& amount) {
+        return fmt::format("\"{}\": {}", amount.is_density ? "density" : "mass", shortest_decimal(amount.value));
+    }
+    std::string operator()(const GivenBody& b) const {
+        return fmt::format("\"mass\": {},\n    \"inertia\": {},\n    \"center_of_mass\": {}", shortest_decimal(b.mass),
+                           json(b.inertia), json(b.center_of_mass));
+    }
+    std::string operator()(const ShapedBody& b) const {
+        return fmt::format("\"shape\": {}, {}", std::visit(ShapeWriter{}, b.shape), json_amount(b.amount));
+    }
+    std::string operator()(const PointsBody& b) const {
+        std::string text = "\"points\": [";
+        for (const PointMass<double>& point : b.points)
+            text += fmt::format("{}[{}, {}, {}, {}]", &point == &b.points.front() ? "" : ", ",
+                                shortest_decimal(point.mass), shortest_decimal(point.position[0]),
+                                shortest_decimal(point.position[1]), shortest_decimal(point.position[2]));
+        return text + "]";
+    }
+    // what is in the file belongs to the scene's identity as much as its name
+    std::string operator()(const MeshBody& b) const {
+        return fmt::format("\"mesh\": {} /* {} */, {}", json_string(b.file), b.hash, json_amount(b.amount));
+    }
+    std::string operator()(const ImportedBody& b) const {
+        return fmt::format("\"import\": {{\"file\": {} /* {} */, \"link\": {}}}", json_string(b.file), b.hash,
+                           json_string(b.link));
+    }
+    std::string operator()(const PartsBody& b) const {
+        std::string text = "\"parts\": [";
+        for (const PartsBody::Part& part : b.parts) {
+            const Quaternion<double>& q = part.orientation;
+            text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": [{}, {}, {}, {}]}}",
+                                &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->made_of),
+                                json(part.position), shortest_decimal(q.w), shortest_decimal(q.x),
+                                shortest_decimal(q.y), shortest_decimal(q.z));
+        }
+        return text + "\n    ]";
+    }
+};
+
+}  // namespace
+
+Body parse_body(const JsonNode& node, const std::string& directory) { return body_of(source(node, directory, false)); }
+
+std::string write_body(const Body& body) {
+    if (body.source) return std::visit(SourceWriter{}, body.source->made_of);
+    return SourceWriter{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
+}
+
+}  // namespace polhode

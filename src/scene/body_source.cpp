@@ -1,0 +1,49 @@
+#include "scene/body_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "body/rigid_body.h"
+#include "table/decimal.h"
+
+namespace polhode {
+
+std::shared_ptr<const BodySource> body_source(MadeOf made_of) {
+    auto source = std::make_shared<BodySource>();
+    source->made_of = std::move(made_of);
+    source->wide = std::visit(MassPropertiesOf<Wide>{}, source->made_of);
+    return source;
+}
+
+Body body_of(std::shared_ptr<const BodySource> source) {
+    // one that is only numbers needs no source: they are exact
+    if (const auto* given = std::get_if<GivenBody>(&source->made_of))
+        return {given->mass, given->inertia, given->center_of_mass, nullptr};
+    const auto [mass, center, inertia] = mass_properties<double>(*source);
+    return {mass, inertia, center, std::move(source)};
+}
+
+std::string tensor_fault(const Matrix3<double>& J) {
+    constexpr double tolerance = 1e-12;  // of the largest moment
+    const Vector3<double> I = principal_frame(cast<Wide>(J)).moments;
+    const double largest = std::max({std::abs(I[0]), std::abs(I[1]), std::abs(I[2])});
+    if (!std::isfinite(largest)) return "is beyond binary64";
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < i; ++j)
+            if (!(std::abs(J[i][j] - J[j][i]) <= tolerance * largest)) return "is not symmetric";
+        if (I[i] < -tolerance * largest) return "has the principal moment " + shortest_decimal(I[i]);
+        if (I[i] - I[(i + 1) % 3] - I[(i + 2) % 3] > tolerance * largest)
+            return "has moments that break the triangle inequality";
+    }
+    return "";
+}
+
+bool has_shape(const BodySource& source) {
+    if (const auto* parts = std::get_if<PartsBody>(&source.made_of))
+        return std::all_of(parts->parts.begin(), parts->parts.end(),
+                           [](const PartsBody::Part& part) { return has_shape(*part.body); });
+    return std::holds_alternative<ShapedBody>(source.made_of) || std::holds_alternative<MeshBody>(source.made_of);
+}
+
+}  // namespace polhode

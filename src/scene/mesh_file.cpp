@@ -1,0 +1,235 @@
+#include "scene/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "scene/json_document.h"
+#include "scene/message.h"
+#include "table/content_hash.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t largest_file = std::size_t{256} << 20;
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+// A text file by lines and words; faults know the line.
+class Lines {
+  public:
+    Lines(std::string_view text, const std::string& path) : rest_(text), path_(path) {}
+
+    /// The words of the next line that has any; false at the end. A backslash at the end joins the next line.
+    bool next(std::vector<std::string_view>& words, char comment) {
+        words.clear();
+        while (words.empty() && !rest_.empty()) {
+            bool more = true;
+            while (more && !rest_.empty()) {
+                ++line_;
+                const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+                std::string_view line = rest_.substr(0, end);
+                rest_.remove_prefix(std::min(end + 1, rest_.size()));
+                if (comment != 0) line = line.substr(0, line.find(comment));
+                while (!line.empty() && is_space(line.back())) line.remove_suffix(1);
+                more = !line.empty() && line.back() == '\\';
+                if (more) line.remove_suffix(1);
+                split(line, words);
+            }
+        }
+        return !words.empty();
+    }
+
+    [[noreturn]] void fail(const std::string& fault, const std::string& remedy) const {
+        throw InputError(path_, fmt::format("line {}", line_), fault, remedy);
+    }
+
+    double number(std::string_view word) const {
+        if (word.starts_with('+')) word.remove_prefix(1);
+        double value = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+            fail(fmt::format("\"{}\" is no finite number", one_line(word, 40)), "give decimal coordinates in m");
+        return value;
+    }
+    Vector3<double> point(const std::vector<std::string_view>& words) const {
+        return {number(words[1]), number(words[2]), number(words[3])};
+    }
+
+  private:
+    static void split(std::string_view line, std::vector<std::string_view>& words) {
+        for (std::size_t i = 0; i < line.size();) {
+            if (is_space(line[i])) {
+                ++i;
+                continue;
+            }
+            std::size_t end = i;
+            while (end < line.size() && !is_space(line[end])) ++end;
+            words.push_back(line.substr(i, end - i));
+            i = end;
+        }
+    }
+
+    std::string_view rest_;
+    const std::string& path_;
+    long line_ = 0;
+};
+
+Mesh parse_obj(std::string_view text, const std::string& path) {
+    // what says nothing about the surface
+    static constexpr std::string_view read_past[] = {"vn", "vt", "vp", "g", "o", "s", "l", "p", "usemtl", "mtllib"};
+    Mesh mesh;
+    Lines lines(text, path);
+    std::vector<std::string_view> words;
+    while (lines.next(words, '#')) {
+        if (words[0] == "v") {
+            // a fourth is a weight, six are a colour
+            if (words.size() < 4) lines.fail("has a vertex of fewer than 3 coordinates", "give \"v x y z\"");
+            mesh.vertices.push_back(lines.point(words));
+        } else if (words[0] == "f") {
+            if (words.size() < 4) lines.fail("has a face of fewer than 3 corners", "give \"f a b c ..\"");
+            std::vector<int> corners;
+            for (std::size_t i = 1; i < words.size(); ++i) {
+                const std::string_view word = words[i].substr(0, words[i].find('/'));
+                long index = 0;
+                const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+                const long count = static_cast<long>(mesh.vertices.size());
+                // counted from 1, or backward from the last
+                const long corner = index < 0 ? count + index : index - 1;
+                if (error != std::errc() || end != word.data() + word.size() || corner < 0 || corner >= count)
+                    lines.fail(
+                        fmt::format("has a corner \"{}\" where there are {} vertices", one_line(words[i], 40), count),
+                        "give indices of vertices above it");
+                corners.push_back(static_cast<int>(corner));
+            }
+            for (std::size_t i = 2; i < corners.size(); ++i)
+                mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+        } else if (std::find(std::begin(read_past), std::end(read_past), words[0]) == std::end(read_past)) {
+            lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)),
+                       "give an OBJ file of vertices (v) and faces (f)");
+        }
+    }
+    return mesh;
+}
+
+void add_triangle(Mesh& mesh, const std::array<Vector3<double>, 3>& corners) {
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
+    mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+Mesh parse_text_stl(std::string_view text, const std::string& path) {
+    Mesh mesh;
+    Lines lines(text, path);
+    std::vector<std::string_view> words;
+    const char* remedy = "give text STL: solid, facet, outer loop, 3 x vertex, endloop, endfacet, endsolid";
+    const auto expect = [&](std::initializer_list<std::string_view> beginning) {
+        if (!lines.next(words, 0)) lines.fail("ends before \"endsolid\"", remedy);
+        if (words.size() < beginning.size() || !std::equal(beginning.begin(), beginning.end(), words.begin()))
+            lines.fail(
+                fmt::format("begins with \"{}\" where \"{}\" is due", one_line(words[0], 40), *beginning.begin()),
+                remedy);
+    };
+    while (lines.next(words, 0)) {
+        if (words[0] != "solid") lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)), remedy);
+        for (;;) {
+            if (!lines.next(words, 0)) lines.fail("ends before \"endsolid\"", remedy);
+            if (words[0] == "endsolid") break;
+            if (words[0] != "facet") lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)), remedy);
+            expect({"outer", "loop"});
+            std::array<Vector3<double>, 3> corners;
+            for (Vector3<double>& corner : corners) {
+                expect({"vertex"});
+                if (words.size() != 4) lines.fail("has a vertex without 3 coordinates", remedy);
+                corner = lines.point(words);
+            }
+            expect({"endloop"});
+            expect({"endfacet"});
+            add_triangle(mesh, corners);
+        }
+    }
+    return mesh;
+}
+
+// 80 bytes, the number of triangles, for each 12 binary32 (normal, corners) and two bytes; little-endian
+constexpr std::size_t stl_header = 84, stl_triangle = 50;
+
+std::uint32_t word_at(std::string_view bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    for (int i = 3; i >= 0; --i)
+        value = value << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
+    return value;
+}
+
+Mesh parse_binary_stl(std::string_view bytes, const std::string& path) {
+    const auto refuse = [&](const std::string& fault) {
+        throw InputError(path, "", fault, "give a binary STL file of 84 + 50 n bytes, or a text one");
+    };
+    if (bytes.size() < stl_header) refuse(fmt::format("has {} bytes: the header is cut short", bytes.size()));
+    const std::size_t count = word_at(bytes, 80);
+    if (bytes.size() != stl_header + stl_triangle * count)
+        refuse(fmt::format("announces {} triangles and has {} bytes in place of {}", count, bytes.size(),
+                           stl_header + stl_triangle * count));
+    Mesh mesh;
+    for (std::size_t t = 0; t < count; ++t) {
+        std::array<Vector3<double>, 3> corners;
+        for (std::size_t i = 0; i < 9; ++i) {
+            const float x = std::bit_cast<float>(word_at(bytes, stl_header + stl_triangle * t + 12 + 4 * i));
+            if (!std::isfinite(x)) refuse(fmt::format("has a coordinate in triangle {} that is not finite", t + 1));
+            corners[i / 3][i % 3] = static_cast<double>(x);
+        }
+        add_triangle(mesh, corners);
+    }
+    return mesh;
+}
+
+Mesh parse_stl(std::string_view bytes, const std::string& path) {
+    // a binary file may begin with "solid" as well; its size tells
+    const bool binary_by_size =
+        bytes.size() >= stl_header && bytes.size() == stl_header + stl_triangle * word_at(bytes, 80);
+    if (!binary_by_size && bytes.substr(0, 5) == "solid" && bytes.find('\0') == bytes.npos)
+        return parse_text_stl(bytes, path);
+    return parse_binary_stl(bytes, path);
+}
+
+bool ends_in(const std::string& path, std::string_view ending) {
+    return path.size() >= ending.size() &&
+           std::equal(ending.rbegin(), ending.rend(), path.rbegin(),
+                      [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
+}
+
+}  // namespace
+
+Mesh parse_mesh(std::string_view bytes, const std::string& path) {
+    Mesh mesh;
+    if (ends_in(path, ".obj"))
+        mesh = parse_obj(bytes, path);
+    else if (ends_in(path, ".stl"))
+        mesh = parse_stl(bytes, path);
+    else
+        throw InputError(path, "", "is neither .obj nor .stl", "give a surface in one of these formats");
+    if (const std::string fault = mesh_fault(mesh); !fault.empty())
+        throw InputError(path, "", fault, "give a closed surface of consistently oriented triangles");
+    const double size = enclosed_volume(mesh);
+    if (!std::isfinite(size))
+        throw InputError(path, "", "encloses a volume beyond binary64", "give smaller coordinates");
+    if (size == 0) throw InputError(path, "", "encloses no volume", "give a surface around a body");
+    if (size < 0)
+        for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+    return mesh;
+}
+
+MeshFile read_mesh(const std::string& path) {
+    const std::string bytes = read_text(path, largest_file, "a surface in OBJ or STL format");
+    return {parse_mesh(bytes, path), content_hash(bytes)};
+}
+
+}  // namespace polhode

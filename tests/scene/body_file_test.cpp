@@ -1,0 +1,261 @@
+// Bodies by what they are made of, against closed forms, each other, and the same body written by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "body/shapes.h"
+#include "body/tessellation.h"
+#include "scene/body_source.h"
+#include "scene/mesh_file.h"
+#include "scene/robot_file.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+const std::string bodies = POLHODE_SOURCE_DIR "/tests/scene/bodies";
+
+Scene scene_of(const std::string& body, const std::string& more = "") {
+    return parse_scene(R"({"name": "s", "duration": 1, "body": {)" + body + "}" + more + "}", "s.json", bodies);
+}
+
+double largest(const Matrix3<double>& m) {
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) most = std::max(most, std::abs(m[i][j]));
+    return most;
+}
+
+void expect_same(const Body& a, const Body& b, double tolerance) {
+    EXPECT_NEAR(a.mass, b.mass, tolerance * b.mass);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(a.center_of_mass[i], b.center_of_mass[i], tolerance);
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(a.inertia_B[i][j], b.inertia_B[i][j], tolerance * largest(b.inertia_B));
+    }
+}
+
+// Mass 2; moments from the tables of textbooks, written as they are printed there.
+TEST(BodyFile, ShapesHaveTheMomentsOfTheTables) {
+    const auto moments = [](const char* shape) {
+        const Body body = scene_of(std::string(R"("mass": 2, "shape": )") + shape).body;
+        EXPECT_EQ(body.mass, 2);
+        EXPECT_EQ(body.center_of_mass, Vector3<double>());
+        return Vector3<double>(body.inertia_B[0][0], body.inertia_B[1][1], body.inertia_B[2][2]);
+    };
+    const auto expect = [](const Vector3<double>& I, double x, double y, double z) {
+        EXPECT_NEAR(I[0], x, 1e-15 * x);
+        EXPECT_NEAR(I[1], y, 1e-15 * y);
+        EXPECT_NEAR(I[2], z, 1e-15 * z);
+    };
+    expect(moments(R"({"type": "box", "half_extents": [1, 2, 3]})"), 2 * 13 / 3.0, 2 * 10 / 3.0, 2 * 5 / 3.0);
+    expect(moments(R"({"type": "sphere", "radius": 3})"), 7.2, 7.2, 7.2);
+    const double hollow = 2 * 2 * (243 - 32) / (5.0 * (27 - 8));
+    expect(moments(R"({"type": "hollow_sphere", "outer_radius": 3, "inner_radius": 2})"), hollow, hollow, hollow);
+    expect(moments(R"({"type": "cylinder", "radius": 3, "half_height": 2})"), 2 * (27 + 16) / 12.0,
+           2 * (27 + 16) / 12.0, 9);
+    expect(moments(R"({"type": "hollow_cylinder", "outer_radius": 3, "inner_radius": 2, "half_height": 2})"),
+           2 * (39 + 16) / 12.0, 2 * (39 + 16) / 12.0, 13);
+    expect(moments(R"({"type": "cone", "radius": 2, "height": 3})"), 2 * (0.6 + 27 / 80.0), 2 * (0.6 + 27 / 80.0), 2.4);
+    expect(moments(R"({"type": "ellipsoid", "semi_axes": [1, 2, 3]})"), 2 * 13 / 5.0, 2 * 10 / 5.0, 2 * 5 / 5.0);
+    expect(moments(R"({"type": "torus", "major_radius": 3, "minor_radius": 1})"), 2 * (9 + 1.25) / 2,
+           2 * (9 + 1.25) / 2, 2 * (9 + 0.75));
+    // a whole body needs three moments, so a rod is a part: with a point mass off its line
+    const Body rod = scene_of(R"("parts": [{"mass": 2, "shape": {"type": "rod", "length": 3}},
+                                          {"points": [[1, 1, 0, 0], [1, -1, 0, 0]]}])")
+                         .body;
+    expect({rod.inertia_B[0][0], rod.inertia_B[1][1], rod.inertia_B[2][2]}, 1.5, 1.5 + 2, 2);
+    expect(moments(R"({"type": "disc", "radius": 2})"), 2, 2, 4);
+    expect(moments(R"({"type": "plate", "half_extents": [1, 2]})"), 2 * 4 / 3.0, 2 / 3.0, 2 * 5 / 3.0);
+    // of a cone cut at half its height: the whole less its tip, by the parallel axis theorem
+    const double V = std::numbers::pi * 4 * 4 / 3, v = V / 8, m = 2 * V / (V - v), n = m - 2;
+    const double z = (m * 1 - n * 2.5) / 2;  // centre above the base: h/4 of the cone, 2 + 2/4 of the tip
+    const double across =
+        m * (3.0 / 20 * 4 + 3.0 / 80 * 16 + (1 - z) * (1 - z)) - n * (3.0 / 20 + 3.0 / 80 * 4 + (2.5 - z) * (2.5 - z));
+    const double along = 0.3 * (m * 4 - n);
+    const Vector3<double> frustum = moments(R"({"type": "frustum", "bottom_radius": 2, "top_radius": 1, "height": 2})");
+    EXPECT_NEAR(frustum[0], across, 1e-14 * across);
+    EXPECT_NEAR(frustum[2], along, 1e-14 * along);
+    // a capsule as its parts: the half spheres' centres are 3 r / 8 beyond the tube
+    const double tube = 4.0, caps = 4.0 / 3, k = 2 / (tube + caps);
+    const double half = 0.4 - 9 / 64.0;  // of a half sphere of mass 1 across its axis, about its centre
+    const double tumble = k * (tube * (3 + 16) / 12 + caps * (half + (2 + 3 / 8.0) * (2 + 3 / 8.0)));
+    const Vector3<double> capsule = moments(R"({"type": "capsule", "radius": 1, "half_height": 2})");
+    EXPECT_NEAR(capsule[0], tumble, 1e-15 * tumble);
+    EXPECT_NEAR(capsule[2], k * (tube / 2 + caps * 0.4), 1e-15);
+}
+
+// Every digit of the closed forms in binary64, measured against 128 bits.
+TEST(BodyFile, ClosedFormsAreRightToTheLastDigits) {
+    const Shape shapes[] = {Box{{0.3, 1.7, 0.013}},
+                            SolidSphere{0.7},
+                            HollowSphere{1.1, 1.0999},
+                            Cylinder{0.3, 1.9},
+                            HollowCylinder{1.1, 1.0999, 0.3},
+                            Capsule{0.3, 1.7},
+                            Cone{0.7, 1.3},
+                            Ellipsoid{{0.1, 0.9, 1.3}},
+                            Torus{1.3, 0.7},
+                            ThinRod{1.7},
+                            ThinDisc{0.9},
+                            ThinPlate{{0.7, 1.9}},
+                            Tetrahedron{{Vector3<double>(0.1, 0.2, 0.3), Vector3<double>(1.1, 0.4, -0.3),
+                                         Vector3<double>(0.7, 1.9, 0.1), Vector3<double>(-0.2, 0.5, 2.3)}},
+                            Frustum{1.1, 0.3, 0.7}};
+    static_assert(std::size(shapes) == std::variant_size_v<Shape>);
+    for (const Shape& shape : shapes) {
+        const MassProperties<double> body = of_density<double>(shape, 2.7);
+        const MassProperties<Wide> truth = of_density<Wide>(shape, Wide(2.7));
+        EXPECT_NEAR(body.mass, double(truth.mass), 1e-14 * body.mass) << shape.index();
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const double off = std::abs(double(Wide(body.inertia[i][j]) - truth.inertia[i][j]));
+                // a moment to its own digits, a product to the largest's
+                EXPECT_LE(off, 1e-14 * (i == j ? body.inertia[i][i] : largest(body.inertia)))
+                    << shape.index() << i << j;
+            }
+    }
+}
+
+TEST(BodyFile, OneBoxInSixWays) {
+    const Body box = scene_of(R"("shape": {"type": "box", "half_extents": [1, 1, 1]}, "density": 3)").body;
+    for (const char* file : {"cube.obj", "cube_text.stl", "cube_binary.stl", "inside_out.stl"}) {
+        SCOPED_TRACE(file);
+        expect_same(scene_of(std::string(R"("mesh": ")") + file + R"(", "density": 3)").body, box, 1e-15);
+        expect_same(scene_of(std::string(R"("mesh": ")") + file + R"(", "mass": 24)").body, box, 1e-15);
+    }
+    // two halves, and a greater box with two holes
+    expect_same(scene_of(R"("parts": [
+                            {"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "density": 3, "position": [0, 0, 0.5]},
+                            {"shape": {"type": "box", "half_extents": [1, 0.5, 1]}, "mass": 12, "position": [0, 0, -0.5],
+                             "orientation": [0.7071067811865476, 0.7071067811865476, 0, 0]}])")
+                    .body,
+                box, 1e-15);
+    expect_same(scene_of(R"("parts": [
+                            {"shape": {"type": "box", "half_extents": [2, 1, 1]}, "density": 3},
+                            {"shape": {"type": "box", "half_extents": [0.5, 1, 1]}, "density": -3, "position": [1.5, 0, 0]},
+                            {"shape": {"type": "box", "half_extents": [0.5, 1, 1]}, "density": -3, "position": [-1.5, 0, 0]}])")
+                    .body,
+                box, 1e-15);
+    expect_same(scene_of(R"("points": [[3, 1, 0, 0], [3, -1, 0, 0], [3, 0, 1, 0], [3, 0, -1, 0], [3, 0, 0, 1],
+                                      [3, 0, 0, -1], [6, 0, 0, 0]])")
+                    .body,
+                scene_of(R"("mass": 24, "inertia": [12, 12, 12])").body, 1e-15);
+}
+
+// The surfaces of a ball and a torus come near the closed form with the square of the edge; a box's is exact.
+TEST(BodyFile, SurfacesConverge) {
+    const auto error = [](const Mesh& mesh, const Shape& shape) {
+        EXPECT_EQ(mesh_fault(mesh), "");
+        const MassProperties<double> body = of_mesh<double>(mesh, 2), truth = of_density<double>(shape, 2);
+        return std::abs(body.inertia[0][0] / truth.inertia[0][0] - 1);
+    };
+    const Box box{{0.3, 0.7, 1.1}};
+    EXPECT_LE(error(tessellated(box), box), 1e-15);
+    const SolidSphere ball{0.7};
+    const Torus torus{1.3, 0.4};
+    for (int level = 3; level < 6; ++level) {
+        EXPECT_NEAR(error(tessellated(ball, level), ball) / error(tessellated(ball, level + 1), ball), 4, 0.1);
+        EXPECT_NEAR(error(tessellated(torus, 4 << level), torus) / error(tessellated(torus, 8 << level), torus), 4,
+                    0.05);
+    }
+    EXPECT_LT(error(tessellated(ball, 5), ball), 1e-3);
+}
+
+TEST(BodyFile, OneLinkInThreeFormats) {
+    const auto imported = [](const char* file, const char* link) {
+        return scene_of(std::string(R"("import": {"file": ")") + file + R"(", "link": ")" + link + R"("})").body;
+    };
+    const Body by_hand = scene_of(R"("mass": 2.5, "center_of_mass": [0.1, -0.2, 0.3],
+        "inertia": [[0.4, 0.05, -0.02], [0.05, 0.5, 0.01], [-0.02, 0.01, 0.6]])")
+                             .body;
+    for (const auto& [file, link] :
+         {std::pair{"arm.urdf", "base"}, std::pair{"arm.xml", "base"}, std::pair{"arm.sdf", "arm::base"}})
+        expect_same(imported(file, link), by_hand, 0);
+    // turned by roll, pitch, yaw about fixed axes: R = Rz Ry Rx, written out
+    const double a = 0.3, b = -0.7, c = 1.1;
+    const Matrix3<double> R{
+        {Vector3<double>(std::cos(c) * std::cos(b), std::cos(c) * std::sin(b) * std::sin(a) - std::sin(c) * std::cos(a),
+                         std::cos(c) * std::sin(b) * std::cos(a) + std::sin(c) * std::sin(a)),
+         Vector3<double>(std::sin(c) * std::cos(b), std::sin(c) * std::sin(b) * std::sin(a) + std::cos(c) * std::cos(a),
+                         std::sin(c) * std::sin(b) * std::cos(a) - std::cos(c) * std::sin(a)),
+         Vector3<double>(-std::sin(b), std::cos(b) * std::sin(a), std::cos(b) * std::cos(a))}};
+    Body turned = by_hand;
+    turned.inertia_B = R * by_hand.inertia_B * transposed(R);
+    for (const char* file : {"arm.urdf", "arm.xml", "arm.sdf"}) {
+        SCOPED_TRACE(file);
+        expect_same(imported(file, "turned"), turned, 1e-15);
+        expect_same(imported(file, "turned"), imported("arm.urdf", "turned"), 0);
+    }
+    // a quarter turn about z by a quaternion of length 2.8 changes the first two moments about
+    expect_same(imported("arm.xml", "principal"), scene_of(R"("mass": 1, "inertia": [2, 1, 2.5])").body, 1e-15);
+}
+
+TEST(BodyFile, AnglesOfMjcfAreReadByItsCompiler) {
+    const auto body = [](const char* compiler, const char* euler) {
+        const std::string text =
+            std::string("<mujoco>") + compiler +
+            "<worldbody><body name='b'><inertial pos='0 0 0' mass='1' diaginertia='1 2 2.5' euler='" + euler +
+            "'/></body></worldbody></mujoco>";
+        return body_of(body_source(parse_robot_body(text, "m.xml", "b")));
+    };
+    // degrees and turned axes x, y, z are what it says of itself
+    const Body told = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
+    expect_same(body("", "30 40 50"), told, 0);
+    expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"), told,
+                1e-15);
+    // about fixed axes in the other order
+    expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), told, 1e-15);
+    EXPECT_THROW(body("<compiler eulerseq='xyZ'/>", "1 2 3"), InputError);
+}
+
+// What is written reads back to the same body, and its text is its own canonical form; a changed file is another scene.
+TEST(BodyFile, WritesWhatItRead) {
+    for (
+        const char* body :
+        {R"("shape": {"type": "box", "half_extents": [0.1, 0.2, 0.3]}, "density": 1000)",
+         R"("shape": {"type": "sphere", "radius": 0.1}, "mass": 1)",
+         R"("shape": {"type": "hollow_sphere", "outer_radius": 0.2, "inner_radius": 0.1}, "mass": 1)",
+         R"("shape": {"type": "cylinder", "radius": 0.1, "half_height": 0.3}, "mass": 1)",
+         R"("shape": {"type": "hollow_cylinder", "outer_radius": 0.2, "inner_radius": 0, "half_height": 0.3}, "mass": 1)",
+         R"("shape": {"type": "capsule", "radius": 0.1, "half_height": 0.3}, "mass": 1)",
+         R"("shape": {"type": "cone", "radius": 0.1, "height": 0.3}, "mass": 1)",
+         R"("shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.2, 0.3]}, "mass": 1)",
+         R"("shape": {"type": "torus", "major_radius": 0.3, "minor_radius": 0.1}, "mass": 1)",
+         R"("shape": {"type": "disc", "radius": 0.1}, "density": 7)",
+         R"("shape": {"type": "plate", "half_extents": [0.1, 0.2]}, "density": 7)",
+         R"("shape": {"type": "tetrahedron", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}, "mass": 1)",
+         R"("shape": {"type": "frustum", "bottom_radius": 0.1, "top_radius": 0, "height": 0.3}, "mass": 1)",
+         R"("points": [[1, 0, 0, 0], [2, 1, 0, 0], [3, 0, 1, 0], [4, 0, 0, 1]])",
+         R"("mesh": "cube.obj", "density": 1000)", R"("import": {"file": "arm.urdf", "link": "turned"})",
+         R"("parts": [{"mass": 1, "inertia": [0, 0, 0], "center_of_mass": [1, 2, 3]},
+                       {"parts": [{"shape": {"type": "rod", "length": 0.1}, "density": 2},
+                                  {"mesh": "cube_binary.stl", "mass": 3, "position": [0.1, 0, 0]}],
+                        "orientation": [0.6, 0, 0.8, 0]}])"}) {
+        const Scene a = scene_of(body);
+        const std::string text = write_scene(a);
+        const Scene b = parse_scene(text, "written", bodies);
+        EXPECT_EQ(write_scene(b), text);
+        expect_same(b.body, a.body, 0);
+        EXPECT_TRUE(a.body.source && b.body.source);
+    }
+    const std::string cube = write_scene(scene_of(R"("mesh": "cube.obj", "density": 1000)"));
+    EXPECT_NE(cube.find(read_mesh(bodies + "/cube.obj").hash), std::string::npos);
+}
+
+TEST(BodyFile, FilesAreBesideTheScene) {
+    const Scene scene = read_scene(POLHODE_SOURCE_DIR "/tests/scene/bodies/cube_scene.json");
+    EXPECT_EQ(scene.body.mass, 8);
+}
+
+// The article's box with a sphere: its angular momentum is not along its angular velocity.
+TEST(BodyFile, AnAttachedSphereTurnsTheMomentumAside) {
+    const Scene scene = find_scene("box_with_sphere");
+    const Vector3<double> w = scene.initial.angular_velocity, L = scene.body.inertia_B * w;
+    const Vector3<double> across = cross(w, L);
+    EXPECT_GT(std::sqrt(dot(across, across) / (dot(w, w) * dot(L, L))), 0.2);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -4,10 +4,7 @@
 #include <vector>
 
 #include "body/algebra.h"
-<<<<<<< HEAD
-=======
 #include "body/elementary.h"
->>>>>>> seeds
 #include "body/rigid_body.h"
 
 namespace polhode {
@@ -21,15 +18,12 @@ struct MassProperties {
     Matrix3<S> inertia;
 };
 
-<<<<<<< HEAD
-=======
 template <class S>
 Quaternion<S> normalized(const Quaternion<S>& q) {
     const S norm = square_root(squared_norm(q));
     return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
->>>>>>> seeds
 /// R I R^T.
 template <class S>
 Matrix3<S> rotated(const Matrix3<S>& inertia, const Quaternion<S>& q) {

@@ -21,8 +21,6 @@ std::vector<int> same_places(const Mesh& mesh) {
 
 }  // namespace
 
-<<<<<<< HEAD
-=======
 double enclosed_volume(const Mesh& mesh) {
     // the sum of the tetrahedra's volumes, and of their sizes
     const Vector3<Wide> from = cast<Wide>(mesh.vertices[static_cast<std::size_t>(mesh.triangles.front()[0])]);
@@ -37,7 +35,6 @@ double enclosed_volume(const Mesh& mesh) {
     return Elementary<Wide>::magnitude(volume) <= Wide(0x1p-52) * size ? 0 : double(volume);
 }
 
->>>>>>> seeds
 std::string mesh_fault(const Mesh& mesh) {
     if (mesh.triangles.empty()) return "has no triangles";
     const std::vector<int> same = same_places(mesh);

@@ -5,11 +5,7 @@
 #include <string>
 #include <vector>
 
-<<<<<<< HEAD
-#include "body/mass_properties.h"
-=======
 #include "body/shapes.h"
->>>>>>> seeds
 
 namespace polhode {
 
@@ -24,13 +20,6 @@ struct Mesh {
 /// (orientations that disagree). Vertices at the same place count as one.
 std::string mesh_fault(const Mesh& mesh);
 
-<<<<<<< HEAD
-/// Volume (m^3), centroid and the mean of (r - centroid)(r - centroid)^T of what a faultless mesh bounds, as a sum over
-/// the tetrahedra from one of its points to each triangle (exact: B. Mirtich 1996, J. Graphics Tools 1; M. Kallay 2006,
-/// J. Graphics Tools 11). Triangles that all face inward count as if they faced outward.
-template <class S>
-MassProperties<S> of_mesh(const Mesh& mesh, const S& density) {
-=======
 /// The volume (m^3) that a faultless mesh encloses, negative where its triangles face inward, 0 where it is no more
 /// than what rounding of the coordinates would leave.
 double enclosed_volume(const Mesh& mesh);
@@ -40,7 +29,6 @@ double enclosed_volume(const Mesh& mesh);
 /// M. Kallay 2006, J. Graphics Tools 11).
 template <class S>
 Extent<S> mesh_extent(const Mesh& mesh) {
->>>>>>> seeds
     // from near the middle, so that little cancels
     Vector3<S> origin;
     for (const Vector3<double>& v : mesh.vertices) origin = origin + cast<S>(v);
@@ -62,21 +50,6 @@ Extent<S> mesh_extent(const Mesh& mesh) {
                 one_twenty[i][j] = one_twenty[i][j] + volume * (v[0][i] * v[0][j] + v[1][i] * v[1][j] +
                                                                 v[2][i] * v[2][j] + sum[i] * sum[j]);
     }
-<<<<<<< HEAD
-    MassProperties<S> body;
-    const S four = S(4) * six, twenty = S(20) * six;
-    const Vector3<S> mean(twenty_four[0] / four, twenty_four[1] / four, twenty_four[2] / four);
-    body.mass = density * (six < S(0) ? S(-six) : six) / S(6);
-    body.center = origin + mean;
-    Matrix3<S> spread;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) spread[i][j] = spread[j][i] = one_twenty[i][j] / twenty - mean[i] * mean[j];
-    const S trace = spread[0][0] + spread[1][1] + spread[2][2];
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            body.inertia[i][j] = body.mass * (i == j ? S(trace - spread[i][i]) : S(-spread[i][j]));
-    return body;
-=======
     const S four = S(4) * six, twenty = S(20) * six;
     const Vector3<S> mean(twenty_four[0] / four, twenty_four[1] / four, twenty_four[2] / four);
     Extent<S> extent{S(six / S(6)), origin + mean, {}};
@@ -91,7 +64,6 @@ template <class S>
 MassProperties<S> of_mesh(const Mesh& mesh, const S& density) {
     const Extent<S> extent = mesh_extent<S>(mesh);
     return uniform_body(extent, S(density * extent.size));
->>>>>>> seeds
 }
 
 }  // namespace polhode

@@ -2,18 +2,11 @@
 #pragma once
 
 #include <array>
-<<<<<<< HEAD
-#include <variant>
-
-#include "body/mass_properties.h"
-#include "body/wide.h"
-=======
 #include <iterator>
 #include <variant>
 
 #include "body/elementary.h"
 #include "body/mass_properties.h"
->>>>>>> seeds
 
 namespace polhode {
 
@@ -56,11 +49,7 @@ struct ThinPlate {
 };
 /// Anywhere: its centre of mass is the mean of its vertices.
 struct Tetrahedron {
-<<<<<<< HEAD
-    std::array<Vector3<double>, 4> vertices;
-=======
     std::array<Vector3<double>, 4> vertices;  ///< not in one plane
->>>>>>> seeds
 };
 /// Of a cone; the origin is its centre of mass.
 struct Frustum {
@@ -70,24 +59,6 @@ struct Frustum {
 using Shape = std::variant<Box, SolidSphere, HollowSphere, Cylinder, HollowCylinder, Capsule, Cone, Ellipsoid, Torus,
                            ThinRod, ThinDisc, ThinPlate, Tetrahedron, Frustum>;
 
-<<<<<<< HEAD
-/// pi in any scalar that has acos; those that do not, or err, say it themselves.
-template <class S>
-struct CircleConstant {
-    static S value() {
-        using std::acos;
-        return acos(S(-1));
-    }
-};
-template <>
-struct CircleConstant<Wide> {
-    static Wide value() {
-        return Wide(0x1.921fb54442d18p1) + Wide(0x1.1a62633145c07p-53) - Wide(0x1.f1976b7ed8fbcp-109);
-    }
-};
-
-=======
->>>>>>> seeds
 /// What of a uniform shape does not depend on its mass: its size (volume in m^3; area in m^2 of a disc, a plate; length
 /// in m of a rod), the mean of r and the mean of (r - mean)(r - mean)^T over it.
 template <class S>
@@ -97,12 +68,6 @@ struct Extent {
     Matrix3<S> spread;
 };
 
-<<<<<<< HEAD
-// Sums of positive terms throughout: nothing cancels, also in a thin shell.
-template <class S>
-struct ExtentOf {
-    static S pi() { return CircleConstant<S>::value(); }
-=======
 inline Wide six_volumes(const Tetrahedron& s) {
     const auto edge = [&](int i) { return cast<Wide>(s.vertices[i]) - cast<Wide>(s.vertices[0]); };
     return dot(edge(1), cross(edge(2), edge(3)));
@@ -113,7 +78,6 @@ inline bool is_left_handed(const Tetrahedron& s) { return six_volumes(s) < 0; }
 template <class S>
 struct ExtentOf {
     static S pi() { return Elementary<S>::pi(); }
->>>>>>> seeds
     static Extent<S> centred(const S& size, const S& x, const S& y, const S& z) {
         return {size, {}, diagonal(Vector3<S>(x, y, z))};
     }
@@ -179,14 +143,9 @@ struct ExtentOf {
         Vector3<S> mean;
         for (int i = 0; i < 4; ++i) v[i] = cast<S>(s.vertices[i]), mean = mean + v[i];
         mean = Vector3<S>(mean[0] / S(4), mean[1] / S(4), mean[2] / S(4));
-<<<<<<< HEAD
-        const S six = dot(Vector3<S>(v[1] - v[0]), cross(Vector3<S>(v[2] - v[0]), Vector3<S>(v[3] - v[0])));
-        Extent<S> e{(six < S(0) ? S(-six) : six) / S(6), mean, {}};
-=======
         // six times the volume, with the sign of the vertices' order
         const S six = dot(Vector3<S>(v[1] - v[0]), cross(Vector3<S>(v[2] - v[0]), Vector3<S>(v[3] - v[0])));
         Extent<S> e{(is_left_handed(s) ? S(-six) : six) / S(6), mean, {}};
->>>>>>> seeds
         for (int i = 0; i < 4; ++i) {
             const Vector3<S> d = v[i] - mean;
             for (int j = 0; j < 3; ++j)
@@ -207,8 +166,6 @@ struct ExtentOf {
     }
 };
 
-<<<<<<< HEAD
-=======
 /// As the scene file calls it.
 inline const char* name_of(const Shape& shape) {
     constexpr const char* names[] = {"box",     "sphere", "hollow_sphere", "cylinder", "hollow_cylinder",
@@ -218,7 +175,6 @@ inline const char* name_of(const Shape& shape) {
     return names[shape.index()];
 }
 
->>>>>>> seeds
 template <class S>
 Extent<S> extent(const Shape& shape) {
     return std::visit(ExtentOf<S>{}, shape);

@@ -52,8 +52,9 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     const double mass = problem.body.mass;
     body.pivoted = problem.body.pivoted;
 
-    const Wide m = mass;
-    const WidePrincipalFrame frame = wide_principal_frame(problem.scene.body.inertia_B, mass, {});
+    const MassProperties<Wide> exact = mass_properties<Wide>(problem.scene.body);
+    const Wide m = exact.mass;
+    const WidePrincipalFrame frame = wide_principal_frame(exact.inertia);
     const Vector3<Wide>& I = frame.moments;
     Vector3<double> a;
     for (int k = 0; k < 3; ++k) {

@@ -9,12 +9,14 @@ namespace polhode {
 
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
+StudyResult run_point_bodies(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
     static const Study list[] = {
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
+        {"point_bodies", {"scenes"}, run_point_bodies},
     };
     return list;
 }

@@ -34,7 +34,10 @@ struct Method {
     std::string_view name;
     std::string_view documentation{};  ///< Markdown, a paragraph; goes into README's table by its first sentence
     std::string_view source{};         ///< author, year, where
-    std::string_view conserves{};      ///< what it keeps by construction: "nothing", "|q|", ..
+    /// What the text that it is from calls it, where that is not its name: "article: update_body_orientation, as
+    /// printed".
+    std::string_view described_as{};
+    std::string_view conserves{};  ///< what it keeps by construction: "nothing", "|q|", ..
     Control control = Control::none;
     int order = 0;  ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;

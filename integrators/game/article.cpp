@@ -222,6 +222,7 @@ const Method family[] = {
          "converges, with order 1, to I dw/dt = tau + w x Iw, which is another motion; and the offset of the centre of "
          "mass is not turned into the world where forces are applied.",
      .source = source,
+     .described_as = "article: apply_torque and update_body_orientation, as printed",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
@@ -231,6 +232,7 @@ const Method family[] = {
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
          "into the world. Order 1; the tensor is rotated and inverted anew at every step.",
      .source = source,
+     .described_as = "article: the same with the signs and the centre of mass mended",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
@@ -240,6 +242,7 @@ const Method family[] = {
          "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
          "`article_mended` but for rounding, at less cost.",
      .source = source,
+     .described_as = "article: \"put the body in its local coordinates\"",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,

@@ -74,6 +74,7 @@ std::string describe_method(const Method& method) {
     };
     line("control", text(method.control));
     line("order", method.order > 0 ? std::to_string(method.order) : "variable, or none");
+    if (!method.described_as.empty()) line("described as", method.described_as);
     line("conserves", method.conserves);
     line("source", method.source);
     return description;

@@ -36,6 +36,16 @@ Table for_people(const Table& table) {
                           {"message", "message"}});
 }
 
+// beside each method what the text that it is from calls it
+void add_descriptions(Table& page) {
+    const std::size_t method = column_index(page, "method");
+    page.columns.insert(page.columns.begin() + static_cast<long>(method) + 1, "described as");
+    for (auto& row : page.rows) {
+        const Method* known = find_method(text_of(row[method]));
+        row.insert(row.begin() + static_cast<long>(method) + 1, std::string(known ? known->described_as : ""));
+    }
+}
+
 const std::vector<ColumnChoice> gain_for_people{{"scene", "scene"},
                                                 {"method", "method"},
                                                 {"setting_kind", "setting"},
@@ -62,6 +72,20 @@ const std::vector<ColumnChoice> growth_for_people{{"scene", "scene"},
                                                   {"norm_error", "norm"},
                                                   {"norm_exponent", "norm, exponent"},
                                                   {"message", "message"}};
+
+const std::vector<ColumnChoice> summary_for_people{{"described_as", "what the text describes"},
+                                                   {"method", "method"},
+                                                   {"order", "order"},
+                                                   {"setting_kind", "setting"},
+                                                   {"setting", "value"},
+                                                   {"scenes_ok", "scenes ok"},
+                                                   {"scenes_not_ok", "ended otherwise"},
+                                                   {"attitude_error_median", "attitude, median (rad)"},
+                                                   {"attitude_error_worst", "attitude, worst (rad)"},
+                                                   {"momentum_error_worst", "momentum, worst"},
+                                                   {"energy_error_worst", "energy, worst"},
+                                                   {"norm_error_worst", "norm, worst"},
+                                                   {"step_time_ratio", "time of a step, RK4 = 1"}};
 
 void write_table(const Table& full, const Table& short_form, const std::string& caption, const std::string& path,
                  const std::string& name) {
@@ -190,7 +214,11 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
 
     Table full{result_columns(), {}};
     for (const Result& r : results) full.rows.push_back(row_of(name, r));
-    write_table(full, for_people(full), caption, base, name);
+    const bool described = std::any_of(plan.curves.begin(), plan.curves.end(),
+                                       [](const PlannedCurve& c) { return !c.method->described_as.empty(); });
+    Table page = for_people(full);
+    if (described) add_descriptions(page);
+    write_table(full, page, caption, base, name);
 
     // a second table of what the rows say
     const auto write_finding = [&](const char* word, const Table& table, const char* title,
@@ -206,6 +234,8 @@ std::vector<std::string> write_report(const Plan& plan, const std::vector<Result
                             [](const PlannedCurve& c) { return c.kind == SettingKind::none; }))
                 break;
             write_finding("fastest", fastest_table(plan, results), "Fastest at each accuracy");
+            if (described)
+                write_finding("summary", summary_table(plan, results), "Over all scenes", summary_for_people);
             figures = work_precision_figures(plan, results);
             break;
         case Kind::convergence:

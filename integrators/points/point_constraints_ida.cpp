@@ -245,6 +245,7 @@ constexpr Method list[] = {
          "the error test.",
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
+     .described_as = "article: point masses at a distance from each other that is kept, by constraints",
      .conserves = "distances, to the tolerance",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},

@@ -146,10 +146,11 @@ constexpr Method list[] = {
      .documentation =
          "A body made of eight points at the corners of a box (three where it is flat) with its mass, centre of mass "
          "and tensor, all joined by springs, by the classical Runge-Kutta scheme. The springs' slowest vibration has "
-         "10^3 times the scene's largest rate. Of order 4 to the motion on springs, which is the rigid one but for a "
+         "100 times the scene's largest rate. Of order 4 to the motion on springs, which is the rigid one but for a "
          "stretch m w^2/k; stable only while a step is shorter than 2.8 over the fastest vibration's frequency. "
          "Attitude by the best rotation of the points, w from their angular momentum and their own tensor.",
      .source = source,
+     .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum, angular momentum of a free body to the scheme's order",
      .control = Control::fixed_step,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; }},
@@ -159,6 +160,7 @@ constexpr Method list[] = {
          "springs a step, stable while a step is shorter than 2 over the fastest vibration's frequency. Of order 2 to "
          "the motion on springs.",
      .source = "L. Verlet 1967, Phys. Rev. 159, 98-103; the body as in the article on rotational dynamics",
+     .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
      .control = Control::fixed_step,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; }},

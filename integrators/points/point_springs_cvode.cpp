@@ -30,7 +30,8 @@ class SpringSession : public PointSession {
         demand(CVodeSetJacFn(memory, fill_jacobian));
         if (getenv("ORD")) demand(CVodeSetMaxOrd(memory, atoi(getenv("ORD"))));
         if (getenv("SLD")) demand(CVodeSetStabLimDet(memory, SUNTRUE));
-        if (getenv("NLC")) demand(CVodeSetNonlinConvCoef(memory, atof(getenv("NLC")))), demand(CVodeSetMaxNonlinIters(memory, 6));
+        if (getenv("NLC"))
+            demand(CVodeSetNonlinConvCoef(memory, atof(getenv("NLC")))), demand(CVodeSetMaxNonlinIters(memory, 6));
     }
 
     void restart() {
@@ -127,11 +128,14 @@ constexpr Method list[] = {
      .documentation =
          "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the "
          "springs' "
-         "exact Jacobian and a dense LU factorisation. Tolerance R times the points' extent, and times how fast the "
-         "scene's largest rate moves them: the springs' vibrations are damped where they are below it, and followed "
-         "where they are above.",
+         "exact Jacobian and a dense LU factorisation. Dampers along the springs, critical for the slowest vibration, "
+         "let "
+         "the steps outgrow the vibrations, which undamped keep the higher orders at steps as short as an explicit "
+         "scheme's. Tolerance R times the points' extent, and times how fast the "
+         "scene's largest rate moves them.",
      .source = "Hindmarsh et al. 2005, SUNDIALS, ACM Trans. Math. Softw. 31, 363-396; the body as in the article on "
                "rotational dynamics",
+     .described_as = "article: point masses at a distance from each other that is kept, by stiff springs",
      .conserves = "nothing",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},

@@ -100,6 +100,7 @@ constexpr Method list[] = {
          "have come. Order 1.",
      .source = "M. Macklin, M. Mueller & N. Chentanez 2016, XPBD: position-based simulation of compliant constrained "
                "dynamics, Motion in Games",
+     .described_as = "article: point masses at a distance from each other that is kept, as games do it",
      .conserves = "momentum of a free body",
      .control = Control::fixed_step,
      .order = 1,

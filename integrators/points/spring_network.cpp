@@ -105,7 +105,7 @@ SpringFrequencies spring_frequencies(const PointBody& body, double stiffness) {
 }
 
 double default_stiffness(const Problem& problem, const PointBody& body) {
-    constexpr double ratio = 1e3;
+    constexpr double ratio = 100;
     const double rate = std::max(problem.scales.angular_velocity, 1 / problem.scene.duration);
     const double wanted = ratio * rate / spring_frequencies(body, 1).slowest;
     return wanted * wanted;

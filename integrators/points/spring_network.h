@@ -47,8 +47,9 @@ struct SpringFrequencies {
 };
 SpringFrequencies spring_frequencies(const PointBody& body, double stiffness);
 
-/// N/m: so that the slowest vibration has 10^3 times the scene's largest angular velocity (or, in a scene without
-/// rotation, of one radian in its duration). The stretch under rotation is then about 10^-6.
+/// N/m: so that the slowest vibration has 100 times the scene's largest angular velocity (or, in a scene without
+/// rotation, of one radian in its duration). The stretch under rotation is then about 10^-4, and explicit steps that
+/// would do for the rotation at a moderate accuracy are just stable.
 double default_stiffness(const Problem& problem, const PointBody& body);
 
 /// N s/m: `ratio` of the slowest vibration's critical damping, 2 ratio k / w; the faster ones have more of theirs.

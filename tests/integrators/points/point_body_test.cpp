@@ -197,9 +197,8 @@ RC_GTEST_PROP(PointMotion, SpreadsForceAndTorqueExactly, ()) {
         if (const auto* g = std::get_if<Gravity>(&load)) at(scene.body.mass * g->acceleration_W, c);
         if (const auto* t = std::get_if<Torque>(&load)) tau = tau + in_world(t->vector, t->frame);
         if (const auto* f = std::get_if<Force>(&load))
-            at(in_world(f->vector, f->frame), f->point_frame == Frame::world
-                                                  ? f->point
-                                                  : c + rotate(start.q, f->point - scene.body.center_of_mass));
+            at(in_world(f->vector, f->frame),
+               f->point_frame == Frame::world ? f->point : c + rotate(start.q, f->point - scene.body.center_of_mass));
         if (const auto* d = std::get_if<Drag>(&load)) {
             const Vector3<double>& k = d->rotational;
             tau = tau + rotate(start.q, Vector3<double>(-k[0] * w_B[0], -k[1] * w_B[1], -k[2] * w_B[2]));

@@ -8,7 +8,7 @@
 
 #include "experiment/study.h"
 #include "integrators/points/point_runs.h"
-#include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 
@@ -242,7 +242,7 @@ StudyResult run_point_bodies(const Plan& plan, bool quick) {
             result.tables.push_back(
                 {name + suffix, fmt::format("{}: {}", planned.label, title), std::move(table), std::move(choices)});
         };
-        add("stiffness",
+        add("",
             "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
             "damping ratio that of the slowest vibration",
             stiffness_table(bench, quick, by_stiffness));

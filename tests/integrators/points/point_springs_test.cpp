@@ -5,7 +5,7 @@
 
 #include "build_kind.h"
 #include "integrators/points/point_runs.h"
-#include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
 #include "integrators/scenes.h"
 
 namespace polhode {

@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "integrators/points/point_motion.h"
+#include "integrators/points/stiffness.h"
 #include "integrators/scenes.h"
 #include "motion/moderate_scene.h"
 

@@ -17,9 +17,11 @@ namespace polhode {
 namespace {
 
 enum class Form {
-    as_written,  ///< x_com = position + center_of_mass, not rotated; the printed sign of w x I w
-    mended,      ///< x_com rotated into the world; I dw/dt = tau - w x I w
-    body_frame,  ///< the mended update with w and the tensor in body axes, q = q theta
+    as_written,         ///< x_com = position + center_of_mass, not rotated; the printed sign of w x I w
+    offset_as_written,  ///< the first of these alone
+    sign_as_written,    ///< the second alone
+    mended,             ///< x_com rotated into the world; I dw/dt = tau - w x I w
+    body_frame,         ///< the mended update with w and the tensor in body axes, q = q theta
 };
 
 /// Rotation by `angle` (rad) about `axis`, of any length but zero.
@@ -97,6 +99,8 @@ class Article {
 
   private:
     static constexpr bool in_body = form == Form::body_frame;
+    static constexpr bool printed_offset = form == Form::as_written || form == Form::offset_as_written;
+    static constexpr bool printed_sign = form == Form::as_written || form == Form::sign_as_written;
 
     // R I R^-1 and its inverse, by the general matrix inverse as in the article
     void turn_tensor() {
@@ -128,8 +132,7 @@ class Article {
             angular_velocity_ = angular_velocity_ + h * (inverse_world_inertia_ * torque_W);
     }
     void apply_force(const Vector3<double>& force_W, const Vector3<double>& point_W, double h) {
-        const Vector3<double> offset =
-            form == Form::as_written ? turning_center_B_ : rotate(orientation_, turning_center_B_);
+        const Vector3<double> offset = printed_offset ? turning_center_B_ : rotate(orientation_, turning_center_B_);
         const Vector3<double> world_com = position_ + offset;
         const Vector3<double> r = point_W - world_com;
         apply_torque(cross(r, force_W), h);
@@ -169,9 +172,9 @@ class Article {
 
     void update_body_orientation(double h) {
         Vector3<double>& w = angular_velocity_;
-        if constexpr (form == Form::as_written)
+        if constexpr (printed_sign)
             w = w + h * (inverse_world_inertia_ * cross(w, world_inertia_ * w));
-        else if constexpr (form == Form::mended)
+        else if constexpr (!in_body)
             w = w + h * (inverse_world_inertia_ * cross(world_inertia_ * w, w));
         else
             w = w + h * (inverse_inertia_B_ * cross(inertia_B_ * w, w));
@@ -227,6 +230,28 @@ const Method family[] = {
      .control = Control::fixed_step,
      .order = 1,
      .solve = solve<Form::as_written>},
+    {.name = "article_offset_as_written",
+     .documentation =
+         "The article's `apply_torque` as it is printed, x_com = position + center_of_mass with the offset left in "
+         "body "
+         "axes, in the mended update: the first of the article's two slips alone. It shows where a force acts on a "
+         "body "
+         "whose centre of mass is not its origin and that has turned; else it is `article_mended`, bit for bit.",
+     .source = source,
+     .described_as = "article: apply_torque's centre of mass as printed, the sign mended",
+     .conserves = "|q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Form::offset_as_written>},
+    {.name = "article_sign_as_written",
+     .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
+                      "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
+     .source = source,
+     .described_as = "article: update_body_orientation's sign as printed, the centre of mass mended",
+     .conserves = "|q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Form::sign_as_written>},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "

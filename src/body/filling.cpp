@@ -125,8 +125,8 @@ bool contains(const Shape& shape, const Vector3<double>& point) {
 Bounds bounds(const Shape& shape) { return std::visit(BoundsOf{}, shape); }
 
 std::vector<PointMass<double>> grid_points(const Shape& shape, double mass, int n) {
-    const auto [low, high] = bounds(shape);
-    const auto at = [&](int axis, int i) { return low[axis] + (high[axis] - low[axis]) * ((i + 0.5) / n); };
+    const Bounds box = bounds(shape);
+    const auto at = [&](int axis, int i) { return box.low[axis] + (box.high[axis] - box.low[axis]) * ((i + 0.5) / n); };
     std::vector<PointMass<double>> points;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)

@@ -50,7 +50,9 @@ std::string mesh_fault(const Mesh& mesh) {
             ++edges[{from, to}];
         }
     }
-    for (const auto& [edge, count] : edges) {
+    for (const auto& entry : edges) {
+        const std::pair<int, int>& edge = entry.first;
+        const int count = entry.second;
         const auto across = edges.find({edge.second, edge.first});
         const int back = across == edges.end() ? 0 : across->second;
         const auto named = [&] {

@@ -77,7 +77,9 @@ StudyResult run_inertia(const Plan& plan, bool quick) {
                                                     {"torus", Torus{0.3, 0.1}},
                                                     {"cone", Cone{0.2, 0.4}}};
     std::vector<Way> ways;
-    for (const auto& [name, shape] : shapes) {
+    for (const auto& entry : shapes) {
+        const char* name = entry.first;
+        const Shape& shape = entry.second;
         const Matrix3<Wide> truth = of_mass<Wide>(shape, mass).inertia;
         const auto add = [&, shape_name = std::string(name)](const char* way, std::size_t pieces,
                                                              std::function<Properties()> work) {

@@ -7,16 +7,20 @@
 
 namespace polhode {
 
+StudyResult run_gimbal_lock(const Plan& plan, bool quick);
 StudyResult run_collisions(const Plan& plan, bool quick);
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
+StudyResult run_orientation(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
     static const Study list[] = {
+        {"gimbal_lock", {}, run_gimbal_lock},
         {"collisions", {"scenes", "vary", "methods", "settings", "seconds_per_run"}, run_collisions},
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
+        {"orientation", {"repeats"}, run_orientation},
     };
     return list;
 }
@@ -30,7 +34,8 @@ const Study* find_study(std::string_view name) {
 std::string study_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
     std::string text =
-        fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n", program_key(), e.name, e.about, e.study, quick, e.repeats);
+        fmt::format("{}\n{}\n{}\n{}\n{} {} {} {}\n", program_key(), e.name, e.about, e.study, quick, e.repeats,
+                                   e.samples, e.seconds_per_run);
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));

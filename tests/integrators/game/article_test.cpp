@@ -1,14 +1,12 @@
 // The article's update: against the article's own code written out, against the motion it should give, and its slips.
 #include <gtest/gtest.h>
 
-#include "integrators/scenes.h"
+#include "integrators/game/game_scenes.h"
 
 namespace polhode {
 namespace {
 
 using namespace polhode::testing;
-
-double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 
 /// The article's listing, line by line.
 struct Rigid_Body {
@@ -42,14 +40,6 @@ void update_body_orientation(Rigid_Body* body, double delta_time) {
     const Quaternion<double> theta{std::cos(half), s * w[0], s * w[1], s * w[2]};
     body->orientation = theta * body->orientation;
     body->position = world_COM + rotate(theta, COM_to_pos);
-}
-
-/// Two forces, one at a body point and one at a world point, on a body with an offset centre of mass.
-Scene pulled(double duration) {
-    Scene scene = everything(duration);
-    scene.loads = {Force{{0.4, 0.3, -0.2}, Frame::world, {0.5, 0.1, -0.3}, Frame::body, {}},
-                   Force{{0.1, 0.2, -0.3}, Frame::world, {-0.4, 0.3, 0.6}, Frame::world, {}}};
-    return scene;
 }
 
 TEST(ArticleAsWritten, IsTheListing) {
@@ -95,6 +85,27 @@ TEST(ArticleAsWritten, DoesNotTurnTheCentreOfMassIntoTheWorld) {
     // as written the body's origin is at (1, 0, 0) and x_com at (2, 0, 0): r = (-2, 0, 0), torque -2 z for h
     const Sample written = with_step(scene, "article_as_written", 1e-3).samples.back();
     EXPECT_NEAR(written.angular_velocity_B[2], -2e-3, 1e-15);
+    // each slip alone: a ball has no internal torque, so that the offset is all
+    EXPECT_EQ(with_step(scene, "article_offset_as_written", 1e-3).samples.back().angular_velocity_B,
+              written.angular_velocity_B);
+    EXPECT_LT(distance(with_step(scene, "article_sign_as_written", 1e-3).samples.back().angular_velocity_B, {}), 1e-18);
+}
+
+TEST(ArticleAsWritten, IsTheSumOfTwoSlips) {
+    // without a force at a point the sign is all; with the centre of mass at the origin too
+    Scene centred = pulled(3);
+    centred.body.center_of_mass = {};
+    for (const Scene& scene : {free_body(3), centred}) {
+        EXPECT_EQ(with_step(scene, "article_sign_as_written", 1e-3).samples.back().q,
+                  with_step(scene, "article_as_written", 1e-3).samples.back().q);
+        EXPECT_EQ(with_step(scene, "article_offset_as_written", 1e-3).samples.back().q,
+                  with_step(scene, "article_mended", 1e-3).samples.back().q);
+    }
+    // both at once: each alone is elsewhere
+    const Scene both = pulled(3);
+    const Quaternion<double> mended = with_step(both, "article_mended", 1e-3).samples.back().q;
+    for (const char* name : {"article_as_written", "article_offset_as_written", "article_sign_as_written"})
+        EXPECT_GT(attitude_error(with_step(both, name, 1e-3).samples.back().q, mended), 0.05) << name;
 }
 
 TEST(ArticleBodyFrame, IsTheMendedUpdateButForRounding) {
@@ -158,7 +169,8 @@ TEST(Article, LeavesABodyAtRestAlone) {
     Scene scene;
     scene.name = "rest", scene.duration = 1;
     scene.initial.orientation = {0.8, 0, 0.6, 0};
-    for (const char* name : {"article_as_written", "article_mended", "article_body_frame"}) {
+    for (const char* name : {"article_as_written", "article_offset_as_written", "article_sign_as_written",
+                             "article_mended", "article_body_frame"}) {
         const Trajectory trajectory = with_step(scene, name, 0.01);
         ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
         EXPECT_LT(attitude_error(trajectory.samples.back().q, scene.initial.orientation), 1e-15);
@@ -168,7 +180,8 @@ TEST(Article, LeavesABodyAtRestAlone) {
 TEST(Article, HasNoPlaceForAPivotElsewhere) {
     Scene scene = heavy_top(1);
     scene.pivot = Vector3<double>(0, 0, 0.1);
-    for (const char* name : {"article_as_written", "article_mended", "article_body_frame"}) {
+    for (const char* name : {"article_as_written", "article_offset_as_written", "article_sign_as_written",
+                             "article_mended", "article_body_frame"}) {
         const Trajectory trajectory = with_step(scene, name, 0.01);
         EXPECT_EQ(trajectory.status, Status::unsupported);
         EXPECT_FALSE(trajectory.message.empty());

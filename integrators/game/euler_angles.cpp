@@ -1,0 +1,255 @@
+// Roll phi, pitch theta and yaw psi (sequence z-y-x, as D. Fleck's slides have them) as integrated state, with
+// w = (p, q, r) in body axes:
+//   dphi/dt   = p + (q sin phi + r cos phi) tan theta
+//   dtheta/dt = q cos phi - r sin phi
+//   dpsi/dt   = (q sin phi + r cos phi) / cos theta
+//   I dw/dt   = tau - w x I w
+// Near theta = +-90 deg, gimbal lock, roll and yaw turn the faster the nearer the motion passes. The angles are not
+// brought back into their ranges: past a right angle the same equations hold.
+#include "integrators/game/euler_angles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "body/orientation.h"
+#include "integrators/cvode_session.h"
+#include "integrators/game/charted_motion.h"
+#include "integrators/game/explicit_step.h"
+#include "integrators/sundials_run.h"
+
+namespace polhode {
+namespace {
+
+/// Three angles in the order of the state: roll, pitch, yaw.
+struct RollPitchYaw {
+    Quaternion<double> quaternion(const Vector3<double>& c) const {
+        return quaternion_from_euler(EulerSequence::zyx, {c[2], c[1], c[0]});
+    }
+    Vector3<double> rate(const Vector3<double>& c, const Vector3<double>& w) const {
+        const double sine = std::sin(c[0]), cosine = std::cos(c[0]);
+        const double yaw = (w[1] * sine + w[2] * cosine) / std::cos(c[1]);
+        return {w[0] + yaw * std::sin(c[1]), w[1] * cosine - w[2] * sine, yaw};
+    }
+};
+using AngleMotion = ChartedMotion<RollPitchYaw>;
+
+constexpr double near = 1e-6;  // rad: nearer to gimbal lock a failure is put down to it
+
+/// rad, from the next right angle.
+double distance_from_lock(double pitch) { return std::asin(std::min(std::abs(std::cos(pitch)), 1.0)); }
+
+double largest(const Vector3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+
+}  // namespace
+
+// What SystemStepper and CvodeSession ask of a system.
+template <>
+AngleMotion system_on<AngleMotion>(const Problem& problem, const Segment& segment) {
+    return {system_on<FullMotion<double>>(problem, segment), {}};
+}
+template <>
+void initial_state<AngleMotion>(const Problem& problem, double* y) {
+    const ExactBody<double>& body = problem.body;
+    const EulerAngles angles = euler_from_quaternion(EulerSequence::zyx, body.q);
+    put(y, 0, body.angular_velocity_B);
+    put(y, 3, Vector3<double>(angles[2], angles[1], angles[0]));
+    put(y, 6, body.position_W);
+    put(y, 9, body.velocity_W);
+}
+template <>
+bool enter<AngleMotion>(const Problem& problem, const Segment& segment, double* y) {
+    enter_charted(problem, segment, RollPitchYaw(), y);
+    return !segment.impulses.empty();
+}
+template <>
+Sample sample_of<AngleMotion>(const Problem& problem, double t, const double* y) {
+    return sample_charted(problem, t, RollPitchYaw(), y);
+}
+template <>
+void component_scales<AngleMotion>(const Problem& problem, double* scales) {
+    std::fill(scales, scales + 3, problem.scales.angular_velocity);
+    std::fill(scales + 3, scales + 6, 1.0);
+    std::fill(scales + 6, scales + 9, problem.scales.position);
+    std::fill(scales + 9, scales + 12, problem.scales.velocity);
+}
+
+namespace {
+
+/// Notes steps, angle rates and distances.
+class Watch {
+  public:
+    Watch(const Problem& problem, LockPassage* passage) : passage_(passage), from_(problem.scene.duration / 10) {}
+
+    void step(double end, double h) {
+        if (passage_ && end > from_) passage_->smallest_step = std::min(passage_->smallest_step, h);
+    }
+    void angles(double pitch, const Vector3<double>& rate) {
+        if (!passage_) return;
+        passage_->nearest = std::min(passage_->nearest, distance_from_lock(pitch));
+        passage_->largest_angle_rate = std::max(passage_->largest_angle_rate, largest(rate));
+    }
+    bool looks() const { return passage_ != nullptr; }
+
+  private:
+    LockPassage* passage_;
+    double from_;
+};
+
+/// A step that would turn an angle by more than half a turn says nothing of where it ends.
+class EulerAnglesStepper {
+  public:
+    EulerAnglesStepper(const Problem& problem, LockPassage* const& passage)
+        : problem_(&problem),
+          motion_(system_on<AngleMotion>(problem, problem.segments.front())),
+          watch_(problem, passage) {
+        restart();
+    }
+    void restart() {
+        initial_state<AngleMotion>(*problem_, y_.data());
+        steps_ = 0, failed_ = false;
+    }
+    void enter(const Segment& segment) {
+        polhode::enter<AngleMotion>(*problem_, segment, y_.data());
+        motion_ = system_on<AngleMotion>(*problem_, segment);
+    }
+    void step(double t, double h) {
+        if (failed_) return;
+        ChartedState rate{};
+        motion_.derivative(t, y_.data(), rate.data());
+        const Vector3<double> angle_rate = vector_at(rate.data(), 3);
+        watch_.angles(y_[4], angle_rate);
+        ++steps_;
+        turn_ = h * largest(angle_rate);
+        if (turn_ > std::numbers::pi) {
+            failed_ = true, failed_at_ = t;
+            return;
+        }
+        ExplicitEuler::step([&](double, const ChartedState&) { return rate; }, t, y_, h);
+        watch_.step(t + h, h);
+    }
+    Sample sample(double t) const { return sample_of<AngleMotion>(*problem_, t, y_.data()); }
+    bool finite() const { return all_finite(y_); }
+    long rhs_evaluations() const { return steps_; }
+
+    bool failed() const { return failed_; }
+    void explain(Trajectory& trajectory) const {
+        trajectory.status = Status::failed;
+        trajectory.message = fmt::format(
+            "at t = {:g} s an angle would turn by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
+            failed_at_, turn_, distance_from_lock(y_[4]));
+    }
+
+  private:
+    const Problem* problem_;
+    AngleMotion motion_;
+    Watch watch_;
+    ChartedState y_{};
+    long steps_ = 0;
+    bool failed_ = false;
+    double failed_at_ = 0, turn_ = 0;
+};
+
+// not FixedVector itself: a session on it would want a Jacobian for Newton's method
+struct AngleVector : FixedVector<AngleMotion::dimension> {};
+
+template <class SystemType, class Vector>
+class WatchedSession : public CvodeSession<SystemType, Vector> {
+    using Base = CvodeSession<SystemType, Vector>;
+
+  public:
+    WatchedSession(const Problem& problem, double tolerance, LockPassage* passage)
+        : Base(problem, Multistep::adams, Iteration::functional, tolerance), watch_(problem, passage) {}
+
+    int step() {
+        const double begin = this->time();
+        const int flag = Base::step();
+        if (flag < 0 || !watch_.looks()) return flag;
+        if (flag != CV_TSTOP_RETURN) watch_.step(this->time(), this->time() - begin);
+        if constexpr (std::is_same_v<SystemType, AngleMotion>) {
+            const double* y = this->y();
+            watch_.angles(y[4], RollPitchYaw().rate(vector_at(y, 3), vector_at(y, 0)));
+        }
+        return flag;
+    }
+
+  private:
+    Watch watch_;
+};
+
+template <class SystemType, class Vector>
+Trajectory solve_watched(const Problem& problem, const Settings& settings, LockPassage* passage) {
+    WatchedSession<SystemType, Vector> session(problem, *settings.tolerance, passage);
+    return SundialsRun(problem, settings, session).solve();
+}
+
+Trajectory euler_angles(const Problem& problem, const Settings& settings) {
+    return solve_euler_angles(problem, settings, nullptr);
+}
+Trajectory euler_angles_cvode(const Problem& problem, const Settings& settings) {
+    return solve_euler_angles_cvode(problem, settings, nullptr);
+}
+
+constexpr std::string_view source =
+    "D. Fleck, Game Physics, part IV: Moving to 3D (slides: roll, pitch, yaw); the rates as in B. Etkin, Dynamics of "
+    "Atmospheric Flight, 1972, section 5.2";
+
+const Method family[] = {
+    {.name = "euler_angles",
+     .documentation =
+         "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near pitch "
+         "+-90 degrees, gimbal lock, roll and yaw turn like 1/cos(pitch); steps of h come no nearer to it than some h "
+         "w "
+         "but by chance, and pass with an error of the usual size. A step that would turn an angle by more than half a "
+         "turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in body "
+         "axes. Order 1.",
+     .source = source,
+     .described_as = "slides: Euler angles, roll, pitch, yaw",
+     .conserves = "nothing; |q| = 1 by construction",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = euler_angles},
+    {.name = "euler_angles_cvode",
+     .documentation =
+         "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "
+         "quaternion. Passing gimbal lock at a distance d costs steps down to a hundredth of d / w and less, until d "
+         "is "
+         "below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
+     .source = source,
+     .described_as = "slides: Euler angles, by an adaptive solver",
+     .conserves = "nothing; |q| = 1 by construction",
+     .control = Control::tolerance,
+     .solve = euler_angles_cvode},
+};
+
+}  // namespace
+
+Trajectory solve_euler_angles(const Problem& problem, const Settings& settings, LockPassage* passage) {
+    return march<EulerAnglesStepper>(pose(problem.scene, Formulation::full), settings, passage);
+}
+
+Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
+    LockPassage own;
+    if (!passage) passage = &own;
+    const Problem full = pose(problem.scene, Formulation::full);
+    passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, full.body.q)[1]);
+    Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(full, settings, passage);
+    // the solver knows of the steps that shrink, not of the reason
+    if (trajectory.status != Status::ok && passage->nearest < near)
+        trajectory.message =
+            fmt::format("the pitch came within {:.3g} rad of gimbal lock; {}", passage->nearest, trajectory.message);
+    return trajectory;
+}
+
+Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
+    using Vector = FixedVector<FullMotion<double>::dimension>;
+    return solve_watched<FullMotion<double>, Vector>(pose(problem.scene, Formulation::full), settings, passage);
+}
+
+extern const std::span<const Method> euler_angles_methods;
+const std::span<const Method> euler_angles_methods = family;
+
+}  // namespace polhode

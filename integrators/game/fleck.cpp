@@ -1,0 +1,277 @@
+// The update of D. Fleck's slides after C. Hecker: angular momentum in world axes, orientation as a matrix; and its
+// variants.
+//
+// A step of length h, in the slides' order:
+//   forces and torque at the old state,
+//   1. x += h v
+//   2. A += h skew(w) A, the old w
+//   3. v += h F / m,  L += h tau
+//   4. A re-orthogonalised by its columns
+//   5. I_W^-1 = A I^-1 A^T,  w = I_W^-1 L
+// The slides hold no body: at a pivot L, tau and I are about it, and x, v follow from A, w.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "body/orientation.h"
+#include "integrators/game/world_loads.h"
+#include "integrators/march.h"
+
+namespace polhode {
+namespace {
+
+Quaternion<double> no_attitude() {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, nan, nan, nan};
+}
+
+/// A += h skew(w) A, and the slide's re-orthogonalisation or none.
+template <bool mended>
+class TurnedMatrix {
+  public:
+    void start(const Quaternion<double>& q) { A_ = rotation_matrix(q); }
+    void turn(const Vector3<double>& w, double h) { A_ = A_ + skew(h * w) * A_; }
+    void mend() {
+        if constexpr (mended) A_ = reorthogonalised(A_);
+    }
+    const Matrix3<double>& matrix() const { return A_; }
+    Quaternion<double> quaternion() const {
+        if constexpr (mended) return quaternion_from_rotation(A_);
+        const double det = determinant(A_);
+        return std::isfinite(det) && det > 0 ? quaternion_from_rotation(nearest_rotation(A_)) : no_attitude();
+    }
+    double orthogonality_defect() const { return polhode::orthogonality_defect(A_); }
+
+  private:
+    Matrix3<double> A_;
+};
+
+/// q += (h/2) (0, w) q, then to length 1.
+class TurnedQuaternion {
+  public:
+    void start(const Quaternion<double>& q) {
+        q_ = q;
+        A_ = rotation_matrix(q_);
+    }
+    void turn(const Vector3<double>& w, double h) {
+        const Vector3<double> half = (h / 2) * w;
+        const Quaternion<double> change = Quaternion<double>{0, half[0], half[1], half[2]} * q_;
+        q_ = {q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z};
+    }
+    void mend() {
+        q_ = normalized(q_);
+        A_ = rotation_matrix(q_);
+    }
+    const Matrix3<double>& matrix() const { return A_; }
+    Quaternion<double> quaternion() const { return q_; }
+
+  private:
+    Quaternion<double> q_;
+    Matrix3<double> A_;
+};
+
+/// Three vertices, at unit distance along the body's axes, each turned on from where it is: V = R(h w) V. A is read off
+/// them, re-orthogonalised; the vertices stay as they are.
+class AccumulatedVertices {
+  public:
+    void start(const Quaternion<double>& q) { A_ = vertices_ = rotation_matrix(q); }
+    void turn(const Vector3<double>& w, double h) {
+        vertices_ = rotation_matrix(quaternion_from_rotation_vector(h * w)) * vertices_;
+    }
+    void mend() { A_ = reorthogonalised(vertices_); }
+    const Matrix3<double>& matrix() const { return A_; }
+    Quaternion<double> quaternion() const { return quaternion_from_rotation(A_); }
+    double orthogonality_defect() const { return polhode::orthogonality_defect(vertices_); }
+
+  private:
+    Matrix3<double> vertices_, A_;  ///< a vertex a column
+};
+
+/// w = A I^-1 A^T L, the inverse in body axes worked out once.
+class TransformedInertia {
+  public:
+    explicit TransformedInertia(const Problem& problem) : inverse_B_(problem.full_inertia.inverse) {}
+    Vector3<double> angular_velocity(const Matrix3<double>& A, const Vector3<double>& L) const {
+        return A * (inverse_B_ * (transposed(A) * L));
+    }
+
+  private:
+    Matrix3<double> inverse_B_;
+};
+
+/// w = I_W^-1 L with I_W = sum m_i (r_i^2 1 - r_i r_i^T) over the world points r_i = A r_i(0), anew at every step.
+///
+/// The points are eight masses m/8 at (+-a, +-b, +-c) in principal axes: I_1 = m (b^2 + c^2) and cyclic, so that
+/// a^2 = (I_2 + I_3 - I_1) / (2 m) and cyclic gives the body's own tensor.
+class ResummedInertia {
+  public:
+    explicit ResummedInertia(const Problem& problem) : mass_(problem.body.mass / 8) {
+        const Vector3<double>& I = problem.principal.moments;
+        Vector3<double> half;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            // a flat body's difference is zero but for rounding
+            half[i] = std::sqrt(std::max(I[j] + I[k] - I[i], 0.0) / (2 * problem.body.mass));
+        }
+        for (std::size_t n = 0; n < points_B_.size(); ++n)
+            points_B_[n] = rotate(problem.principal.q_BP,
+                                  Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
+                                                  (n & 4U) ? half[2] : -half[2]));
+    }
+    Vector3<double> angular_velocity(const Matrix3<double>& A, const Vector3<double>& L) const {
+        Matrix3<double> I_W;
+        for (const Vector3<double>& point : points_B_) I_W = I_W + parallel_axis(mass_, A * point);
+        return inverse(I_W) * L;
+    }
+
+  private:
+    double mass_;  ///< of one point
+    std::array<Vector3<double>, 8> points_B_;
+};
+
+template <class Attitude, class Inertia>
+class Fleck {
+  public:
+    explicit Fleck(const Problem& problem)
+        : problem_(&problem), loads_(problem), inertia_(problem), held_(problem.body.pivoted) {
+        restart();
+    }
+    void restart() {
+        const ExactBody<double>& body = problem_->body;
+        attitude_.start(body.q);
+        L_ = rotate(body.q, body.inertia_B * body.angular_velocity_B);
+        x_ = body.position_W, v_ = body.velocity_W;
+        find_angular_velocity();
+        steps_ = 0;
+    }
+    void enter(const Segment& segment) {
+        loads_.enter(segment);
+        if (segment.impulses.empty()) return;
+        WorldLoads::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
+        find_angular_velocity();
+    }
+    void step(double t, double h) {
+        const Matrix3<double>& A = attitude_.matrix();
+        const Vector3<double> torque = loads_.torque_W(
+            t, A, [&] { return attitude_.quaternion(); }, w_, x_, v_);
+        const Vector3<double> acceleration = held_ ? Vector3<double>() : loads_.acceleration_W(A, v_);
+        x_ = x_ + h * v_;
+        attitude_.turn(w_, h);
+        v_ = v_ + h * acceleration;
+        L_ = L_ + h * torque;
+        attitude_.mend();
+        find_angular_velocity();
+        ++steps_;
+    }
+    Sample sample(double t) const {
+        Sample s;
+        s.t = t, s.q = attitude_.quaternion();
+        s.angular_velocity_B = rotate_back(s.q, w_);
+        s.position_W = x_, s.velocity_W = v_;
+        if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
+        return s;
+    }
+    bool finite() const {
+        const Vector3<double> sum = L_ + w_ + x_ + v_;
+        return std::isfinite(dot(sum, sum)) && std::isfinite(determinant(attitude_.matrix()));
+    }
+    long rhs_evaluations() const { return steps_; }
+    double orthogonality_defect() const requires requires(const Attitude& a) { a.orthogonality_defect(); }
+    { return attitude_.orthogonality_defect(); }
+
+  private:
+    void find_angular_velocity() {
+        w_ = inertia_.angular_velocity(attitude_.matrix(), L_);
+        if (held_) {
+            x_ = attitude_.matrix() * problem_->body.arm;
+            v_ = cross(w_, x_);
+        }
+    }
+
+    const Problem* problem_;
+    WorldLoads loads_;
+    Inertia inertia_;
+    bool held_;
+    Attitude attitude_;
+    Vector3<double> L_, w_;  ///< world axes
+    Vector3<double> x_, v_;  ///< of the centre of mass
+    long steps_ = 0;
+};
+
+template <class Attitude, class Inertia = TransformedInertia>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    return march<Fleck<Attitude, Inertia>>(pose(problem.scene, Formulation::full), settings);
+}
+
+constexpr std::string_view source =
+    "D. Fleck, Game Physics, part IV: Moving to 3D (slides), after C. Hecker, Physics, part 4: The Third Dimension, "
+    "Game "
+    "Developer, June 1997";
+constexpr std::string_view kept = "L in world axes exactly where no torque acts";
+
+const Method family[] = {
+    {.name = "fleck_matrix",
+     .documentation =
+         "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
+         "columns "
+         "(X kept in direction, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. Order 1. The error of a step is not the "
+         "same about all axes, since the first column alone keeps its direction.",
+     .source = source,
+     .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
+     .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<TurnedMatrix<true>>},
+    {.name = "fleck_matrix_drifting",
+     .documentation =
+         "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
+         "that A^T A - 1 grows like h w^2 t; points and inertia are taken through A as it is, A r and A I^-1 A^T. The "
+         "attitude reported is the rotation nearest to A. Order 1.",
+     .source = source,
+     .described_as = "slides: the same without re-orthogonalizing, A drifts",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<TurnedMatrix<false>>},
+    {.name = "fleck_quaternion",
+     .documentation =
+         "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
+         "with A = A(q); vertices would be V = A V0, always from the originals. Order 1.",
+     .source = source,
+     .described_as = "slides: the same step with the orientation as a quaternion",
+     .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<TurnedQuaternion>},
+    {.name = "accumulated_vertices",
+     .documentation =
+         "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
+         "The orientation is read off three of them, re-orthogonalised, for w = A I^-1 A^T L; the vertices keep their "
+         "rounding errors, and their A^T A - 1 is the defect reported. Order 1.",
+     .source = source,
+     .described_as = "slides: \"always start with the original\" not heeded, vertices turned on from where they are",
+     .conserves = kept,
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<AccumulatedVertices>},
+    {.name = "fleck_resummed_inertia",
+     .documentation =
+         "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
+         "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor: "
+         "the same motion but for rounding, at more cost. Order 1.",
+     .source = source,
+     .described_as = "slides: the inertia tensor from world space vectors, re-summed each frame",
+     .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<TurnedMatrix<true>, ResummedInertia>},
+};
+
+}  // namespace
+
+extern const std::span<const Method> fleck_methods;
+const std::span<const Method> fleck_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,239 @@
+#include "body/orientation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "body/mass_properties.h"
+
+namespace polhode {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double lock = 1e-15;  // rad: nearer to gimbal lock the rounding of q decides
+
+double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+Vector3<double> column(const Matrix3<double>& m, int j) { return {m[0][j], m[1][j], m[2][j]}; }
+
+Vector3<double> unit(const Vector3<double>& v) {
+    const double l = length(v);
+    return {v[0] / l, v[1] / l, v[2] / l};
+}
+
+Matrix3<double> from_columns(const Vector3<double>& x, const Vector3<double>& y, const Vector3<double>& z) {
+    Matrix3<double> m;
+    for (int i = 0; i < 3; ++i) m[i] = {x[i], y[i], z[i]};
+    return m;
+}
+
+bool finite(const Matrix3<double>& A) {
+    double zeros = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) zeros += A[i][j] * 0;
+    return zeros == 0;
+}
+
+std::string number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", x);
+    return text;
+}
+
+double& component(Quaternion<double>& q, int axis) { return axis == 0 ? q.x : axis == 1 ? q.y : q.z; }
+
+Quaternion<double> about(int axis, double angle) {
+    Quaternion<double> q{std::cos(angle / 2), 0, 0, 0};
+    component(q, axis) = std::sin(angle / 2);
+    return q;
+}
+
+struct Axes {
+    int i, j, k;
+};
+Axes axes_of(EulerSequence sequence) {
+    const std::string_view name = name_of(sequence);
+    return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
+}
+
+// into (-pi, pi]
+double wrapped(double angle) {
+    if (angle > pi) return angle - 2 * pi;
+    if (angle <= -pi) return angle + 2 * pi;
+    return angle;
+}
+
+}  // namespace
+
+Quaternion<double> quaternion_from_rotation_vector(const Vector3<double>& v) {
+    const double angle = length(v);
+    // sin(x/2)/x: 1/2 where x is so small that x^2/24 is nothing
+    const double s = angle < 1e-8 ? 0.5 : std::sin(angle / 2) / angle;
+    return {std::cos(angle / 2), s * v[0], s * v[1], s * v[2]};
+}
+
+Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q) {
+    const Vector3<double> u = q.w < 0 ? -vector_part(q) : vector_part(q);
+    const double sine = length(u);
+    if (sine == 0) return {};
+    const double half = std::atan2(sine, std::abs(q.w));
+    return (2 * half) * Vector3<double>(u[0] / sine, u[1] / sine, u[2] / sine);
+}
+
+Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn) {
+    if (turn.angle == 0) return {};
+    if (length(turn.axis) == 0)
+        throw std::invalid_argument("a turn by " + number(turn.angle) + " rad about an axis of length 0");
+    const double s = std::sin(turn.angle / 2);
+    const Vector3<double> n = unit(turn.axis);
+    return {std::cos(turn.angle / 2), s * n[0], s * n[1], s * n[2]};
+}
+
+AxisAngle axis_angle_from_quaternion(const Quaternion<double>& q) {
+    const Vector3<double> v = rotation_vector_from_quaternion(q);
+    const double angle = length(v);
+    if (angle == 0) return {};
+    return {unit(v), angle};
+}
+
+double orthogonality_defect(const Matrix3<double>& A) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const double entry = dot(column(A, i), column(A, j)) - (i == j ? 1 : 0);
+            sum += entry * entry;
+        }
+    return std::sqrt(sum);
+}
+
+void require_rotation(const Matrix3<double>& A, double tolerance) {
+    if (!finite(A)) throw std::invalid_argument("not a rotation matrix: an entry is not finite");
+    const double det = determinant(A), defect = orthogonality_defect(A);
+    if (!(defect <= tolerance))
+        throw std::invalid_argument("not a rotation matrix: |A^T A - 1| is " + number(defect) + ", not within " +
+                                    number(tolerance) + " of 0");
+    if (!(det > 0))
+        throw std::invalid_argument("a reflection, not a rotation: the determinant is " + number(det) + ", not 1");
+}
+
+Quaternion<double> quaternion_from_matrix(const Matrix3<double>& A) {
+    require_rotation(A);
+    return quaternion_from_rotation(A);
+}
+
+Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
+    // 4 w^2 = 1 + tr, 4 x^2 = 1 + 2 A_xx - tr, ..: the largest is at least 1
+    const double trace = A[0][0] + A[1][1] + A[2][2];
+    int i = 0;
+    for (int k = 1; k < 3; ++k)
+        if (A[k][k] > A[i][i]) i = k;
+    Quaternion<double> q;
+    if (trace >= A[i][i]) {
+        q = {1 + trace, A[2][1] - A[1][2], A[0][2] - A[2][0], A[1][0] - A[0][1]};
+    } else {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        q.w = A[k][j] - A[j][k];
+        component(q, i) = 1 + A[i][i] - A[j][j] - A[k][k];
+        component(q, j) = A[j][i] + A[i][j];
+        component(q, k) = A[k][i] + A[i][k];
+    }
+    q = normalized(q);
+    return q.w < 0 ? Quaternion<double>{-q.w, -q.x, -q.y, -q.z} : q;
+}
+
+Matrix3<double> reorthogonalised(const Matrix3<double>& A) {
+    const Vector3<double> X = unit(column(A, 0)), Z = unit(cross(X, column(A, 1))), Y = unit(cross(Z, X));
+    return from_columns(X, Y, Z);
+}
+
+Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
+    if (!finite(A)) throw std::invalid_argument("no rotation is nearest to a matrix that is not finite");
+    const double det = determinant(A);
+    if (!(det > 0)) throw std::invalid_argument("no rotation is near a matrix of determinant " + number(det));
+    const auto norm = [](const Matrix3<double>& m) { return std::hypot(length(m[0]), length(m[1]), length(m[2])); };
+    Matrix3<double> X = A;
+    // X <- (g X + X^-T / g) / 2: some ten iterations from any condition number that binary64 can hold
+    constexpr int most = 60;
+    for (int n = 0; n < most; ++n) {
+        const Matrix3<double> Y = transposed(inverse(X));
+        const double g = std::sqrt(norm(Y) / norm(X));
+        double change = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const double next = (g * X[i][j] + Y[i][j] / g) / 2;
+                change = std::max(change, std::abs(next - X[i][j]));
+                X[i][j] = next;
+            }
+        if (!(change > 4 * std::numeric_limits<double>::epsilon())) break;
+    }
+    return X;
+}
+
+std::string_view name_of(EulerSequence sequence) {
+    constexpr std::array<std::string_view, 12> names{"xyz", "xzy", "yxz", "yzx", "zxy", "zyx",
+                                                     "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"};
+    return names.at(static_cast<std::size_t>(sequence));
+}
+
+EulerSequence parse_euler_sequence(std::string_view name) {
+    for (const EulerSequence sequence : euler_sequences)
+        if (name_of(sequence) == name) return sequence;
+    throw std::invalid_argument(
+        "\"" + std::string(name) +
+        "\" is no sequence of Euler angles: one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, "
+        "yzy, zxz, zyz");
+}
+
+bool is_proper(EulerSequence sequence) {
+    const Axes a = axes_of(sequence);
+    return a.i == a.k;
+}
+
+Quaternion<double> quaternion_from_euler(EulerSequence sequence, const EulerAngles& angles) {
+    const Axes a = axes_of(sequence);
+    return about(a.i, angles[0]) * about(a.j, angles[1]) * about(a.k, angles[2]);
+}
+
+// Proper angles first. With e_i e_j = s e_k (s = 1 for cyclic i, j, k), q_i(a) q_j(b) q_i(c) has the components
+//   w = cos(b/2) cos((a+c)/2),  i: cos(b/2) sin((a+c)/2),  j: sin(b/2) cos((a-c)/2),  k: s sin(b/2) sin((a-c)/2).
+// Tait-Bryan angles are proper ones of another quaternion: a quarter turn P = q_j(pi/2) takes e_i to -s e_k, so
+// q_k(c) = P q_i(-s c) P* and q P = q_i(a) q_j(b + pi/2) q_i(-s c).
+EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<double>& quaternion) {
+    const Axes axes = axes_of(sequence);
+    const bool proper = axes.i == axes.k;
+    const int i = axes.i, j = axes.j, k = 3 - i - j;
+    const double s = (j - i + 3) % 3 == 1 ? 1 : -1;
+    Quaternion<double> q = quaternion;
+    if (!proper) {
+        Quaternion<double> quarter{1, 0, 0, 0};  // times sqrt 2
+        component(quarter, j) = 1;
+        q = q * quarter;
+    }
+    const double qi = component(q, i), qj = component(q, j), qk = s * component(q, k);
+    const double cosine = std::hypot(q.w, qi), sine = std::hypot(qj, qk);
+    const double sum = std::atan2(qi, q.w), difference = std::atan2(qk, qj);
+    EulerAngles angles{sum + difference, 2 * std::atan2(sine, cosine), sum - difference};
+    // half of a distance from lock that only rounding makes
+    if (sine <= lock / 2 * cosine) angles = {2 * sum, angles[1], 0};
+    if (cosine <= lock / 2 * sine) angles = {2 * difference, angles[1], 0};
+    if (!proper) {
+        angles[1] -= pi / 2;
+        angles[2] *= -s;
+    }
+    return {wrapped(angles[0]), angles[1], wrapped(angles[2])};
+}
+
+Quaternion<double> slerp(const Quaternion<double>& a, const Quaternion<double>& b, double t) {
+    return a * quaternion_from_rotation_vector(t * rotation_vector_from_quaternion(conjugate(a) * b));
+}
+
+double rotation_angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
+    const Quaternion<double> d = conjugate(b) * a;
+    return 2 * std::atan2(length(vector_part(d)), std::abs(d.w));
+}
+
+}  // namespace polhode

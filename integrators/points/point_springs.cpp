@@ -7,6 +7,7 @@
 #include "integrators/march.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
 
 namespace polhode {
 namespace {

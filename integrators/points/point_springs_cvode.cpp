@@ -5,6 +5,7 @@
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
 #include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
 #include "integrators/sundials_run.h"
 
 namespace polhode {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/points/stiffness.h"
+
 namespace polhode {
 
 void SpringNetwork::accelerations(const double* y, double* a) const {

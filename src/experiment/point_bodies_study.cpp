@@ -8,7 +8,7 @@
 
 #include "experiment/study.h"
 #include "integrators/points/point_runs.h"
-#include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 

@@ -31,7 +31,8 @@ class SpringStepper {
 
     void restart() {
         network_.settle(motion_.initial(y_.data()), y_.data());
-        evaluations_ = 0;
+        evaluations_ = steps_ = 0;
+        torn_at_.reset();
     }
     void enter(const Segment& segment) {
         if (const auto w = motion_.enter(segment, y_.data())) network_.settle(*w, y_.data());
@@ -46,10 +47,20 @@ class SpringStepper {
         return zeros == 0;
     }
     long rhs_evaluations() const { return evaluations_; }
+    bool failed() const { return torn_at_.has_value(); }
+    void explain(Trajectory& trajectory) const {
+        trajectory.status = Status::diverged;
+        trajectory.message =
+            fmt::format("springs off their length by more than {:g} of it at t = {:g} s", torn, *torn_at_);
+    }
 
   protected:
     using Numbers = std::vector<double>;
 
+    // an unstable step may leave a heap of points that is finite, and no body any more
+    void look(double t) {
+        if ((++steps_ & 15) == 0 && polhode::largest_stretch(*body_, y_.data()) > torn) torn_at_ = t;
+    }
     void accelerate(double t, const double* y, double* a) {
         ++evaluations_;
         network_.accelerations(y, a);
@@ -62,7 +73,9 @@ class SpringStepper {
     PointMotion motion_;
     SpringNetwork network_;
     Numbers y_;
-    long evaluations_ = 0;
+    long evaluations_ = 0, steps_ = 0;
+    static constexpr double torn = 0.5;
+    std::optional<double> torn_at_;
 };
 
 class Rk4 : public SpringStepper {
@@ -79,6 +92,7 @@ class Rk4 : public SpringStepper {
         advance(h / 2), rate(t + h / 2, z_), add(2);
         advance(h), rate(t + h, z_), add(1);
         for (std::size_t i = 0; i < 2 * n_; ++i) y_[i] += h / 6 * sum_[i];
+        look(t + h);
     }
 
   private:
@@ -115,6 +129,7 @@ class Verlet : public SpringStepper {
         for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] += h / 2 * a_[i];
         accelerate(t + h, y_.data(), a_.data());
         for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] = half_[i] + h / 2 * a_[i];
+        look(t + h);
     }
 
   private:

@@ -131,7 +131,7 @@ class Curves {
 // By each method of springs: 10^2 to 10^10 N/m, explicit steps at half of what is stable.
 Table stiffness_table(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
-    const long max_steps = quick ? 20000 : 300000, max_implicit = quick ? 5000 : 30000;
+    const long max_steps = quick ? 20000 : 5'000'000, max_implicit = quick ? 5000 : 30000;
     const PointBody body = point_body(bench.problem, {});
     for (int decade = 2; decade <= 10; decade += quick ? 2 : 1) {
         PointOptions options;

@@ -14,9 +14,9 @@ namespace polhode::truth {
 /// A reference with its decimals and what it cost.
 struct Truth {
     Reference reference;
-    long steps = 0;                        ///< of both runs
-    double seconds = 0;                    ///< wall clock, when it was computed
-    std::vector<DecimalColumns> decimals;  ///< one a sample, to more digits than agree
+    long steps = 0;                            ///< of both runs
+    double seconds = 0;                        ///< wall clock, when it was computed
+    std::vector<DecimalColumns> decimals;      ///< one a sample, to more digits than agree
     std::vector<std::string> impact_decimals;  ///< of Reference::impact_times, likewise
 };
 

@@ -33,9 +33,8 @@ const Study* find_study(std::string_view name) {
 
 std::string study_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
-    std::string text =
-        fmt::format("{}\n{}\n{}\n{}\n{} {} {} {}\n", program_key(), e.name, e.about, e.study, quick, e.repeats,
-                                   e.samples, e.seconds_per_run);
+    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {}\n", program_key(), e.name, e.about, e.study, quick,
+                                   e.repeats, e.samples, e.seconds_per_run);
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));

@@ -62,8 +62,8 @@ struct ReferenceSample {
 /// The motion to judge others by.
 struct Reference {
     bool available = false;
-    std::string message;  ///< why there is none, or how it was made
-    double bound = 0;     ///< largest of the attitude's error (rad) and the other blocks' relative errors
+    std::string message;             ///< why there is none, or how it was made
+    double bound = 0;                ///< largest of the attitude's error (rad) and the other blocks' relative errors
     std::vector<Pair> impact_times;  ///< s, of the impacts on the scene's planes
     double impact_time_error = 0;    ///< s, largest of them
     std::vector<ReferenceSample> samples;

@@ -129,7 +129,7 @@ struct Scene {
     Initial initial;
     std::optional<Vector3<double>> pivot;  ///< body point (from the body's origin) held at the world's origin, m
     std::vector<Load> loads;
-    std::vector<Plane> planes;  ///< beside a body that has a shape, without a pivot
+    std::vector<Plane> planes;                 ///< beside a body that has a shape, without a pivot
     std::optional<double> tolerated_attitude;  ///< rad
 };
 

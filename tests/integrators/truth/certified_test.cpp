@@ -147,8 +147,8 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
-// Each scene of the catalogue has a truth whose digits are proven, and the everyday truth lies inside it. (bruls_top
-// asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
+// Each scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies inside
+// it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 10;
@@ -157,6 +157,11 @@ TEST(Certified, EverySceneOfTheCatalogue) {
         SCOPED_TRACE(scene.name);
         scene.duration = std::min(scene.duration, 3.0);
         const CertifiedReference certified = certified_reference(scene, 2, 30);
+        if (!scene.planes.empty()) {
+            EXPECT_FALSE(certified.available);
+            EXPECT_NE(certified.message.find("planes"), std::string::npos) << certified.message;
+            continue;
+        }
         expect_proven(certified, 30);
         const DecimalReference truth = decimal_reference(scene, 2, 30);
         ASSERT_TRUE(certified.available && truth.available) << truth.message;

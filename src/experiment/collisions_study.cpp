@@ -13,14 +13,14 @@ namespace {
 
 Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
-// The largest height (m) over the scene's first plane between two times, over the samples there.
+// The largest height (m) over the scene's first plane after one time and up to another, over the samples there.
 template <class Samples, class Position>
 std::optional<double> apex(const Scene& scene, const Samples& samples, double from, double until,
                            const Position& position) {
     const Vector3<double>& n = scene.planes.front().normal_W;
     std::optional<double> most;
     for (const auto& sample : samples)
-        if (sample.t > from && sample.t < until) {
+        if (sample.t > from && sample.t <= until) {
             const double height = dot(n, position(sample)) / std::sqrt(dot(n, n));
             most = std::max(most.value_or(height), height);
         }
@@ -74,7 +74,8 @@ StudyResult run_collisions(const Plan& plan, bool quick) {
                         first = std::abs((found[0] - right[0].high) - right[0].low);
                         curve.x.push_back(static_cast<double>(run.rhs_evaluations));
                         curve.y.push_back(std::get<double>(first));
-                        const double until = right.size() > 1 ? right[1].high : scene.duration;
+                        // a box's next corner follows at once: the greatest height of all that comes after
+                        const double until = run.samples.back().t;
                         const auto rise = apex(scene, run.samples, right[0].high, until,
                                                [](const Sample& s) { return s.position_W; });
                         const auto true_rise = apex(scene, truth.samples, right[0].high, until,

@@ -187,7 +187,7 @@ MassProperties<S> uniform_body(const Extent<S>& e, const S& mass) {
     const S trace = e.spread[0][0] + e.spread[1][1] + e.spread[2][2];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            body.inertia[i][j] = mass * (i == j ? S(trace - e.spread[i][i]) : S(-e.spread[i][j]));
+            body.inertia[i][j] = mass * (i == j ? S(trace - e.spread[i][i]) : S(S(0) - e.spread[i][j]));
     return body;
 }
 

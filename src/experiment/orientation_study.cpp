@@ -60,7 +60,7 @@ NamedTable interpolation() {
                  {"beside the top", {0, 89, 0}, {90, 89, 0}},
                  {"roll along with yaw, to the top", {0, 60, 0}, {170, 89, 170}},
                  {"near a half turn", {0, 0, 0}, {170, 10, 40}}};
-    NamedTable table{"interpolation",
+    NamedTable table{"",
                      "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
                      {{"pair", "from_degrees", "to_degrees", "interpolation", "length", "shortest", "length_ratio",
                        "largest_jump", "speed_ratio"},

@@ -12,6 +12,7 @@ StudyResult run_collisions(const Plan& plan, bool quick);
 StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
 StudyResult run_orientation(const Plan& plan, bool quick);
+StudyResult run_point_bodies(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
@@ -21,6 +22,7 @@ std::span<const Study> studies() {
         {"inertia", {"repeats"}, run_inertia},
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
         {"orientation", {"repeats"}, run_orientation},
+        {"point_bodies", {"scenes"}, run_point_bodies},
     };
     return list;
 }

@@ -43,7 +43,7 @@ TEST_F(OrientationStudy, WritesWholeTables) {
 }
 
 TEST_F(OrientationStudy, SlerpIsTheShortestWayAtOneSpeed) {
-    const Table& t = table_of(*result, "interpolation");
+    const Table& t = table_of(*result, "");
     double longest = 0;
     for (const auto& row : t.rows) {
         if (word(t, row, "interpolation") == "slerp") {

@@ -1,0 +1,269 @@
+// Bodies made of points at hard distances: a differential-algebraic system for IDA, in the stabilised form of index 2
+// (C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90):
+//   r' = v - G^T mu,   v' = a(t, r, v) - G^T lambda,   0 = g(r),   0 = G(r) v
+// with g = (|d|^2 - l^2) / (2 l) for every link, sum c_i r_i for a pivot, and G = dg/dr. Masses are equal, so that
+// lambda is a force over a point's mass (m/s^2); mu (m/s) vanishes but for the integration's error.
+#include <ida/ida.h>
+#include <ida/ida_ls.h>
+
+#include <Eigen/Dense>
+
+#include "integrators/points/point_runs.h"
+#include "integrators/points/point_session.h"
+#include "integrators/sundials_run.h"
+
+namespace polhode {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+using ConstVectorMap = Eigen::Map<const Vector>;
+using VectorMap = Eigen::Map<Vector>;
+
+class Constraints {
+  public:
+    explicit Constraints(const PointBody& body) : body_(&body), links_(static_cast<int>(body.links.size())) {}
+
+    int count() const { return links_ + (body_->pivoted ? 3 : 0); }
+
+    /// g(r), m.
+    Vector residual(const double* r) const {
+        Vector g = Vector::Zero(count());
+        for (int e = 0; e < links_; ++e) {
+            const Link& link = body_->links[e];
+            const Vector3<double> d = difference(r, link);
+            const double length = std::sqrt(dot(d, d));
+            g[e] = (length - link.length) * (length + link.length) / (2 * link.length);
+        }
+        for (int i = 0; body_->pivoted && i < body_->count(); ++i)
+            for (int b = 0; b < 3; ++b) g[links_ + b] += body_->pivot_weights[i] * r[3 * i + b];
+        return g;
+    }
+    /// G(r): the links' rows are linear in r, so that gradient(v) r' = gradient(r) v, and d(G v)/dr = gradient(v); the
+    /// pivot's are constant, and left out where `pivot` is not set.
+    Matrix gradient(const double* r, bool pivot = true) const {
+        Matrix G = Matrix::Zero(count(), 3 * body_->count());
+        for (int e = 0; e < links_; ++e) {
+            const Link& link = body_->links[e];
+            const Vector3<double> d = difference(r, link);
+            for (int b = 0; b < 3; ++b) {
+                G(e, 3 * link.i + b) = d[b] / link.length;
+                G(e, 3 * link.j + b) = -d[b] / link.length;
+            }
+        }
+        for (int i = 0; pivot && body_->pivoted && i < body_->count(); ++i)
+            for (int b = 0; b < 3; ++b) G(links_ + b, 3 * i + b) = body_->pivot_weights[i];
+        return G;
+    }
+    /// Adds d(G^T x)/dr to a 3N x 3N block.
+    template <class Block>
+    void add_curvature(const double* x, Block&& block) const {
+        for (int e = 0; e < links_; ++e) {
+            const Link& link = body_->links[e];
+            const double value = x[e] / link.length;
+            for (int b = 0; b < 3; ++b) {
+                block(3 * link.i + b, 3 * link.i + b) += value;
+                block(3 * link.j + b, 3 * link.j + b) += value;
+                block(3 * link.i + b, 3 * link.j + b) -= value;
+                block(3 * link.j + b, 3 * link.i + b) -= value;
+            }
+        }
+    }
+
+  private:
+    static Vector3<double> difference(const double* r, const Link& link) {
+        return vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
+    }
+    const PointBody* body_;
+    int links_;
+};
+
+class ConstraintSession : public PointSession {
+  public:
+    ConstraintSession(const Problem& problem, const PointBody& body, double tolerance)
+        : PointSession(problem, body, tolerance, 2 * Constraints(body).count()),
+          constraints_(body),
+          m_(constraints_.count()),
+          rate_of_state_(owned(N_VNew_Serial(dimension_, context_))),
+          kind_(owned(N_VNew_Serial(dimension_, context_))),
+          matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
+          linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
+          memory_(IDACreate(context_)) {
+        if (!memory_) throw std::bad_alloc();
+        void* memory = memory_.get();
+        PointSession* base = this;
+        N_VConst(0, rate_of_state_.get());
+        // multipliers are governed by the differential variables and left out of the error test
+        N_VConst(1, kind_.get());
+        double* kind = N_VGetArrayPointer(kind_.get());
+        std::fill(kind + 2 * n_, kind + dimension_, 0.0);
+        double* absolute = N_VGetArrayPointer(absolute_.get());
+        std::fill(absolute + 2 * n_, absolute + 2 * n_ + m_, multiplier_share * body.extent * rate_ * rate_);
+        std::fill(absolute + 2 * n_ + m_, absolute + dimension_, multiplier_share * body.extent * rate_);
+        demand(IDASetErrHandlerFn(memory, note_message, base));
+        demand(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
+        demand(IDASVtolerances(memory, 0, absolute_.get()));
+        demand(IDASetUserData(memory, base));
+        demand(IDASetId(memory, kind_.get()));
+        demand(IDASetSuppressAlg(memory, SUNTRUE));
+        demand(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+        demand(IDASetJacFn(memory, fill_jacobian));
+    }
+
+    void restart() {
+        begin();
+        N_VConst(0, rate_of_state_.get());
+        steps_ = 0, running_ = false;
+    }
+    int enter(const Segment& segment) {
+        close();
+        pass(segment);
+        if (!(end_ > t_)) return IDA_SUCCESS;
+        make_consistent();
+        running_ = true;
+        if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), rate_of_state_.get()); flag != IDA_SUCCESS)
+            return flag;
+        return IDASetStopTime(memory_.get(), end_);
+    }
+    int step() {
+        double reached = t_;
+        const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
+        rethrow();
+        if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
+            leap();
+            ++steps_;
+            return IDA_TSTOP_RETURN;
+        }
+        t_ = flag == IDA_TSTOP_RETURN ? end_ : reached;
+        return flag;
+    }
+    std::optional<Sample> sample_inside(double t) {
+        IDAGetDky(memory_.get(), t, 0, inside_.get());
+        return sample_of(t, N_VGetArrayPointer(inside_.get()));
+    }
+    int inside_flag() const { return IDA_SUCCESS; }
+    SundialsFailure failure(int flag) {
+        const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
+        return explained("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed, IDAGetReturnFlagName(flag));
+    }
+    long steps() {
+        close();
+        return steps_;
+    }
+
+  private:
+    static constexpr double multiplier_share = 1e-3;
+
+    struct FreeMemory {
+        void operator()(void* memory) const { IDAFree(&memory); }
+    };
+
+    // lambda from d2g/dt2 = 0:  G G^T lambda = G a + dG/dt v;  mu = 0
+    void make_consistent() {
+        double *r = y(), *v = r + n_;
+        Vector a = Vector::Zero(n_);
+        motion_.add_loads(t_, r, a.data());
+        ++evaluations_;
+        const Matrix G = constraints_.gradient(r);
+        const Vector right = G * a + constraints_.gradient(v, false) * ConstVectorMap(v, n_);
+        const Vector lambda = (G * G.transpose()).ldlt().solve(right);
+        VectorMap(r + 2 * n_, m_) = lambda;
+        VectorMap(r + 2 * n_ + m_, m_).setZero();
+        double* rate = N_VGetArrayPointer(rate_of_state_.get());
+        VectorMap(rate, n_) = ConstVectorMap(v, n_);
+        VectorMap(rate + n_, n_) = a - G.transpose() * lambda;
+        VectorMap(rate + 2 * n_, 2 * m_).setZero();
+    }
+
+    static int residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session) {
+        ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));
+        if (self->given_up()) return -1;
+        const int n = self->n_, m = self->m_;
+        const double *y = N_VGetArrayPointer(state), *dy = N_VGetArrayPointer(rate);
+        double* F = N_VGetArrayPointer(result);
+        ++self->evaluations_;
+        Vector a = Vector::Zero(n);
+        try {
+            self->motion_.add_loads(t, y, a.data());
+        } catch (...) {  // C code lies between here and whoever called
+            self->thrown_ = std::current_exception();
+            return -1;
+        }
+        const Matrix G = self->constraints_.gradient(y);
+        const ConstVectorMap v(y + n, n), lambda(y + 2 * n, m), mu(y + 2 * n + m, m);
+        VectorMap(F, n) = ConstVectorMap(dy, n) - v + G.transpose() * mu;
+        VectorMap(F + n, n) = ConstVectorMap(dy + n, n) - a + G.transpose() * lambda;
+        VectorMap(F + 2 * n, m) = self->constraints_.residual(y);
+        VectorMap(F + 2 * n + m, m) = G * v;
+        return self->judged(t, F, self->dimension_);
+    }
+    // dF/dy + c dF/dy'; what a load changes with the state is slow and left to the iteration
+    static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
+                             N_Vector, N_Vector, N_Vector) {
+        ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));
+        const int n = self->n_, m = self->m_;
+        const double* y = N_VGetArrayPointer(state);
+        Eigen::Map<Matrix> entries(SUNDenseMatrix_Data(J), self->dimension_, self->dimension_);
+        entries.setZero();
+        const Matrix G = self->constraints_.gradient(y);
+        entries.topLeftCorner(2 * n, 2 * n).diagonal().setConstant(c);
+        entries.block(0, n, n, n).diagonal().setConstant(-1);
+        self->constraints_.add_curvature(y + 2 * n + m, entries.block(0, 0, n, n));
+        self->constraints_.add_curvature(y + 2 * n, entries.block(n, 0, n, n));
+        entries.block(0, 2 * n + m, n, m) = G.transpose();
+        entries.block(n, 2 * n, n, m) = G.transpose();
+        entries.block(2 * n, 0, m, n) = G;
+        entries.block(2 * n + m, 0, m, n) = self->constraints_.gradient(y + n, false);
+        entries.block(2 * n + m, n, m, n) = G;
+        return self->judged(t, entries.data(), self->dimension_ * self->dimension_);
+    }
+    void close() {
+        if (!running_) return;
+        running_ = false;
+        long steps = 0;
+        IDAGetNumSteps(memory_.get(), &steps);
+        steps_ += steps;
+    }
+
+    Constraints constraints_;
+    int m_;
+    SundialsOwner<N_Vector> rate_of_state_, kind_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
+    std::unique_ptr<void, FreeMemory> memory_;
+    long steps_ = 0;
+    bool running_ = false;
+};
+
+constexpr Method list[] = {
+    {.name = "point_constraints_ida",
+     .documentation =
+         "A body made of four points (three where it is flat) with its mass, centre of mass and tensor, held at hard "
+         "distances: a differential-algebraic system in the stabilised form of index 2, which keeps distances and "
+         "their rates of change at zero, by IDA's backward differentiation formulas of order 1 to 5. Tolerance R times "
+         "the points' extent, and times how fast the scene's largest rate moves them; the multipliers are left out of "
+         "the error test.",
+     .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
+               "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
+     .described_as = "article: point masses at a distance from each other that is kept, by constraints",
+     .conserves = "distances, to the tolerance",
+     .control = Control::tolerance,
+     .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},
+};
+
+}  // namespace
+
+PointRun point_constraints_ida(const Problem& problem, const Settings& settings, const PointOptions&) {
+    const PointBody body = point_body(problem, {Arrangement::Kind::simplex});
+    if (!body.refusal.empty()) return {unsupported(body.refusal)};
+    ConstraintSession session(problem, body, *settings.tolerance);
+    PointRun run;
+    run.trajectory = SundialsRun(problem, settings, session).solve();
+    run.largest_stretch = session.largest_stretch();
+    return run;
+}
+
+extern const std::span<const Method> point_constraints_ida_methods;
+const std::span<const Method> point_constraints_ida_methods{list};
+
+}  // namespace polhode

@@ -1,0 +1,123 @@
+// What the SUNDIALS sessions of bodies made of points share: the state, the clock, and an ear for messages.
+#pragma once
+
+#include <fmt/format.h>
+#include <nvector/nvector_serial.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "integrators/kernels/sundials_handles.h"
+#include "integrators/points/point_motion.h"
+#include "integrators/sundials_session.h"
+
+namespace polhode {
+
+/// Not to be moved: the library points into it.
+class PointSession {
+  public:
+    PointSession(const PointSession&) = delete;
+    PointSession& operator=(const PointSession&) = delete;
+
+    double time() const { return t_; }
+    Sample sample() { return sample_of(t_, y()); }
+    double largest_stretch() const { return largest_stretch_; }
+    long rhs_evaluations() const { return evaluations_; }
+
+  protected:
+    /// State: r and v of every point, then `more` numbers. Tolerances are absolute, R times each component's size: the
+    /// points' extent, and how fast the scene's largest rate moves them; so that flight far away costs no attitude.
+    PointSession(const Problem& problem, const PointBody& body, double tolerance, int more)
+        : body_(&body),
+          motion_(problem, body),
+          n_(3 * body.count()),
+          dimension_(2 * n_ + more),
+          // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+          tolerance_(std::max(tolerance, 1e-100)),
+          rate_(std::max(problem.scales.angular_velocity, 1 / problem.scene.duration)),
+          state_(owned(N_VNew_Serial(dimension_, context_))),
+          absolute_(owned(N_VNew_Serial(dimension_, context_))),
+          inside_(owned(N_VNew_Serial(dimension_, context_))) {
+        N_VConst(0, state_.get());
+        N_VConst(tolerance_ * body.extent, absolute_.get());
+        double* absolute = N_VGetArrayPointer(absolute_.get());
+        std::fill(absolute + n_, absolute + 2 * n_, tolerance_ * body.extent * rate_);
+    }
+    ~PointSession() = default;
+
+    static void demand(int flag) {
+        if (flag != 0) throw std::bad_alloc();
+    }
+    double* y() { return N_VGetArrayPointer(state_.get()); }
+    Sample sample_of(double t, const double* y) {
+        largest_stretch_ = std::max(largest_stretch_, polhode::largest_stretch(*body_, y));
+        return motion_.sample(t, y);
+    }
+
+    // as PointMotion's initial() and enter()
+    Vector3<double> begin() {
+        N_VConst(0, state_.get());
+        evaluations_ = 0;
+        not_finite_at_.reset();
+        return motion_.initial(y());
+    }
+    std::optional<Vector3<double>> pass(const Segment& segment) {
+        t_ = segment.begin, end_ = segment.end;
+        return motion_.enter(segment, y());
+    }
+    // a segment of a rounding error's length, which no solver can start on
+    void leap() {
+        for (int i = 0; i < n_; ++i) y()[i] += (end_ - t_) * y()[n_ + i];
+        t_ = end_;
+        message_.clear();
+    }
+    // 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side
+    int judged(double t, const double* numbers, int count) {
+        double zeros = 0;
+        for (int i = 0; i < count; ++i) zeros += numbers[i] * 0;
+        if (zeros == 0) return 0;
+        not_finite_at_ = t;
+        return -1;
+    }
+    bool given_up() const { return not_finite_at_ || thrown_; }
+    void rethrow() {
+        if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+    }
+    SundialsFailure explained(const char* library, Status status, char* flag_name) {
+        const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
+        const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
+        if (not_finite_at_)
+            return {Status::diverged, fmt::format("the right-hand side is not finite at t = {:g} s; {}: {}",
+                                                  *not_finite_at_, library, said)};
+        return {status, fmt::format("{}: {}", library, said)};
+    }
+    // codes above zero are warnings
+    static void note_message(int code, const char*, const char*, char* text, void* session) {
+        if (code <= 0) static_cast<PointSession*>(session)->message_ = text;
+    }
+
+    const PointBody* body_;
+    PointMotion motion_;
+    int n_, dimension_;  ///< 3N; 6N and more
+    double tolerance_;
+    double rate_;              ///< rad/s, the scene's largest
+    SundialsContext context_;  // before all that lives in it
+    SundialsOwner<N_Vector> state_, absolute_, inside_;
+    double t_ = 0, end_ = 0;
+    long evaluations_ = 0;
+    std::optional<double> not_finite_at_;
+    std::string message_;
+    std::exception_ptr thrown_;
+    double largest_stretch_ = 0;
+};
+
+}  // namespace polhode

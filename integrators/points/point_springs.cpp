@@ -1,0 +1,197 @@
+// Bodies made of points on stiff springs, by explicit steps: the Runge-Kutta scheme of order 4, and velocity Verlet.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/march.h"
+#include "integrators/points/point_runs.h"
+#include "integrators/points/spring_network.h"
+#include "integrators/points/stiffness.h"
+
+namespace polhode {
+namespace {
+
+struct Setup {
+    const PointBody* body;
+    double stiffness, damping;
+    double* largest_stretch;
+};
+
+/// Holds y = (r, v) and its rate under springs and loads.
+class SpringStepper {
+  public:
+    SpringStepper(const Problem& problem, const Setup& setup)
+        : body_(setup.body),
+          largest_stretch_(setup.largest_stretch),
+          n_(3 * static_cast<std::size_t>(setup.body->count())),
+          motion_(problem, *setup.body),
+          network_(*setup.body, setup.stiffness, setup.damping),
+          y_(2 * n_) {}
+
+    void restart() {
+        network_.settle(motion_.initial(y_.data()), y_.data());
+        evaluations_ = steps_ = 0;
+        torn_at_.reset();
+    }
+    void enter(const Segment& segment) {
+        if (const auto w = motion_.enter(segment, y_.data())) network_.settle(*w, y_.data());
+    }
+    Sample sample(double t) const {
+        *largest_stretch_ = std::max(*largest_stretch_, polhode::largest_stretch(*body_, y_.data()));
+        return motion_.sample(t, y_.data());
+    }
+    bool finite() const {
+        double zeros = 0;
+        for (const double value : y_) zeros += value * 0;
+        return zeros == 0;
+    }
+    long rhs_evaluations() const { return evaluations_; }
+    bool failed() const { return torn_at_.has_value(); }
+    void explain(Trajectory& trajectory) const {
+        trajectory.status = Status::diverged;
+        trajectory.message =
+            fmt::format("springs off their length by more than {:g} of it at t = {:g} s", torn, *torn_at_);
+    }
+
+  protected:
+    using Numbers = std::vector<double>;
+
+    // an unstable step may leave a heap of points that is finite, and no body any more
+    void look(double t) {
+        if ((++steps_ & 15) == 0 && polhode::largest_stretch(*body_, y_.data()) > torn) torn_at_ = t;
+    }
+    void accelerate(double t, const double* y, double* a) {
+        ++evaluations_;
+        network_.accelerations(y, a);
+        motion_.add_loads(t, y, a);
+    }
+
+    const PointBody* body_;
+    double* largest_stretch_;
+    std::size_t n_;  ///< 3N
+    PointMotion motion_;
+    SpringNetwork network_;
+    Numbers y_;
+    long evaluations_ = 0, steps_ = 0;
+    static constexpr double torn = 0.5;
+    std::optional<double> torn_at_;
+};
+
+class Rk4 : public SpringStepper {
+  public:
+    static constexpr double stability = 2.8284271247461903;  ///< h w < 2 sqrt(2) on the imaginary axis
+
+    Rk4(const Problem& problem, const Setup& setup)
+        : SpringStepper(problem, setup), k_(2 * n_), z_(2 * n_), sum_(2 * n_) {}
+
+    void step(double t, double h) {
+        rate(t, y_);
+        sum_ = k_;
+        advance(h / 2), rate(t + h / 2, z_), add(2);
+        advance(h / 2), rate(t + h / 2, z_), add(2);
+        advance(h), rate(t + h, z_), add(1);
+        for (std::size_t i = 0; i < 2 * n_; ++i) y_[i] += h / 6 * sum_[i];
+        look(t + h);
+    }
+
+  private:
+    void rate(double t, const Numbers& y) {
+        std::copy(y.begin() + static_cast<long>(n_), y.end(), k_.begin());
+        accelerate(t, y.data(), k_.data() + n_);
+    }
+    void advance(double h) {
+        for (std::size_t i = 0; i < 2 * n_; ++i) z_[i] = y_[i] + h * k_[i];
+    }
+    void add(double weight) {
+        for (std::size_t i = 0; i < 2 * n_; ++i) sum_[i] += weight * k_[i];
+    }
+    Numbers k_, z_, sum_;
+};
+
+/// Kick, drift, kick. A load that depends on the rates sees those that the first kick's acceleration leads to.
+class Verlet : public SpringStepper {
+  public:
+    static constexpr double stability = 2;
+
+    Verlet(const Problem& problem, const Setup& setup) : SpringStepper(problem, setup), a_(n_) {}
+
+    void enter(const Segment& segment) {
+        SpringStepper::enter(segment);
+        accelerate(segment.begin, y_.data(), a_.data());
+    }
+    void step(double t, double h) {
+        for (std::size_t i = 0; i < n_; ++i) {
+            y_[n_ + i] += h / 2 * a_[i];
+            y_[i] += h * y_[n_ + i];
+        }
+        half_.assign(y_.begin() + static_cast<long>(n_), y_.end());
+        for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] += h / 2 * a_[i];
+        accelerate(t + h, y_.data(), a_.data());
+        for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] = half_[i] + h / 2 * a_[i];
+        look(t + h);
+    }
+
+  private:
+    Numbers a_, half_;
+};
+
+template <class Stepper>
+PointRun run(const Problem& problem, const Settings& settings, const PointOptions& options) {
+    const PointBody body = point_body(problem, options.arrangement);
+    if (!body.refusal.empty()) return {unsupported(body.refusal)};
+    PointRun run;
+    const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
+    const Setup setup{&body, stiffness, damping_of_ratio(body, stiffness, options.damping_ratio.value_or(0)),
+                      &run.largest_stretch};
+    run.trajectory = march<Stepper>(problem, settings, setup);
+    if (run.trajectory.status == Status::diverged) {
+        const double limit = Stepper::stability / spring_frequencies(body, setup.stiffness).fastest;
+        if (run.trajectory.step > 0.9 * limit)
+            run.trajectory.message +=
+                fmt::format("; the springs of {:.3g} N/m want steps below {:.2g} s", setup.stiffness, limit);
+    }
+    return run;
+}
+
+constexpr std::string_view source =
+    "an article on rotational dynamics for game programmers (a rigid body as points at hard distances, here springs)";
+
+constexpr Method list[] = {
+    {.name = "point_springs_rk4",
+     .documentation =
+         "A body made of eight points at the corners of a box (three where it is flat) with its mass, centre of mass "
+         "and tensor, all joined by springs, by the classical Runge-Kutta scheme. The springs' slowest vibration has "
+         "100 times the scene's largest rate. Of order 4 to the motion on springs, which is the rigid one but for a "
+         "stretch m w^2/k; stable only while a step is shorter than 2.8 over the fastest vibration's frequency. "
+         "Attitude by the best rotation of the points, w from their angular momentum and their own tensor.",
+     .source = source,
+     .described_as = "article: point masses at a distance from each other that is kept, by springs",
+     .conserves = "momentum, angular momentum of a free body to the scheme's order",
+     .control = Control::fixed_step,
+     .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; }},
+    {.name = "point_springs_verlet",
+     .documentation =
+         "The points and springs of `point_springs_rk4` by the velocity form of Verlet's scheme: one evaluation of the "
+         "springs a step, stable while a step is shorter than 2 over the fastest vibration's frequency. Of order 2 to "
+         "the motion on springs.",
+     .source = "L. Verlet 1967, Phys. Rev. 159, 98-103; the body as in the article on rotational dynamics",
+     .described_as = "article: point masses at a distance from each other that is kept, by springs",
+     .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
+     .control = Control::fixed_step,
+     .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; }},
+};
+
+}  // namespace
+
+PointRun point_springs_rk4(const Problem& problem, const Settings& settings, const PointOptions& options) {
+    return run<Rk4>(problem, settings, options);
+}
+PointRun point_springs_verlet(const Problem& problem, const Settings& settings, const PointOptions& options) {
+    return run<Verlet>(problem, settings, options);
+}
+
+extern const std::span<const Method> point_springs_methods;
+const std::span<const Method> point_springs_methods{list};
+
+}  // namespace polhode

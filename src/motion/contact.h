@@ -152,7 +152,7 @@ class ContactSearch {
     // where the k-th distance, falling at a and rising at b, is zero or else smallest
     S lowest(std::size_t k, S a, S b) const {
         for (int i = 0; i < most_iterations && b - a > S(2) * Elementary<S>::epsilon() * b; ++i) {
-            const S middle = (a + b) / S(2);
+            S middle = (a + b) / S(2);
             const Gap<S> g = gap(k, middle);
             if (!(g.distance > S(0))) return middle;
             (g.rate < S(0) ? a : b) = middle;
@@ -163,7 +163,7 @@ class ContactSearch {
     S opened(std::size_t k, const S& a, const S& b) const {
         S low = a, high = b;
         for (int i = 0; i < 60; ++i) {
-            const S middle = (low + high) / S(2);
+            S middle = (low + high) / S(2);
             const Gap<S> g = gap(k, middle);
             if (g.distance > S(0)) return middle;
             (g.rate > S(0) ? low : high) = middle;

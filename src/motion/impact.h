@@ -88,7 +88,7 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
     if (contact.friction == S(0)) return plain * n;
 
     const Vector3<S> slip = v - normal_speed * n;
-    const Vector3<S> stick = inverse(K) * (gained * n - slip);
+    Vector3<S> stick = inverse(K) * (gained * n - slip);
     const S stick_normal = dot(n, stick);
     const Vector3<S> stick_tangential = stick - stick_normal * n;
     const bool in_cone =

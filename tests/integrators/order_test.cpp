@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "build_kind.h"
 #include "integrators/scenes.h"
 #include "motion/exact_body.h"
 
@@ -43,7 +44,7 @@ struct Judge {
 /// One error for each step size first, first / sqrt 2, first / 2, .. down to the floor; empty where the method does not
 /// take the scene.
 std::vector<double> errors(const Judge& judge, const Method& method) {
-    constexpr long most_steps = 100000;
+    constexpr long most_steps = optimised_build ? 100'000 : 20'000;
     std::vector<double> found;
     const Problem problem = pose(judge.scene);
     const double T = judge.scene.duration;

@@ -151,7 +151,7 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
 // it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
-    constexpr std::size_t every = optimised_build ? 1 : 10;
+    constexpr std::size_t every = optimised_build ? 1 : 13;
     for (std::size_t i = 0; i < builtin_scenes().size(); i += every) {
         Scene scene = find_scene(std::string(builtin_scenes()[i].name));
         SCOPED_TRACE(scene.name);

@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "build_kind.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/stiffness.h"
 #include "integrators/scenes.h"

@@ -62,8 +62,8 @@ class UnrolledSeries {
 #endif
     }
     void start(const double* y) {
-        w_ = Lanes{y[0], y[1], y[2], 0}, q_ = Lanes{y[3], y[4], y[5], y[6]};
-        w_lost_ = q_lost_ = Lanes{0, 0, 0, 0};
+        w_ = Lanes4{y[0], y[1], y[2], 0}, q_ = Lanes4{y[3], y[4], y[5], y[6]};
+        w_lost_ = q_lost_ = Lanes4{0, 0, 0, 0};
     }
     void expand() { expand_(series_, w_, q_); }
     double step(double tolerance) const {
@@ -73,13 +73,13 @@ class UnrolledSeries {
         return step_of(sizes, tolerance, order);
     }
     void advance(double h) {
-        Lanes dw, dq;
+        Lanes4 dw, dq;
         series_.increment(h, dw, dq);
         add_compensated(w_, w_lost_, dw);
         add_compensated(q_, q_lost_, dq);
     }
     void look(double h, double* y) const {
-        Lanes dw, dq;
+        Lanes4 dw, dq;
         series_.increment(h, dw, dq);
         put(w_ + (w_lost_ + dw), q_ + (q_lost_ + dq), y);
     }
@@ -88,25 +88,25 @@ class UnrolledSeries {
   private:
     using Series = RotationSeries<order>;
 
-    static double length(const Lanes& v) {
+    static double length(const Lanes4& v) {
         return std::sqrt((v[0] * v[0] + v[1] * v[1]) + (v[2] * v[2] + v[3] * v[3]));
     }
-    static void put(const Lanes& w, const Lanes& q, double* y) {
+    static void put(const Lanes4& w, const Lanes4& q, double* y) {
         for (int i = 0; i < 3; ++i) y[i] = w[i];
         for (int i = 0; i < 4; ++i) y[3 + i] = q[i];
     }
-    static void expand_anywhere(Series& series, const Lanes& w, const Lanes& q) { series.expand(w, q); }
+    static void expand_anywhere(Series& series, const Lanes4& w, const Lanes4& q) { series.expand(w, q); }
 #if defined(__x86_64__)
     // the same operations in the same order, four lanes to a register in place of two: the same bits
-    [[gnu::target("avx2")]] static void expand_avx2(Series& series, const Lanes& w, const Lanes& q) {
+    [[gnu::target("avx2")]] static void expand_avx2(Series& series, const Lanes4& w, const Lanes4& q) {
         series.expand(w, q);
     }
 #endif
 
     Series series_;
-    void (*expand_)(Series&, const Lanes&, const Lanes&) = nullptr;
+    void (*expand_)(Series&, const Lanes4&, const Lanes4&) = nullptr;
     double rate_scale_;
-    Lanes w_{}, q_{}, w_lost_{}, q_lost_{};
+    Lanes4 w_{}, q_{}, w_lost_{}, q_lost_{};
 };
 
 /// Any of the systems, its recurrences recorded from the one right-hand side.

@@ -11,12 +11,10 @@
 #include <cmath>
 #include <vector>
 
+#include "integrators/kernels/lanes.h"
 #include "motion/equations.h"
 
 namespace polhode {
-
-/// Four binary64 lanes; lowered to what the processor that the code is compiled for has.
-using Lanes = double __attribute__((vector_size(32)));
 
 template <int order>
 class RotationSeries {
@@ -28,17 +26,17 @@ class RotationSeries {
 
     explicit RotationSeries(const PrincipalInertia<double>& inertia) {
         const Vector3<double>&g = inertia.gyroscopic, &r = inertia.inverse_moments;
-        gyroscopic_ = Lanes{g[0], g[1], g[2], 0};
-        inverse_ = Lanes{r[0], r[1], r[2], 0};
+        gyroscopic_ = Lanes4{g[0], g[1], g[2], 0};
+        inverse_ = Lanes4{r[0], r[1], r[2], 0};
     }
 
     /// The loads from now on.
     void set(const Forcing<double>& f) {
-        constant_ = Lanes{f.torque[0], f.torque[1], f.torque[2], 0} * inverse_;
+        constant_ = Lanes4{f.torque[0], f.torque[1], f.torque[2], 0} * inverse_;
         has_constant_ = f.has_torque;
         has_damping_ = f.has_damping;
         for (int j = 0; j < 3; ++j)
-            damping_[j] = Lanes{f.damping[0][j], f.damping[1][j], f.damping[2][j], 0} * inverse_;
+            damping_[j] = Lanes4{f.damping[0][j], f.damping[1][j], f.damping[2][j], 0} * inverse_;
         axes_ = 0;
         for (int b = 0; b < 3; ++b) {
             const double along = f.has_world_torque ? f.torque_W[b] : 0;
@@ -46,9 +44,9 @@ class RotationSeries {
             const Vector3<double>& m = f.field.moment[b];
             axis_[axes_] = b;
             // m x e, with e permuted as below
-            moment_u_[axes_] = Lanes{m[1], m[2], m[0], 0} * inverse_;
-            moment_v_[axes_] = Lanes{m[2], m[0], m[1], 0} * inverse_;
-            along_[axes_] = Lanes{along, along, along, 0} * inverse_;
+            moment_u_[axes_] = Lanes4{m[1], m[2], m[0], 0} * inverse_;
+            moment_v_[axes_] = Lanes4{m[2], m[0], m[1], 0} * inverse_;
+            along_[axes_] = Lanes4{along, along, along, 0} * inverse_;
             ++axes_;
         }
         has_spring_ = !f.springs.empty();
@@ -59,16 +57,16 @@ class RotationSeries {
     }
 
     /// Coefficients 0..order of the motion that starts at w (rad/s, principal axes) and q.
-    [[gnu::always_inline]] inline void expand(const Lanes& w, const Lanes& q) {
+    [[gnu::always_inline]] inline void expand(const Lanes4& w, const Lanes4& q) {
         keep_rate(0, w);
         q_[0] = q;
         for (int n = 0; n < axes_; ++n) {
             const Vector3<double> e = world_axis(Quaternion<double>{q[0], q[1], q[2], q[3]}, axis_[n]);
-            keep_axis(n, 0, Lanes{e[0], e[1], e[2], 0});
+            keep_axis(n, 0, Lanes4{e[0], e[1], e[2], 0});
         }
         for (int k = 0; k < order; ++k) {
-            const Lanes zero{0, 0, 0, 0};
-            Lanes p0 = zero, p1 = zero, a0 = zero, a1 = zero, b0 = zero, b1 = zero, c0 = zero, c1 = zero;
+            const Lanes4 zero{0, 0, 0, 0};
+            Lanes4 p0 = zero, p1 = zero, a0 = zero, a1 = zero, b0 = zero, b1 = zero, c0 = zero, c1 = zero;
             int j = 0;
             for (; j + 1 <= k; j += 2) {
                 p0 += u_[j] * v_[k - j], p1 += u_[j + 1] * v_[k - j - 1];
@@ -81,7 +79,7 @@ class RotationSeries {
                 a0 += rate_[0][k - j] * q_[j], b0 += rate_[1][k - j] * q_[j], c0 += rate_[2][k - j] * q_[j];
             }
             p0 += p1, a0 += a1, b0 += b1, c0 += c1;
-            Lanes acceleration = gyroscopic_ * p0;
+            Lanes4 acceleration = gyroscopic_ * p0;
             if (has_constant_ && k == 0) acceleration += constant_;
             if (has_damping_)
                 acceleration -= (damping_[0] * rate_[0][k] + damping_[1] * rate_[1][k]) + damping_[2] * rate_[2][k];
@@ -89,7 +87,7 @@ class RotationSeries {
             for (int n = 0; n < axes_; ++n) {
                 acceleration +=
                     (moment_u_[n] * axis_v_[n][k] - moment_v_[n] * axis_u_[n][k]) + along_[n] * axis_e_[n][k];
-                Lanes e0 = zero, e1 = zero;
+                Lanes4 e0 = zero, e1 = zero;
                 for (j = 0; j + 1 <= k; j += 2) {
                     e0 += axis_u_[n][j] * v_[k - j] - axis_v_[n][j] * u_[k - j];
                     e1 += axis_u_[n][j + 1] * v_[k - j - 1] - axis_v_[n][j + 1] * u_[k - j - 1];
@@ -97,23 +95,23 @@ class RotationSeries {
                 if (j <= k) e0 += axis_u_[n][j] * v_[k - j] - axis_v_[n][j] * u_[k - j];
                 keep_axis(n, k + 1, (e0 + e1) * share);
             }
-            if (has_spring_) acceleration += spring(k);
+            if (has_spring_) add_spring(k, acceleration);
             keep_rate(k + 1, acceleration * share);
-            const Lanes a = __builtin_shufflevector(a0, a0, 1, 0, 3, 2) * Lanes{-1, 1, 1, -1};
-            const Lanes b = __builtin_shufflevector(b0, b0, 2, 3, 0, 1) * Lanes{-1, -1, 1, 1};
-            const Lanes c = __builtin_shufflevector(c0, c0, 3, 2, 1, 0) * Lanes{-1, 1, -1, 1};
+            const Lanes4 a = __builtin_shufflevector(a0, a0, 1, 0, 3, 2) * Lanes4{-1, 1, 1, -1};
+            const Lanes4 b = __builtin_shufflevector(b0, b0, 2, 3, 0, 1) * Lanes4{-1, -1, 1, 1};
+            const Lanes4 c = __builtin_shufflevector(c0, c0, 3, 2, 1, 0) * Lanes4{-1, 1, -1, 1};
             q_[k + 1] = ((a + b) + c) * (0.5 * share);
         }
     }
 
     /// What w and q have moved by a time h after the expansion.
-    [[gnu::always_inline]] inline void increment(double h, Lanes& w, Lanes& q) const {
+    [[gnu::always_inline]] inline void increment(double h, Lanes4& w, Lanes4& q) const {
         w = w_[order], q = q_[order];
         for (int k = order - 1; k >= 1; --k) w = w * h + w_[k], q = q * h + q_[k];
         w *= h, q *= h;
     }
-    const Lanes& rate(int k) const { return w_[k]; }
-    const Lanes& attitude(int k) const { return q_[k]; }
+    const Lanes4& rate(int k) const { return w_[k]; }
+    const Lanes4& attitude(int k) const { return q_[k]; }
 
   private:
     static constexpr std::array<double, order + 1> reciprocals() {
@@ -123,41 +121,41 @@ class RotationSeries {
     }
     static constexpr std::array<double, order + 1> reciprocal = reciprocals();
 
-    [[gnu::always_inline]] inline void keep_rate(int k, const Lanes& w) {
+    [[gnu::always_inline]] inline void keep_rate(int k, const Lanes4& w) {
         w_[k] = w;
         u_[k] = __builtin_shufflevector(w, w, 1, 2, 0, 3);
         v_[k] = __builtin_shufflevector(w, w, 2, 0, 1, 3);
         rate_[0][k] = w[0], rate_[1][k] = w[1], rate_[2][k] = w[2];
     }
-    [[gnu::always_inline]] inline void keep_axis(int n, int k, const Lanes& e) {
+    [[gnu::always_inline]] inline void keep_axis(int n, int k, const Lanes4& e) {
         axis_e_[n][k] = e;
         axis_u_[n][k] = __builtin_shufflevector(e, e, 1, 2, 0, 3);
         axis_v_[n][k] = __builtin_shufflevector(e, e, 2, 0, 1, 3);
     }
-    // the k-th coefficient of I^-1 (-2 k r_w r_vec)
-    [[gnu::always_inline]] inline Lanes spring(int k) {
+    // plus the k-th coefficient of I^-1 (-2 k r_w r_vec)
+    [[gnu::always_inline]] inline void add_spring(int k, Lanes4& acceleration) {
         const Quaternion<double> r = conjugate(rest_) * Quaternion<double>{q_[k][0], q_[k][1], q_[k][2], q_[k][3]};
-        turned_[k] = Lanes{r.x, r.y, r.z, 0}, turned_scalar_[k] = r.w;
-        Lanes s0{0, 0, 0, 0}, s1 = s0;
+        turned_[k] = Lanes4{r.x, r.y, r.z, 0}, turned_scalar_[k] = r.w;
+        Lanes4 s0{0, 0, 0, 0}, s1 = s0;
         int j = 0;
         for (; j + 1 <= k; j += 2)
             s0 += turned_scalar_[k - j] * turned_[j], s1 += turned_scalar_[k - j - 1] * turned_[j + 1];
         if (j <= k) s0 += turned_scalar_[k - j] * turned_[j];
-        return (s0 + s1) * (-2 * stiffness_) * inverse_;
+        acceleration += (s0 + s1) * (-2 * stiffness_) * inverse_;
     }
 
-    Lanes gyroscopic_{}, inverse_{}, constant_{};
-    std::array<Lanes, 3> damping_{}, moment_u_{}, moment_v_{}, along_{};
+    Lanes4 gyroscopic_{}, inverse_{}, constant_{};
+    std::array<Lanes4, 3> damping_{}, moment_u_{}, moment_v_{}, along_{};
     std::array<int, 3> axis_{};
     int axes_ = 0;
     bool has_constant_ = false, has_damping_ = false, has_spring_ = false;
     double stiffness_ = 0;
     Quaternion<double> rest_;
 
-    std::array<Lanes, order + 1> w_{}, u_{}, v_{}, q_{}, turned_{};  ///< u, v: components 1, 2, 0 and 2, 0, 1 of w
+    std::array<Lanes4, order + 1> w_{}, u_{}, v_{}, q_{}, turned_{};  ///< u, v: components 1, 2, 0 and 2, 0, 1 of w
     std::array<std::array<double, order + 1>, 3> rate_{};
     std::array<double, order + 1> turned_scalar_{};
-    std::array<std::array<Lanes, order + 1>, 3> axis_e_{}, axis_u_{}, axis_v_{};
+    std::array<std::array<Lanes4, order + 1>, 3> axis_e_{}, axis_u_{}, axis_v_{};
 };
 
 }  // namespace polhode

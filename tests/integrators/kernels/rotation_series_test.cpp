@@ -44,7 +44,7 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
     initial_state<LoadedRotation<double>>(problem, y);
     RotationSeries<order> series(problem.principal_inertia);
     series.set(segment.forcing);
-    series.expand(Lanes{y[0], y[1], y[2], 0}, Lanes{y[3], y[4], y[5], y[6]});
+    series.expand(Lanes4{y[0], y[1], y[2], 0}, Lanes4{y[3], y[4], y[5], y[6]});
     truth::Series<double> recorded(
         truth::record<double>(Form{{problem.principal_inertia, &segment.forcing}}, 7), order);
     recorded.expand(y);

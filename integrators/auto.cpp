@@ -47,9 +47,11 @@ Choice choose_method(const Problem& problem) {
     if (is_stiff(problem))
         if (const Method* method = find_method("cvode_bdf"))
             return {method, "the motion is stiff: damping decays more than 10^4 times within the duration"};
-    if (const Method* method = find_method("odeint_fehlberg78"))
-        return {method, "smooth motion without stiffness: a Runge-Kutta pair of high order comes nearest to round-off"};
-    return {find_method("cvode_adams"), "smooth motion without stiffness"};
+    if (!problem.needs.user_torque)
+        return {find_method("taylor"), "smooth motion without stiffness: a Taylor series comes nearest to round-off"};
+    return {find_method("odeint_fehlberg78"),
+            "a torque of the user's own has no Taylor coefficients: a Runge-Kutta "
+            "pair of high order comes nearest to round-off"};
 }
 
 }  // namespace polhode

@@ -13,6 +13,7 @@ StudyResult run_inertia(const Plan& plan, bool quick);
 StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
 StudyResult run_orientation(const Plan& plan, bool quick);
 StudyResult run_point_bodies(const Plan& plan, bool quick);
+StudyResult run_speed(const Plan& plan, bool quick);
 
 std::span<const Study> studies() {
     // the only list
@@ -23,6 +24,9 @@ std::span<const Study> studies() {
         {"inertia_shortcuts", {"scenes"}, run_inertia_shortcuts},
         {"orientation", {"repeats"}, run_orientation},
         {"point_bodies", {"scenes"}, run_point_bodies},
+        {"speed",
+         {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
+         run_speed},
     };
     return list;
 }
@@ -35,8 +39,8 @@ const Study* find_study(std::string_view name) {
 
 std::string study_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
-    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {}\n", program_key(), e.name, e.about, e.study, quick,
-                                   e.repeats, e.samples, e.seconds_per_run);
+    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", program_key(), e.name, e.about, e.study, quick,
+                                   e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));

@@ -170,19 +170,20 @@ void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& spe
             std::vector<Cell> row{scene.label, levels[i]};
             const auto add = [&](const std::optional<Runner>& runner, std::string_view wanted, const char* otherwise) {
                 row.emplace_back(runner ? curve_label(*runner->curve)
-                                        : (wanted.empty() ? std::string(otherwise) : std::string(wanted)) +
-                                              " does not reach it");
-                row.push_back(runner ? Cell(runner->time.median) : Cell());
+                                        : std::string(wanted.empty() ? otherwise : wanted) + " does not reach it");
+                row.push_back(cell_of(runner ? std::optional(runner->time.median) : std::nullopt));
             };
             add(own, own_name, "none of ours");
             add(peer, peer_name, "no library");
-            const double asked = comparison.asked[i];
-            row.push_back(own && peer ? Cell(peer->time.median / own->time.median) : Cell());
-            row.push_back(own && peer ? Cell(peer->time.minimum / own->time.minimum) : Cell());
-            row.push_back(asked > 0 ? Cell(asked) : Cell());
-            row.push_back(asked > 0 && own && peer
-                              ? Cell(std::string(peer->time.median / own->time.median >= asked ? "yes" : "no"))
-                              : Cell());
+            std::optional<double> ratio, of_minima, asked;
+            std::string reached;
+            if (own && peer) {
+                ratio = peer->time.median / own->time.median;
+                of_minima = peer->time.minimum / own->time.minimum;
+            }
+            if (comparison.asked[i] > 0) asked = comparison.asked[i];
+            if (ratio && asked) reached = *ratio >= *asked ? "yes" : "no";
+            row.insert(row.end(), {cell_of(ratio), cell_of(of_minima), cell_of(asked), reached});
             table.rows.push_back(std::move(row));
         }
 }
@@ -196,15 +197,16 @@ void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, con
                 best = row;
         std::vector<Cell> row{scene.label, curve_label(curve)};
         if (best) {
-            row.insert(row.end(), {curve.kind == SettingKind::none ? Cell() : Cell(best->setting),
-                                   cell_of(best->errors.attitude_max), cell_of(best->errors.momentum_max),
-                                   cell_of(best->errors.energy_max), cell_of(best->seconds_median)});
+            row.insert(row.end(),
+                       {cell_of(curve.kind == SettingKind::none ? std::nullopt : std::optional(best->setting)),
+                        cell_of(best->errors.attitude_max), cell_of(best->errors.momentum_max),
+                        cell_of(best->errors.energy_max), cell_of(best->seconds_median)});
         } else {
             row.insert(row.end(), 5, Cell());
         }
         for (const double level : levels) {
             const std::optional<TimeAt> time = speeds.time_of(curve, level);
-            row.push_back(time ? Cell(time->median) : Cell());
+            row.push_back(cell_of(time ? std::optional(time->median) : std::nullopt));
         }
         table.rows.push_back(std::move(row));
     }
@@ -233,7 +235,7 @@ void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool qu
                 const Errors worst = errors(series, trajectory, truth);
                 const auto exponent = [&](const std::vector<double>& error) {
                     const std::optional<Growth> growth = error_growth(series.t, error, 0.1);
-                    return growth ? Cell(growth->exponent) : Cell();
+                    return cell_of(growth ? std::optional(growth->exponent) : std::nullopt);
                 };
                 row.insert(row.end(),
                            {cell_of(worst.attitude_max), exponent(series.attitude), cell_of(worst.energy_max),

@@ -1,22 +1,65 @@
-// Taylor coefficients of a rotation in principal axes, one step's worth, in four lanes at a time.
+// Taylor coefficients of a rotation in principal axes, one step's worth.
 //
 //   w' = g o (w_2 w_3, w_3 w_1, w_1 w_2) + I^-1 (tau - D w + sum_b (m_b x e_b + tau_W,b e_b) - 2 k r_w r_vec)
 //   q' = 1/2 q (0, w)              e_b' = e_b x w              r = rest* q
 //
 // e_b is the world's axis b in the body. A product's k-th coefficient is the Cauchy sum of its factors' first k + 1
-// (Moore 1966), and (k + 1) y_{k+1} = f_k; sums of even and of odd terms run beside each other, in one fixed order.
+// (Moore 1966), and (k + 1) y_{k+1} = f_k. The products of one term stand in eight lanes: twelve of q and w beside
+// three of w and w in two registers, six of e and w in one. With u = (w_2, w_3, w_1) and v = (w_3, w_1, w_2):
+//
+//   (q | q) (w_1 .. | w_2 ..)      (q | u) (w_3 .. | v)      (e_u | e_v) (v | u)
+//
+// Degrees and loads are compile-time and run-time loops: unrolled in full the same sums take twice as long, their code
+// no longer fits the first cache.
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "integrators/kernels/lanes.h"
 #include "motion/equations.h"
 
 namespace polhode {
 
-template <int order>
+/// Eight lanes as two registers of four, where there are no wider ones.
+struct LanePair {
+    Lanes4 low, high;
+};
+
+// What a series does with eight lanes, for both.
+#define POLHODE_INLINE [[gnu::always_inline]] inline
+POLHODE_INLINE Lanes4 low(const Lanes8& x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
+POLHODE_INLINE Lanes4 high(const Lanes8& x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
+POLHODE_INLINE void join(const Lanes4& a, const Lanes4& b, Lanes8& x) {
+    x = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+POLHODE_INLINE void add_product(const Lanes8& a, const Lanes8& b, Lanes8& sum) { sum += a * b; }
+POLHODE_INLINE void add_scaled(const Lanes8& a, double factor, Lanes8& sum) { sum = sum * factor + a; }
+
+POLHODE_INLINE Lanes4 low(const LanePair& x) { return x.low; }
+POLHODE_INLINE Lanes4 high(const LanePair& x) { return x.high; }
+POLHODE_INLINE void join(const Lanes4& a, const Lanes4& b, LanePair& x) { x.low = a, x.high = b; }
+POLHODE_INLINE void add_product(const LanePair& a, const LanePair& b, LanePair& sum) {
+    sum.low += a.low * b.low, sum.high += a.high * b.high;
+}
+POLHODE_INLINE void add_scaled(const LanePair& a, double factor, LanePair& sum) {
+    sum.low = sum.low * factor + a.low, sum.high = sum.high * factor + a.high;
+}
+
+/// A motion as the series keep it: (q | u).
+struct alignas(64) PackedRotation {
+    std::array<double, 8> lane{};
+
+    PackedRotation() = default;
+    /// y: w (rad/s, principal axes), then q.
+    explicit PackedRotation(const double* y) : lane{y[3], y[4], y[5], y[6], y[1], y[2], y[0], 0} {}
+    void unpack(double* y) const {
+        y[0] = lane[6], y[1] = lane[4], y[2] = lane[5];
+        for (std::size_t i = 0; i < 4; ++i) y[3 + i] = lane[i];
+    }
+};
+
+template <int order, class Wide>
 class RotationSeries {
   public:
     /// Whether these loads are among those above.
@@ -38,80 +81,95 @@ class RotationSeries {
         for (int j = 0; j < 3; ++j)
             damping_[j] = Lanes4{f.damping[0][j], f.damping[1][j], f.damping[2][j], 0} * inverse_;
         axes_ = 0;
+        has_along_ = false;
         for (int b = 0; b < 3; ++b) {
             const double along = f.has_world_torque ? f.torque_W[b] : 0;
             if (!f.field.present[b] && along == 0) continue;
             const Vector3<double>& m = f.field.moment[b];
             axis_[axes_] = b;
-            // m x e, with e permuted as below
+            // m x e, with e permuted as above
             moment_u_[axes_] = Lanes4{m[1], m[2], m[0], 0} * inverse_;
             moment_v_[axes_] = Lanes4{m[2], m[0], m[1], 0} * inverse_;
             along_[axes_] = Lanes4{along, along, along, 0} * inverse_;
+            has_along_ = has_along_ || along != 0;
             ++axes_;
         }
         has_spring_ = !f.springs.empty();
-        if (has_spring_) {
-            stiffness_ = f.springs[0].stiffness;
-            rest_ = f.springs[0].rest;
-        }
+        if (has_spring_) stiffness_ = f.springs[0].stiffness, rest_ = f.springs[0].rest;
     }
 
-    /// Coefficients 0..order of the motion that starts at w (rad/s, principal axes) and q.
-    [[gnu::always_inline]] inline void expand(const Lanes4& w, const Lanes4& q) {
-        keep_rate(0, w);
-        q_[0] = q;
+    /// Coefficients 0..order of the motion that starts at `state`.
+    POLHODE_INLINE void expand(const PackedRotation& state) {
+        const std::array<double, 8>& y = state.lane;
+        const Terms first = spread(Lanes4{y[6], y[4], y[5], 0}, Lanes4{y[0], y[1], y[2], y[3]});
+        Terms newest = first;
+        keep(0, first);
         for (int n = 0; n < axes_; ++n) {
-            const Vector3<double> e = world_axis(Quaternion<double>{q[0], q[1], q[2], q[3]}, axis_[n]);
+            const Vector3<double> e = world_axis(Quaternion<double>{y[0], y[1], y[2], y[3]}, axis_[n]);
             keep_axis(n, 0, Lanes4{e[0], e[1], e[2], 0});
         }
+        const Lanes4 zero{0, 0, 0, 0};
+        Wide none;
+        join(zero, zero, none);
         for (int k = 0; k < order; ++k) {
-            const Lanes4 zero{0, 0, 0, 0};
-            Lanes4 p0 = zero, p1 = zero, a0 = zero, a1 = zero, b0 = zero, b1 = zero, c0 = zero, c1 = zero;
-            int j = 0;
-            for (; j + 1 <= k; j += 2) {
-                p0 += u_[j] * v_[k - j], p1 += u_[j + 1] * v_[k - j - 1];
-                a0 += rate_[0][k - j] * q_[j], a1 += rate_[0][k - j - 1] * q_[j + 1];
-                b0 += rate_[1][k - j] * q_[j], b1 += rate_[1][k - j - 1] * q_[j + 1];
-                c0 += rate_[2][k - j] * q_[j], c1 += rate_[2][k - j - 1] * q_[j + 1];
+            // from the middle outward: the newest coefficients come last, so that a degree's sums begin before the
+            // degree before has ended
+            const int middle = k / 2;
+            const bool even = k % 2 == 0;
+            Wide s = none, t = none, x = none, z = none;
+            if (even) add_product(qq_[middle], w12_[middle], s), add_product(qu_[middle], w3v_[middle], x);
+            for (int j = middle - even, i = k - j; j > 0; --j, ++i) {
+                add_product(qq_[j], w12_[i], s), add_product(qu_[j], w3v_[i], x);
+                add_product(qq_[i], w12_[j], t), add_product(qu_[i], w3v_[j], z);
             }
-            if (j <= k) {
-                p0 += u_[j] * v_[k - j];
-                a0 += rate_[0][k - j] * q_[j], b0 += rate_[1][k - j] * q_[j], c0 += rate_[2][k - j] * q_[j];
+            if (k > 0) {
+                add_product(first.qq, newest.w12, s), add_product(first.qu, newest.w3v, x);
+                add_product(newest.qq, first.w12, t), add_product(newest.qu, first.w3v, z);
             }
-            p0 += p1, a0 += a1, b0 += b1, c0 += c1;
-            Lanes4 acceleration = gyroscopic_ * p0;
-            if (has_constant_ && k == 0) acceleration += constant_;
-            if (has_damping_)
-                acceleration -= (damping_[0] * rate_[0][k] + damping_[1] * rate_[1][k]) + damping_[2] * rate_[2][k];
             const double share = reciprocal[k + 1];
+            Lanes4 acceleration = gyroscopic_ * (high(x) + high(z));
+            if (has_constant_ && k == 0) acceleration += constant_;
+            if (has_damping_) add_damping(k, acceleration);
             for (int n = 0; n < axes_; ++n) {
-                acceleration +=
-                    (moment_u_[n] * axis_v_[n][k] - moment_v_[n] * axis_u_[n][k]) + along_[n] * axis_e_[n][k];
-                Lanes4 e0 = zero, e1 = zero;
-                for (j = 0; j + 1 <= k; j += 2) {
-                    e0 += axis_u_[n][j] * v_[k - j] - axis_v_[n][j] * u_[k - j];
-                    e1 += axis_u_[n][j + 1] * v_[k - j - 1] - axis_v_[n][j + 1] * u_[k - j - 1];
+                acceleration += moment_u_[n] * high(axis_uv_[n][k]) - moment_v_[n] * low(axis_uv_[n][k]);
+                if (has_along_) acceleration += along_[n] * axis_e_[n][k];
+                Wide e = none, f = none;
+                if (even) add_product(axis_uv_[n][middle], vu_[middle], e);
+                for (int j = middle - even, i = k - j; j > 0; --j, ++i)
+                    add_product(axis_uv_[n][j], vu_[i], e), add_product(axis_uv_[n][i], vu_[j], f);
+                if (k > 0) {
+                    add_product(axis_uv_[n][0], newest.vu, e), add_product(axis_uv_[n][k], first.vu, f);
                 }
-                if (j <= k) e0 += axis_u_[n][j] * v_[k - j] - axis_v_[n][j] * u_[k - j];
-                keep_axis(n, k + 1, (e0 + e1) * share);
+                keep_axis(n, k + 1, ((low(e) + low(f)) - (high(e) + high(f))) * share);
             }
             if (has_spring_) add_spring(k, acceleration);
-            keep_rate(k + 1, acceleration * share);
-            const Lanes4 a = __builtin_shufflevector(a0, a0, 1, 0, 3, 2) * Lanes4{-1, 1, 1, -1};
-            const Lanes4 b = __builtin_shufflevector(b0, b0, 2, 3, 0, 1) * Lanes4{-1, -1, 1, 1};
-            const Lanes4 c = __builtin_shufflevector(c0, c0, 3, 2, 1, 0) * Lanes4{-1, 1, -1, 1};
-            q_[k + 1] = ((a + b) + c) * (0.5 * share);
+            const Lanes4 a = low(s) + low(t), b = high(s) + high(t), c = low(x) + low(z);
+            newest = spread(acceleration * share, ((__builtin_shufflevector(a, a, 1, 0, 3, 2) * Lanes4{-1, 1, 1, -1} +
+                                                    __builtin_shufflevector(b, b, 2, 3, 0, 1) * Lanes4{-1, -1, 1, 1}) +
+                                                   __builtin_shufflevector(c, c, 3, 2, 1, 0) * Lanes4{-1, 1, -1, 1}) *
+                                                      (0.5 * share));
+            keep(k + 1, newest);
         }
     }
 
-    /// What w and q have moved by a time h after the expansion.
-    [[gnu::always_inline]] inline void increment(double h, Lanes4& w, Lanes4& q) const {
-        w = w_[order], q = q_[order];
-        for (int k = order - 1; k >= 1; --k) w = w * h + w_[k], q = q * h + q_[k];
-        w *= h, q *= h;
+    /// Component i of the k-th coefficients of w (rad/s^(k+1)) and of q (1/s^k).
+    double rate(int k, int i) const { return high(qu_[k])[(i + 2) % 3]; }
+    double attitude(int k, int i) const { return low(qu_[k])[i]; }
+    /// Lengths of both, squared.
+    double squared_rate(int k) const { return squared(high(qu_[k])); }
+    double squared_attitude(int k) const { return squared(low(qu_[k])); }
+
+    /// The state a time h after the expansion; `lost`: what rounding has kept out of the state (Kahan 1965), brought up
+    /// to date. Even and odd degrees beside each other.
+    POLHODE_INLINE void move(double h, PackedRotation& state, PackedRotation& lost) const {
+        static_assert(order % 2 == 0);
+        const double hh = h * h;
+        Wide even = qu_[order], odd = qu_[order - 1];
+        for (int k = order - 2; k >= 2; k -= 2) add_scaled(qu_[k], hh, even), add_scaled(qu_[k - 1], hh, odd);
+        const Lanes4 dq = low(odd) * h + low(even) * hh, du = high(odd) * h + high(even) * hh;
+        add_compensated(dq, &state.lane[0], &lost.lane[0]);
+        add_compensated(du, &state.lane[4], &lost.lane[4]);
     }
-    const Lanes4& rate(int k) const { return w_[k]; }
-    const Lanes4& attitude(int k) const { return q_[k]; }
 
   private:
     static constexpr std::array<double, order + 1> reciprocals() {
@@ -121,41 +179,67 @@ class RotationSeries {
     }
     static constexpr std::array<double, order + 1> reciprocal = reciprocals();
 
-    [[gnu::always_inline]] inline void keep_rate(int k, const Lanes4& w) {
-        w_[k] = w;
-        u_[k] = __builtin_shufflevector(w, w, 1, 2, 0, 3);
-        v_[k] = __builtin_shufflevector(w, w, 2, 0, 1, 3);
-        rate_[0][k] = w[0], rate_[1][k] = w[1], rate_[2][k] = w[2];
+    POLHODE_INLINE static void add_compensated(const Lanes4& increment, double* sum, double* lost) {
+        Lanes4 before, rest;
+        for (int i = 0; i < 4; ++i) before[i] = sum[i], rest[i] = lost[i];
+        const Lanes4 corrected = increment + rest, after = before + corrected, kept = after - before;
+        rest = (before - (after - kept)) + (corrected - kept);
+        for (int i = 0; i < 4; ++i) sum[i] = after[i], lost[i] = rest[i];
     }
-    [[gnu::always_inline]] inline void keep_axis(int n, int k, const Lanes4& e) {
+    static double squared(const Lanes4& v) { return (v[0] * v[0] + v[1] * v[1]) + (v[2] * v[2] + v[3] * v[3]); }
+
+    /// One coefficient of w and q as products need it.
+    struct Terms {
+        Wide qq, w12, qu, w3v, vu;
+    };
+    POLHODE_INLINE static Terms spread(const Lanes4& w, const Lanes4& q) {
+        const Lanes4 u = __builtin_shufflevector(w, w, 1, 2, 0, 3), v = __builtin_shufflevector(w, w, 2, 0, 1, 3);
+        const Lanes4 w1 = __builtin_shufflevector(w, w, 0, 0, 0, 0), w2 = __builtin_shufflevector(w, w, 1, 1, 1, 1);
+        const Lanes4 w3 = __builtin_shufflevector(w, w, 2, 2, 2, 2);
+        Terms terms;
+        join(q, q, terms.qq), join(w1, w2, terms.w12), join(q, u, terms.qu), join(w3, v, terms.w3v);
+        join(v, u, terms.vu);
+        return terms;
+    }
+    POLHODE_INLINE void keep(int k, const Terms& terms) {
+        qq_[k] = terms.qq, w12_[k] = terms.w12, qu_[k] = terms.qu, w3v_[k] = terms.w3v, vu_[k] = terms.vu;
+    }
+    POLHODE_INLINE void keep_axis(int n, int k, const Lanes4& e) {
         axis_e_[n][k] = e;
-        axis_u_[n][k] = __builtin_shufflevector(e, e, 1, 2, 0, 3);
-        axis_v_[n][k] = __builtin_shufflevector(e, e, 2, 0, 1, 3);
+        join(__builtin_shufflevector(e, e, 1, 2, 0, 3), __builtin_shufflevector(e, e, 2, 0, 1, 3), axis_uv_[n][k]);
+    }
+    POLHODE_INLINE void add_damping(int k, Lanes4& acceleration) const {
+        acceleration -= (damping_[0] * low(w12_[k]) + damping_[1] * high(w12_[k])) + damping_[2] * low(w3v_[k]);
     }
     // plus the k-th coefficient of I^-1 (-2 k r_w r_vec)
-    [[gnu::always_inline]] inline void add_spring(int k, Lanes4& acceleration) {
-        const Quaternion<double> r = conjugate(rest_) * Quaternion<double>{q_[k][0], q_[k][1], q_[k][2], q_[k][3]};
+    POLHODE_INLINE void add_spring(int k, Lanes4& acceleration) {
+        const Lanes4 q = low(qu_[k]);
+        const Quaternion<double> r = conjugate(rest_) * Quaternion<double>{q[0], q[1], q[2], q[3]};
         turned_[k] = Lanes4{r.x, r.y, r.z, 0}, turned_scalar_[k] = r.w;
-        Lanes4 s0{0, 0, 0, 0}, s1 = s0;
-        int j = 0;
-        for (; j + 1 <= k; j += 2)
-            s0 += turned_scalar_[k - j] * turned_[j], s1 += turned_scalar_[k - j - 1] * turned_[j + 1];
-        if (j <= k) s0 += turned_scalar_[k - j] * turned_[j];
-        acceleration += (s0 + s1) * (-2 * stiffness_) * inverse_;
+        Lanes4 s{0, 0, 0, 0}, t = s;
+        for (int j = 0, i = k; j < i; ++j, --i)
+            s += turned_scalar_[i] * turned_[j], t += turned_scalar_[j] * turned_[i];
+        if (k % 2 == 0) s += turned_scalar_[k / 2] * turned_[k / 2];
+        acceleration += (s + t) * (-2 * stiffness_) * inverse_;
     }
 
     Lanes4 gyroscopic_{}, inverse_{}, constant_{};
     std::array<Lanes4, 3> damping_{}, moment_u_{}, moment_v_{}, along_{};
     std::array<int, 3> axis_{};
     int axes_ = 0;
-    bool has_constant_ = false, has_damping_ = false, has_spring_ = false;
+    bool has_constant_ = false, has_damping_ = false, has_along_ = false, has_spring_ = false;
     double stiffness_ = 0;
     Quaternion<double> rest_;
 
-    std::array<Lanes4, order + 1> w_{}, u_{}, v_{}, q_{}, turned_{};  ///< u, v: components 1, 2, 0 and 2, 0, 1 of w
-    std::array<std::array<double, order + 1>, 3> rate_{};
-    std::array<double, order + 1> turned_scalar_{};
-    std::array<std::array<Lanes4, order + 1>, 3> axis_e_{}, axis_u_{}, axis_v_{};
+    template <class T>
+    using Coefficients = std::array<T, order + 1>;
+    Coefficients<Wide> qq_{}, w12_{}, qu_{}, w3v_{}, vu_{};
+    std::array<Coefficients<Wide>, 3> axis_uv_{};
+    std::array<Coefficients<Lanes4>, 3> axis_e_{};
+    Coefficients<Lanes4> turned_{};
+    Coefficients<double> turned_scalar_{};
 };
+
+#undef POLHODE_INLINE
 
 }  // namespace polhode

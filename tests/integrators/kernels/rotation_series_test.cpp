@@ -14,6 +14,11 @@ namespace polhode {
 namespace {
 
 constexpr int order = 12;
+using Narrow = RotationSeries<order, LanePair>;
+using Wide = RotationSeries<order, Lanes8>;
+
+POLHODE_TARGET_AVX2 void expand_avx2(Narrow& series, const PackedRotation& state) { series.expand(state); }
+POLHODE_TARGET_AVX512 void expand_avx512(Wide& series, const PackedRotation& state) { series.expand(state); }
 
 struct Form {
     LoadedRotation<double> system;
@@ -38,15 +43,33 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
             Force{testing::moderate_vector(), Frame::world, testing::moderate_vector(), Frame::body, {}});
     const Problem problem = pose(scene);
     const Segment& segment = problem.segments.front();
-    RC_PRE(RotationSeries<order>::serves(segment.forcing));
+    RC_PRE(Narrow::serves(segment.forcing));
 
     double y[7] = {};
     initial_state<LoadedRotation<double>>(problem, y);
-    RotationSeries<order> series(problem.principal_inertia);
+    Narrow series(problem.principal_inertia);
     series.set(segment.forcing);
-    series.expand(Lanes4{y[0], y[1], y[2], 0}, Lanes4{y[3], y[4], y[5], y[6]});
-    truth::Series<double> recorded(
-        truth::record<double>(Form{{problem.principal_inertia, &segment.forcing}}, 7), order);
+    series.expand(PackedRotation(y));
+    const auto same = [&](const auto& other) {
+        for (int k = 0; k <= order; ++k) {
+            for (int i = 0; i < 3; ++i) RC_ASSERT(other.rate(k, i) == series.rate(k, i));
+            for (int i = 0; i < 4; ++i) RC_ASSERT(other.attitude(k, i) == series.attitude(k, i));
+        }
+    };
+    if (widest_instruction_set() >= InstructionSet::avx2) {
+        Narrow other(problem.principal_inertia);
+        other.set(segment.forcing);
+        expand_avx2(other, PackedRotation(y));
+        same(other);
+    }
+    if (widest_instruction_set() >= InstructionSet::avx512) {
+        Wide other(problem.principal_inertia);
+        other.set(segment.forcing);
+        expand_avx512(other, PackedRotation(y));
+        same(other);
+    }
+    truth::Series<double> recorded(truth::record<double>(Form{{problem.principal_inertia, &segment.forcing}}, 7),
+                                   order);
     recorded.expand(y);
     double growth = 1;  // of the coefficients, and of what rounding makes of them
     for (int k = 0; k <= order; ++k) {
@@ -54,7 +77,7 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
         for (int i = 0; i < 7; ++i) size = std::max(size, std::abs(recorded.coefficient(i, k)));
         growth = std::max(growth, size);
         for (int i = 0; i < 7; ++i) {
-            const double own = i < 3 ? series.rate(k)[i] : series.attitude(k)[i - 3];
+            const double own = i < 3 ? series.rate(k, i) : series.attitude(k, i - 3);
             RC_ASSERT(std::abs(own - recorded.coefficient(i, k)) <= 1e-13 * (k + 1) * growth);
         }
     }

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -87,13 +87,11 @@ class Reader {
             }
             std::size_t end = i;
             while (end < text.size() && !space(text[end])) ++end;
-            std::string_view word = text.substr(i, end - i);
-            if (word.starts_with('+')) word.remove_prefix(1);
-            double value = 0;
-            const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-            if (error != std::errc() || last != word.data() + word.size() || !std::isfinite(value))
+            const std::string_view word = text.substr(i, end - i);
+            const std::optional<double> value = parse_decimal(word);
+            if (!value || !std::isfinite(*value))
                 fail(at, fmt::format("has \"{}\" in {}", one_line(word, 40), what), "give finite decimal numbers");
-            values.push_back(value);
+            values.push_back(*value);
             i = end;
         }
         if (values.size() != n)

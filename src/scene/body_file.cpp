@@ -20,11 +20,6 @@ std::string path_in(const std::string& directory, const std::string& path) {
     return directory.empty() || path.starts_with('/') ? path : directory + '/' + path;
 }
 
-double positive(const JsonNode& node, const char* what) {
-    const double value = node.number();
-    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
-    return value;
-}
 double length(const JsonNode& object, const char* key) {
     return positive(object.required(key, "a length in m, > 0"), "a length in m");
 }

@@ -22,6 +22,9 @@ Matrix3<S> skew(const Vector3<S>& a) {
     return m;
 }
 
+/// |q|, also where its square is beyond binary64.
+double norm(const Quaternion<double>& q);
+
 template <class S>
 S determinant(const Matrix3<S>& m) {
     return dot(m[0], cross(m[1], m[2]));

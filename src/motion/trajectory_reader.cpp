@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "body/orientation.h"
 #include "motion/trajectory_csv.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
@@ -193,7 +194,7 @@ class Reader {
                  fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
                  "give each time once, in order");
-        const double length = std::hypot(std::hypot(row.q.w, row.q.x), std::hypot(row.q.y, row.q.z));
+        const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
             fail(fmt::format("line {}, columns qw,qx,qy,qz", line_number_),
                  fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "body/orientation.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "table/content_hash.h"
@@ -183,8 +184,8 @@ class Reader {
     }
 
     std::variant<Quaternion<double>, EulerTurn> unit(const XMLElement& at, const Quaternion<double>& q) const {
-        const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
-        if (!(norm > 1e-100 && norm < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
+        const double length = norm(q);
+        if (!(length > 1e-100 && length < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
         return q;
     }
 

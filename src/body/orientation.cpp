@@ -233,6 +233,10 @@ Quaternion<double> slerp(const Quaternion<double>& a, const Quaternion<double>& 
     return a * quaternion_from_rotation_vector(t * rotation_vector_from_quaternion(conjugate(a) * b));
 }
 
+double angle_between(const Vector3<double>& a, const Vector3<double>& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
 double rotation_angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
     const Quaternion<double> d = conjugate(b) * a;
     return 2 * std::atan2(length(vector_part(d)), std::abs(d.w));

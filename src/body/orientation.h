@@ -111,7 +111,10 @@ Quaternion<double> quaternion_from_euler(EulerSequence sequence, const EulerAngl
 /// orientation that the three stand for is right to some 1e-15 everywhere.
 EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<double>& q);
 
-// Between two orientations
+// Between two directions and two orientations
+
+/// Angle between two vectors of any lengths, in [0, pi], accurate also near its ends; 0 where one is zero.
+double angle_between(const Vector3<double>& a, const Vector3<double>& b);
 
 /// The orientation that a turn of constant rate reaches a share t of the way from a to b, the shorter way round (at
 /// most pi); t = 0 gives a, t = 1 b or -b. Jumps where a and b are pi apart: both ways are as short then. Of unit

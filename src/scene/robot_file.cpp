@@ -185,7 +185,8 @@ class Reader {
 
     std::variant<Quaternion<double>, EulerTurn> unit(const XMLElement& at, const Quaternion<double>& q) const {
         const double length = norm(q);
-        if (!(length > 1e-100 && length < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
+        if (!(length > 1e-100 && length < 1e100))
+            fail(at, "has a quaternion without direction", "give one of length 1");
         return q;
     }
 

@@ -17,11 +17,7 @@ class ArkodeFixedStepper {
     }
     // at the time that the caller says it is: its sum of steps may round otherwise
     Sample sample(double t) const { return session_.sample_at(t); }
-    bool finite() const {
-        double sum = 0;
-        for (int i = 0; i < SystemType::dimension; ++i) sum += session_.y()[i] * 0;
-        return sum == 0;
-    }
+    bool finite() const { return all_finite({session_.y(), SystemType::dimension}); }
     long rhs_evaluations() const { return session_.rhs_evaluations(); }
     bool failed() const { return flag_ < 0; }
     void explain(Trajectory& trajectory) {

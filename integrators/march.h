@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <concepts>
+#include <span>
 #include <string>
 
 #include "integrators/method.h"
@@ -64,6 +65,13 @@ class Pace {
     double marked_time_ = 0;
 };
 
+/// Without a branch for each.
+inline bool all_finite(std::span<const double> values) {
+    double zeros = 0;
+    for (const double value : values) zeros += value * 0;
+    return zeros == 0;
+}
+
 /// Seconds since construction.
 class Stopwatch {
   public:
@@ -118,11 +126,7 @@ class SystemStepper {
         ++steps_;
     }
     Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
-    bool finite() const {
-        double sum = 0;
-        for (double value : y_) sum += value * 0;
-        return sum == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:

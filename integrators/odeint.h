@@ -14,13 +14,6 @@ namespace polhode {
 /// An attempt that is not finite is tried again with this fraction of the step.
 inline constexpr double not_finite_shrinkage = 0.1;
 
-template <std::size_t N>
-bool all_finite(const std::array<double, N>& y) {
-    double sum = 0;
-    for (double value : y) sum += value * 0;
-    return sum == 0;
-}
-
 /// The state on one segment, and the count of right-hand sides since restart().
 template <class SystemType>
 class OdeintState {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "integrators/kernels/kept_quantities.h"
+#include "integrators/march.h"
 #include "motion/conserved.h"
 #include "motion/dual.h"
 
@@ -63,9 +64,7 @@ class Projection {
                 g[r] = (values[c].value - target_[c]) / length_[c];
                 worst = std::max(worst, std::abs(g[r]));
             }
-            double sum = worst * 0;
-            for (double value : moved) sum += value * 0;
-            if (!(sum == 0)) return false;
+            if (!std::isfinite(worst) || !all_finite(moved)) return false;
             if (worst <= round_off) {
                 std::copy(moved.begin(), moved.end(), y);
                 return true;

@@ -36,11 +36,4 @@ struct ClassicalRungeKutta {
     }
 };
 
-template <std::size_t N>
-bool all_finite(const std::array<double, N>& y) {
-    double zeros = 0;
-    for (const double value : y) zeros += value * 0;
-    return zeros == 0;
-}
-
 }  // namespace polhode

@@ -46,11 +46,7 @@ class ImpactStepper {
             pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
         return s;
     }
-    bool finite() const {
-        double sum = 0;
-        for (double value : y_) sum += value * 0;
-        return sum == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     /// Of the impacts since restart().
     void report(Trajectory& trajectory) const {

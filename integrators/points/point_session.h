@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "integrators/kernels/sundials_handles.h"
+#include "integrators/march.h"
 #include "integrators/points/point_motion.h"
 #include "integrators/sundials_session.h"
 
@@ -82,9 +83,7 @@ class PointSession {
     }
     // 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side
     int judged(double t, const double* numbers, int count) {
-        double zeros = 0;
-        for (int i = 0; i < count; ++i) zeros += numbers[i] * 0;
-        if (zeros == 0) return 0;
+        if (all_finite({numbers, static_cast<std::size_t>(count)})) return 0;
         not_finite_at_ = t;
         return -1;
     }

@@ -41,11 +41,7 @@ class SpringStepper {
         *largest_stretch_ = std::max(*largest_stretch_, polhode::largest_stretch(*body_, y_.data()));
         return motion_.sample(t, y_.data());
     }
-    bool finite() const {
-        double zeros = 0;
-        for (const double value : y_) zeros += value * 0;
-        return zeros == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return torn_at_.has_value(); }
     void explain(Trajectory& trajectory) const {

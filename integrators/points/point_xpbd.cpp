@@ -55,11 +55,7 @@ class PositionBased {
         *setup_.largest_stretch = std::max(*setup_.largest_stretch, largest_stretch(*setup_.body, y_.data()));
         return motion_.sample(t, y_.data());
     }
-    bool finite() const {
-        double zeros = 0;
-        for (const double value : y_) zeros += value * 0;
-        return zeros == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return sweeps_; }
 
   private:

@@ -66,11 +66,7 @@ Ball arctangent(const Ball& x) {
     arb_atan(a.raw(), x.raw(), Ball::precision());
     return a;
 }
-Ball quarter_turn() {
-    Ball pi;
-    arb_const_pi(pi.raw(), Ball::precision());
-    return pi / Ball(2);
-}
+Ball quarter_turn() { return Elementary<Ball>::pi() / Ball(2); }
 // K for the complementary modulus k1: pi / (2 agm(1, k1))
 Ball complete_integral(const Ball& k1) {
     Ball mean;

@@ -9,6 +9,7 @@
 #include "app/describe.h"
 #include "app/polhode_picture.h"
 #include "app/tolerated.h"
+#include "body/orientation.h"
 #include "integrators/conditioning.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
@@ -66,8 +67,7 @@ std::string made_of(const MadeOf& source) {
 // how far the momentum is from the rate it belongs to
 void momentum_direction(Report& report, const Problem& problem) {
     const Vector3<double>& w = problem.body.angular_velocity_B;
-    const Vector3<double> L = problem.body.inertia_B * w, across = cross(w, L);
-    const double aside = std::atan2(std::sqrt(dot(across, across)), dot(w, L));
+    const double aside = angle_between(w, problem.body.inertia_B * w);
     if (dot(w, w) > 0) report.line("angle from w to L", number(aside) + " rad at t = 0");
 }
 

@@ -227,8 +227,14 @@ EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<doubl
     return {wrapped(angles[0]), angles[1], wrapped(angles[2])};
 }
 
+double norm(const Quaternion<double>& q) { return std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z)); }
+
 Quaternion<double> slerp(const Quaternion<double>& a, const Quaternion<double>& b, double t) {
     return a * quaternion_from_rotation_vector(t * rotation_vector_from_quaternion(conjugate(a) * b));
+}
+
+double angle_between(const Vector3<double>& a, const Vector3<double>& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
 double rotation_angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {

@@ -22,6 +22,9 @@ Matrix3<S> skew(const Vector3<S>& a) {
     return m;
 }
 
+/// |q|, also where its square is beyond binary64.
+double norm(const Quaternion<double>& q);
+
 template <class S>
 S determinant(const Matrix3<S>& m) {
     return dot(m[0], cross(m[1], m[2]));
@@ -108,7 +111,10 @@ Quaternion<double> quaternion_from_euler(EulerSequence sequence, const EulerAngl
 /// orientation that the three stand for is right to some 1e-15 everywhere.
 EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<double>& q);
 
-// Between two orientations
+// Between two directions and two orientations
+
+/// Angle between two vectors of any lengths, in [0, pi], accurate also near its ends; 0 where one is zero.
+double angle_between(const Vector3<double>& a, const Vector3<double>& b);
 
 /// The orientation that a turn of constant rate reaches a share t of the way from a to b, the shorter way round (at
 /// most pi); t = 0 gives a, t = 1 b or -b. Jumps where a and b are pi apart: both ways are as short then. Of unit

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "body/orientation.h"
 #include "experiment/study.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
@@ -30,17 +31,6 @@ const Shortcut shortcuts[] = {
 double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
 Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high, q.y.high, q.z.high}; }
-
-double rotation_angle(const Quaternion<double>& a, const Quaternion<double>& b) {
-    const Quaternion<double> r = conjugate(a) * b;
-    return 2 * std::atan2(length(vector_part(r)), std::abs(r.w));
-}
-
-// largest share of a product of inertia, as an angle: how far the body's axes are from principal ones
-double tilt(const Matrix3<double>& I, const Vector3<double>& w) {
-    const Vector3<double> L = I * w;
-    return std::atan2(length(cross(L, w)), dot(L, w));
-}
 
 }  // namespace
 
@@ -84,7 +74,8 @@ StudyResult run_inertia_shortcuts(const Plan& plan, bool quick) {
             simplified.body.source = nullptr;
             simplified.body.inertia_B = shortcut.inertia(scene.body.inertia_B);
             std::vector<Cell> row{planned.label, std::string(shortcut.name),
-                                  tilt(problem.body.inertia_B, problem.body.angular_velocity_B)};
+                                  angle_between(problem.body.inertia_B * problem.body.angular_velocity_B,
+                                                problem.body.angular_velocity_B)};
             std::string fault;
             Reference other;
             try {
@@ -106,7 +97,7 @@ StudyResult run_inertia_shortcuts(const Plan& plan, bool quick) {
                 // the shortcut's own momentum and energy are what its engine would report: judged with the true tensor
                 const Vector3<double> w = high(wrong.angular_velocity_B);
                 const Vector3<double> L_B = problem.body.inertia_B * w;
-                attitude.push_back(rotation_angle(high(right.q), high(wrong.q)));
+                attitude.push_back(rotation_angle_between(high(right.q), high(wrong.q)));
                 momentum.push_back(length(rotate(high(wrong.q), L_B) - high(right.angular_momentum_W)) / L);
                 energy.push_back(
                     std::abs(dot(w, L_B) / 2 - dot(high(right.angular_velocity_B),

@@ -325,16 +325,6 @@ struct Summing {
     std::vector<double> seconds{};
 };
 
-double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth) {
-    Wide difference = 0, size = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            const Wide d = Wide(inertia[i][j]) - truth[i][j];
-            difference += d * d, size += truth[i][j] * truth[i][j];
-        }
-    return static_cast<double>(square_root(difference / size));
-}
-
 template <class S>
 void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
     using Clock = std::chrono::steady_clock;

@@ -13,7 +13,7 @@
 #include "experiment/pattern.h"
 #include "experiment/study.h"
 #include "scene/builtin.h"
-#include "scene/json_document.h"
+#include "scene/json_values.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
 #include "table/figure.h"
@@ -25,12 +25,6 @@ using nlohmann::ordered_json;
 
 // some tens of milliseconds
 constexpr long quick_evaluations = 100000;
-
-double positive(const JsonNode& node, const char* what) {
-    const double value = node.number();
-    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
-    return value;
-}
 
 long positive_count(const JsonNode& node, long most) {
     const long value = node.whole_number();

@@ -15,6 +15,16 @@ StudyResult run_orientation(const Plan& plan, bool quick);
 StudyResult run_point_bodies(const Plan& plan, bool quick);
 StudyResult run_speed(const Plan& plan, bool quick);
 
+double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth) {
+    Wide difference = 0, size = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const Wide d = Wide(inertia[i][j]) - truth[i][j];
+            difference += d * d, size += truth[i][j] * truth[i][j];
+        }
+    return double(square_root(difference / size));
+}
+
 std::span<const Study> studies() {
     // the only list
     static const Study list[] = {

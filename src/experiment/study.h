@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "body/wide.h"
 #include "experiment/experiment.h"
 #include "experiment/report.h"
 #include "table/table.h"
@@ -32,6 +33,9 @@ struct Study {
     std::vector<std::string_view> reads;  ///< keys of the experiment file that it uses beside name, about and kind
     StudyResult (*run)(const Plan& plan, bool quick);
 };
+
+/// Of an inertia tensor: Frobenius norm of the difference over that of the true one, in 128 bits.
+double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth);
 
 /// All studies, in no order that matters.
 std::span<const Study> studies();

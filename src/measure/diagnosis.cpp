@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "body/orientation.h"
 #include "measure/attitude_update.h"
 #include "motion/convention.h"
 #include "motion/exact_body.h"
@@ -27,11 +28,6 @@ constexpr double degree = std::numbers::pi / 180;
 constexpr double unfit = 10;  // rad: no motion to compare with
 
 double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
-
-double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
-    const Quaternion<double> r = conjugate(a) * b;
-    return 2 * std::atan2(length(vector_part(r)), std::abs(r.w));
-}
 
 Vector3<double> world_rate(const Sample& sample) {
     return (1 / squared_norm(sample.q)) * rotate(sample.q, sample.angular_velocity_B);
@@ -110,7 +106,8 @@ class Examination {
 
     double attitude_error(const std::vector<Sample>& samples) const {
         if (samples.size() < times_.size()) return unfit;
-        return root_mean_square(times_.size(), [&](std::size_t k) { return angle_between(samples[k].q, row(k).q); });
+        return root_mean_square(times_.size(),
+                                [&](std::size_t k) { return rotation_angle_between(samples[k].q, row(k).q); });
     }
     double attitude_error(const Scene& scene, const Alteration& alteration) const {
         return attitude_error((*motion_)(scene, alteration, times_));
@@ -228,8 +225,9 @@ class Examination {
             for (const Axes axes : {Axes::z_up_right, Axes::y_up_right, Axes::y_up_left, Axes::z_up_left})
                 for (const bool scalar_last : {false, true}) {
                     const Reading reading{axes, scalar_last, inverse};
-                    const double error = root_mean_square(
-                        own_.size(), [&](std::size_t k) { return angle_between(own_[k].q, read(reading, row(k).q)); });
+                    const double error = root_mean_square(own_.size(), [&](std::size_t k) {
+                        return rotation_angle_between(own_[k].q, read(reading, row(k).q));
+                    });
                     const bool changes = inverse || scalar_last || axes != Axes::z_up_right;
                     if (changes && error < (best ? least_error / 2 : least_error)) best = reading, least_error = error;
                 }
@@ -310,9 +308,9 @@ class Examination {
     double largest_rate() const {
         double largest = 0;
         for (std::size_t k = 2; k < times_.size(); ++k)
-            largest = std::max(largest, file_->has_angular_velocity
-                                            ? length(row(k).angular_velocity_W)
-                                            : angle_between(row(k).q, row(k - 1).q) / (times_[k] - times_[k - 1]));
+            largest = std::max(largest, file_->has_angular_velocity ? length(row(k).angular_velocity_W)
+                                                                    : rotation_angle_between(row(k).q, row(k - 1).q) /
+                                                                          (times_[k] - times_[k - 1]));
         return largest;
     }
 
@@ -376,7 +374,7 @@ class Examination {
         if (dense.size() < grid_times.size()) return;
         const auto error = [&](double s) {
             return root_mean_square(times_.size(), [&](std::size_t k) {
-                return angle_between(interpolated_attitude(dense, end / count, s * times_[k]), row(k).q);
+                return rotation_angle_between(interpolated_attitude(dense, end / count, s * times_[k]), row(k).q);
             });
         };
         std::vector<double> grid;

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
+#include "body/orientation.h"
 #include "motion/trajectory_csv.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
@@ -54,35 +54,6 @@ std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t");
     if (first == text.npos) return {};
     return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-// A decimal beyond binary64: below it nearest to zero, above it not finite.
-double beyond_binary64(std::string_view decimal) {
-    const bool negative = decimal[0] == '-';
-    const std::size_t mark = std::min(decimal.find_first_of("eE"), decimal.size());
-    long exponent = 0;
-    if (mark < decimal.size()) {
-        std::string_view digits = decimal.substr(mark + 1);
-        if (digits[0] == '+') digits.remove_prefix(1);
-        if (std::from_chars(digits.data(), digits.data() + digits.size(), exponent).ec != std::errc())
-            exponent = digits[0] == '-' ? -1'000'000'000 : 1'000'000'000;
-    }
-    // the place of the first digit that is not zero
-    const std::size_t point = std::min(decimal.find('.'), mark);
-    const std::size_t first = decimal.substr(0, mark).find_first_of("123456789");
-    if (first == decimal.npos) return negative ? -0.0 : 0.0;
-    const long place = first < point ? static_cast<long>(point - first) : -static_cast<long>(first - point);
-    const double limit = place + exponent < 0 ? 0 : HUGE_VAL;
-    return negative ? -limit : limit;
-}
-
-// Nothing where the text is no number; infinite where it is one beyond binary64.
-std::optional<double> number(std::string_view text) {
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || end != text.data() + text.size() || error == std::errc::invalid_argument) return {};
-    return error == std::errc::result_out_of_range ? beyond_binary64(text) : value;
 }
 
 // One file, line by line.
@@ -209,7 +180,7 @@ class Reader {
                  "give a number for each column");
         TrajectoryRow row;
         for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::optional<double> value = number(cells_[i]);
+            const std::optional<double> value = parse_decimal(cells_[i]);
             if (!value)
                 fail(at(i), cells_[i].empty() ? "is empty" : one_line(cells_[i], 60) + " is no number",
                      "give a decimal number such as -1.5e-3");
@@ -223,7 +194,7 @@ class Reader {
                  fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
                  "give each time once, in order");
-        const double length = std::hypot(std::hypot(row.q.w, row.q.x), std::hypot(row.q.y, row.q.z));
+        const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
             fail(fmt::format("line {}, columns qw,qx,qy,qz", line_number_),
                  fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
 
 #include "scene/json_values.h"
@@ -14,17 +13,10 @@
 namespace polhode {
 namespace {
 
-constexpr double norm_tolerance = 1e-6;  // of a unit quaternion
-
 std::string path_in(const std::string& directory, const std::string& path) {
     return directory.empty() || path.starts_with('/') ? path : directory + '/' + path;
 }
 
-double positive(const JsonNode& node, const char* what) {
-    const double value = node.number();
-    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
-    return value;
-}
 double length(const JsonNode& object, const char* key) {
     return positive(object.required(key, "a length in m, > 0"), "a length in m");
 }
@@ -253,11 +245,9 @@ MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
         part.body = source(*one, directory, true);
         if (const JsonNode* position = one->find("position")) part.position = vector3(*position);
         if (const JsonNode* orientation = one->find("orientation")) {
-            const Quaternion<double> q = part.orientation = quaternion(*orientation);
-            const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
-            if (!(std::abs(norm - 1) <= norm_tolerance))
-                orientation->fail("has norm " + shortest_decimal(norm),
-                                  "a unit quaternion [w, x, y, z] has norm 1 within 1e-6");
+            part.orientation = quaternion(*orientation);
+            if (const std::string fault = norm_fault(part.orientation); !fault.empty())
+                orientation->fail(fault, norm_remedy);
         }
         body.parts.push_back(std::move(part));
     }

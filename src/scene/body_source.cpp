@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "body/orientation.h"
 #include "body/rigid_body.h"
 #include "table/decimal.h"
 
@@ -37,6 +38,11 @@ std::string tensor_fault(const Matrix3<double>& J) {
             return "has moments that break the triangle inequality";
     }
     return "";
+}
+
+std::string norm_fault(const Quaternion<double>& q) {
+    const double length = norm(q);
+    return std::abs(length - 1) <= 1e-6 ? "" : "has norm " + shortest_decimal(length);
 }
 
 bool has_shape(const BodySource& source) {

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <array>
-#include <concepts>
 #include <memory>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -167,6 +165,10 @@ Body body_of(std::shared_ptr<const BodySource> source);
 /// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign
 /// and triangle inequality within 1e-12 of the largest moment. Moments may be 0.
 std::string tensor_fault(const Matrix3<double>& inertia);
+
+/// "has norm .." of a quaternion that is not of length 1 within 1e-6, or empty; and what to give instead.
+std::string norm_fault(const Quaternion<double>& q);
+inline constexpr const char* norm_remedy = "a unit quaternion [w, x, y, z] has norm 1 within 1e-6";
 
 /// Of a body that was read with its shape: a shape, a mesh, or parts of such.
 bool has_shape(const BodySource& source);

@@ -6,6 +6,9 @@
 
 namespace polhode {
 
+/// A number > 0; `what` names it in the message: "the mass".
+double positive(const JsonNode& node, const char* what);
+
 inline Vector3<double> vector3(const JsonNode& node) {
     const auto& e = node.elements();
     if (e.size() != 3) node.fail(node.described(), "give 3 numbers [x, y, z]");

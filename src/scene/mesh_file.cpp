@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "table/content_hash.h"
+#include "table/decimal.h"
 
 namespace polhode {
 namespace {
@@ -53,12 +55,10 @@ class Lines {
     }
 
     double number(std::string_view word) const {
-        if (word.starts_with('+')) word.remove_prefix(1);
-        double value = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+        const std::optional<double> value = parse_decimal(word);
+        if (!value || !std::isfinite(*value))
             fail(fmt::format("\"{}\" is no finite number", one_line(word, 40)), "give decimal coordinates in m");
-        return value;
+        return *value;
     }
     Vector3<double> point(const std::vector<std::string_view>& words) const {
         return {number(words[1]), number(words[2]), number(words[3])};

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "body/orientation.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "table/content_hash.h"
@@ -87,13 +88,11 @@ class Reader {
             }
             std::size_t end = i;
             while (end < text.size() && !space(text[end])) ++end;
-            std::string_view word = text.substr(i, end - i);
-            if (word.starts_with('+')) word.remove_prefix(1);
-            double value = 0;
-            const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-            if (error != std::errc() || last != word.data() + word.size() || !std::isfinite(value))
+            const std::string_view word = text.substr(i, end - i);
+            const std::optional<double> value = parse_decimal(word);
+            if (!value || !std::isfinite(*value))
                 fail(at, fmt::format("has \"{}\" in {}", one_line(word, 40), what), "give finite decimal numbers");
-            values.push_back(value);
+            values.push_back(*value);
             i = end;
         }
         if (values.size() != n)
@@ -185,8 +184,9 @@ class Reader {
     }
 
     std::variant<Quaternion<double>, EulerTurn> unit(const XMLElement& at, const Quaternion<double>& q) const {
-        const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
-        if (!(norm > 1e-100 && norm < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
+        const double length = norm(q);
+        if (!(length > 1e-100 && length < 1e100))
+            fail(at, "has a quaternion without direction", "give one of length 1");
         return q;
     }
 

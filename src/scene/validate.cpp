@@ -6,6 +6,7 @@
 
 #include "body/rigid_body.h"
 #include "scene/body_hull.h"
+#include "scene/body_source.h"
 #include "scene/message.h"
 #include "scene/scene.h"
 #include "table/decimal.h"
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
 constexpr double start_tolerance = 1e-12;  // of the body's reach: how deep in a plane rounding may put its start
-constexpr double norm_tolerance = 1e-6;    // of a unit quaternion
 
 // Throws at places inside one scene.
 class Check {
@@ -40,9 +40,7 @@ class Check {
     void unit(const std::string& place, const Quaternion<double>& q) const {
         const double component[4] = {q.w, q.x, q.y, q.z};
         for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
-        const double norm = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
-        if (!(std::abs(norm - 1) <= norm_tolerance))
-            fail(place, "has norm " + shortest_decimal(norm), "a unit quaternion [w, x, y, z] has norm 1 within 1e-6");
+        if (const std::string fault = norm_fault(q); !fault.empty()) fail(place, fault, norm_remedy);
     }
     void text(const std::string& place, const std::string& value) const {
         if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");

@@ -1,0 +1,317 @@
+// Gragg, Bulirsch and Stoer's extrapolation of the explicit midpoint rule, order and step by the tolerance.
+//
+// A step of K columns is carried out whole: all its columns are independent and run side by side, so that there is
+// nothing to gain from stopping early. After it the errors of orders 2K - 1 and 2K - 3 tell the best H of either, and
+// the one with less work to a unit of time is taken, or one order more (Deuflhard 1983; Hairer, Norsett & Wanner 1993,
+// II.9).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "integrators/kernels/midpoint_columns.h"
+#include "integrators/march.h"
+
+namespace polhode {
+namespace {
+
+/// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
+constexpr double rounding = 0x1p-53;
+// squares of absurdly small scales vanish
+constexpr double least_square = 1e-290;
+
+/// log2 x within 0.01 and 2^x within 1 %, of normal numbers: the same bits with every library.
+double rough_log2(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const double m = std::bit_cast<double>((bits & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000);
+    return static_cast<double>(static_cast<int>(bits >> 52) - 1023) + ((2 - m / 3) * m - 5.0 / 3);
+}
+double rough_exp2(double x) {
+    const double whole = std::floor(x), r = x - whole;
+    return std::ldexp(1 + r * (2 + r) / 3, static_cast<int>(whole));
+}
+
+struct StepErrors {
+    double squared, squared_before;  ///< see RotationStep
+};
+
+/// K and H of the next step.
+class OrderControl {
+  public:
+    explicit OrderControl(double tolerance)
+        : first_(std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {}
+
+    void restart() { columns_ = first_, rejected_ = false; }
+    int columns() const { return columns_; }
+
+    /// After a step H of columns() columns: the next H.
+    double next(double H, const StepErrors& errors, bool accepted) {
+        const int K = columns_;
+        double same = H * factor(errors.squared, K), lower = H * factor(errors.squared_before, K - 1);
+        if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
+        if (rejected_) same = std::min(same, H), lower = std::min(lower, H);
+        double chosen = same;
+        if (K > fewest_columns && work(K - 1, lower) < 0.9 * work(K, same)) {
+            columns_ = K - 1, chosen = lower;
+        } else if (accepted && !rejected_ && K < most_columns && work(K, same) < 0.9 * work(K - 1, lower)) {
+            // the step at which K + 1 columns would cost as much to a unit of time
+            columns_ = K + 1, chosen = same * evaluations(K + 1) / evaluations(K);
+        }
+        rejected_ = !accepted;
+        return on_grid(chosen);
+    }
+    double after_no_number(double H) {
+        columns_ = std::max(columns_ - 2, fewest_columns), rejected_ = true;
+        return 0.1 * H;
+    }
+    /// H cut to few binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is then exact. A
+    /// rounded H/n_j would be an error of the time itself, the same in every step and amplified.
+    double on_grid(double H) const {
+        const double grid = std::ldexp(extrapolation_rows[columns_].odd_multiple, std::ilogb(H) - 30);
+        return grid > 0 ? std::floor(H / grid) * grid : H;
+    }
+
+  private:
+    static double evaluations(int K) { return extrapolation_rows[K].evaluations; }
+    static double work(int K, double H) { return evaluations(K) / H; }
+    /// H_new / H for an error of order 2K - 1: 0.94 (0.65 / error)^(1/(2K - 1)).
+    static double factor(double squared_error, int K) {
+        constexpr double log2_of_065 = -0.6215;
+        const double exponent = (log2_of_065 - rough_log2(squared_error) / 2) / (2 * K - 1);
+        return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
+    }
+
+    int first_, columns_ = first_;
+    bool rejected_ = false;
+};
+
+/// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
+/// evaluations.
+template <class SystemType, std::size_t N>
+double first_step_of(const SystemType& system, double t, const double* y, const std::array<double, N>& scales,
+                     double longest) {
+    std::array<double, N> f, z, f_ahead;
+    system.derivative(t, y, f.data());
+    double rate = 0;
+    for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::abs(f[i]) / scales[i]);
+    const double h = std::min(1e-3 / rate, 1e-3 * longest);
+    for (std::size_t i = 0; i < N; ++i) z[i] = y[i] + h * f[i];
+    system.derivative(t + h, z.data(), f_ahead.data());
+    for (std::size_t i = 0; i < N; ++i)
+        rate = std::max(rate, std::sqrt(std::abs(f_ahead[i] - f[i]) / h / scales[i]));
+    const double first = 0.8 / rate;
+    return first > 0 && first < longest ? first : longest;
+}
+
+/// The state of one of the systems, the columns one after the other: any right-hand side.
+template <class SystemType>
+class GeneralColumns {
+  public:
+    static constexpr int N = SystemType::dimension;
+    using Y = std::array<double, N>;
+
+    GeneralColumns(const Problem& problem, double tolerance)
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        component_scales<SystemType>(problem, scales_.data());
+        for (int i = 0; i < N; ++i)
+            squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+        restart();
+    }
+    void restart() {
+        initial_state<SystemType>(*problem_, y_.data());
+        lost_.fill(0);
+    }
+    void enter(const Segment& segment) {
+        if (polhode::enter<SystemType>(*problem_, segment, y_.data())) lost_.fill(0);
+        system_ = system_on<SystemType>(*problem_, segment);
+    }
+    double first_step(double t, double longest) {
+        return first_step_of(system_, t, y_.data(), scales_, longest);
+    }
+    StepErrors attempt(double t, double H, int K) {
+        const ExtrapolationRow& row = extrapolation_rows[K];
+        Y f;
+        system_.derivative(t, y_.data(), f.data());
+        std::array<Y, most_columns> column;
+        for (int j = 0; j < K; ++j) column[j] = midpoint(t, f, H / row.substeps[j], row.substeps[j]);
+        const Y& finest = column[K - 1];
+        StepErrors errors{0, 0};
+        for (int i = 0; i < N; ++i) {
+            double value = 0, error = 0, error_before = 0;
+            for (int j = 0; j + 1 < K; ++j) {
+                const double difference = column[j][i] - finest[i];
+                value += row.weights.value[j] * difference;
+                error += row.weights.error[j] * difference;
+                error_before += row.weights.error_before[j] * difference;
+            }
+            const double slack = rounding * row.amplification * finest[i];
+            const double allowed = squared_scale_[i] + slack * slack;
+            errors.squared += error * error / allowed;
+            errors.squared_before += error_before * error_before / allowed;
+            // y + z_K and what it rounds away, then the rest
+            const double sum = y_[i] + finest[i], part = sum - y_[i];
+            const double rest = (value + lost_[i]) + ((y_[i] - (sum - part)) + (finest[i] - part));
+            next_[i] = sum + rest;
+            const double kept = next_[i] - sum;
+            next_lost_[i] = (sum - (next_[i] - kept)) + (rest - kept);
+        }
+        return errors;
+    }
+    void accept() { y_ = next_, lost_ = next_lost_; }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
+
+  private:
+    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y)
+    Y midpoint(double t, const Y& f, double h, int n) const {
+        Y before{}, now, y, rate;
+        for (int i = 0; i < N; ++i) now[i] = h * f[i];
+        for (int m = 1; m < n; ++m) {
+            for (int i = 0; i < N; ++i) y[i] = y_[i] + now[i];
+            system_.derivative(t + m * h, y.data(), rate.data());
+            for (int i = 0; i < N; ++i) {
+                const double next = before[i] + 2 * h * rate[i];
+                before[i] = now[i], now[i] = next;
+            }
+        }
+        return now;
+    }
+
+    const Problem* problem_;
+    SystemType system_;
+    Y scales_, squared_scale_, y_, lost_, next_, next_lost_;
+};
+
+/// Rotations whose torques have coefficients, on registers.
+template <class SystemType>
+class RotationColumns {
+  public:
+    static bool serves(const Problem& problem) {
+        return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
+            return rotation_coefficients(problem.principal_inertia, &segment.forcing).has_value();
+        });
+    }
+    RotationColumns(const Problem& problem, double tolerance)
+        : problem_(&problem), step_(midpoint_step(instruction_set())) {
+        component_scales<SystemType>(problem, scales_.data());
+        allowance_.rounding = rounding;
+        allowance_.squared_scale[7] = 1;
+        for (int i = 0; i < 7; ++i)
+            allowance_.squared_scale[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+        restart();
+    }
+    void restart() {
+        state_ = {};
+        initial_state<SystemType>(*problem_, state_.y);
+    }
+    void enter(const Segment& segment) {
+        if (polhode::enter<SystemType>(*problem_, segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
+        coefficients_ = *rotation_coefficients(problem_->principal_inertia, &segment.forcing);
+        segment_ = &segment;
+    }
+    double first_step(double t, double longest) {
+        return first_step_of(system_on<SystemType>(*problem_, *segment_), t, state_.y, scales_, longest);
+    }
+    StepErrors attempt(double, double H, int K) {
+        step_(coefficients_, allowance_, state_, H, K, next_);
+        return {next_.squared_error, next_.squared_error_before};
+    }
+    void accept() { state_ = next_.state; }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, state_.y); }
+
+  private:
+    const Problem* problem_;
+    MidpointStep* step_;
+    const Segment* segment_ = nullptr;
+    RotationCoefficients coefficients_;
+    RotationAllowance allowance_;
+    std::array<double, 7> scales_;
+    RotationState state_;
+    RotationStep next_;
+};
+
+template <class Columns>
+class ControlledExtrapolation {
+  public:
+    ControlledExtrapolation(const Problem& problem, double tolerance)
+        : duration_(problem.scene.duration), columns_(problem, tolerance), control_(tolerance) {}
+
+    void restart() {
+        columns_.restart();
+        control_.restart();
+        evaluations_ = 0;
+    }
+    void enter(const Segment& segment) { columns_.enter(segment); }
+    double first_step(double t) {
+        control_.restart();
+        evaluations_ += 2;
+        return control_.on_grid(columns_.first_step(t, duration_));
+    }
+    Attempt attempt(double& t, double& h) {
+        const StepErrors errors = columns_.attempt(t, h, control_.columns());
+        evaluations_ += extrapolation_rows[control_.columns()].evaluations;
+        if (!std::isfinite(errors.squared) || !std::isfinite(errors.squared_before)) {
+            h = control_.after_no_number(h);
+            return Attempt::not_finite;
+        }
+        const bool accepted = errors.squared <= 1;
+        const double tried = h;
+        h = control_.next(h, errors, accepted);
+        if (!accepted) return Attempt::rejected;
+        columns_.accept();
+        t += tried;
+        return Attempt::accepted;
+    }
+    Sample sample(double t) const { return columns_.sample(t); }
+    long rhs_evaluations() const { return evaluations_; }
+
+  private:
+    double duration_;
+    Columns columns_;
+    OrderControl control_;
+    long evaluations_ = 0;
+};
+
+Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+    const double tolerance = *settings.tolerance;
+    if (tolerance < std::numeric_limits<double>::epsilon()) {
+        Trajectory trajectory;
+        trajectory.status = Status::tolerance_not_met;
+        trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
+                                         std::numeric_limits<double>::epsilon());
+        return trajectory;
+    }
+    return with_system(problem, [&]<class SystemType>() {
+        if constexpr (SystemType::dimension == 7)
+            if (RotationColumns<SystemType>::serves(problem))
+                return march_controlled(problem, settings,
+                                        ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
+        return march_controlled(problem, settings,
+                                ControlledExtrapolation<GeneralColumns<SystemType>>(problem, tolerance));
+    });
+}
+
+const Method family[] = {
+    {.name = "extrapolation",
+     .documentation =
+         "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
+         "compensated summation; any right-hand side. Rotations under the loads of a scene file run on vector "
+         "registers, the columns side by side, with the same bits on every instruction set. Each component's error in "
+         "a step is held to R times its scale, or to what rounding leaves of it.",
+     .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "
+               "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .order = 0,
+     .solve = extrapolate},
+};
+
+}  // namespace
+
+extern const std::span<const Method> extrapolation_methods;
+const std::span<const Method> extrapolation_methods = family;
+
+}  // namespace polhode

@@ -19,20 +19,26 @@
 namespace polhode {
 namespace {
 
+/// Below this the order stays and the columns are summed with care: rounding is then what is left of the error.
+constexpr double least_of_variable_order = 3e-14;
 /// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
-constexpr double rounding = 0x1p-53;
+double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
 // squares of absurdly small scales vanish
 constexpr double least_square = 1e-290;
 
-/// log2 x within 0.01 and 2^x within 1 %, of normal numbers: the same bits with every library.
+/// The exponent of a normal number, and a power of two: without a call.
+int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7FF) - 1023; }
+double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
+
+/// log2 x within 0.01 and 2^x within 1 %, of normal numbers x >= 0: the same bits with every library.
 double rough_log2(double x) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const double m = std::bit_cast<double>((bits & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000);
-    return static_cast<double>(static_cast<int>(bits >> 52) - 1023) + ((2 - m / 3) * m - 5.0 / 3);
+    const double m = std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000);
+    return exponent_of(x) + ((2 - m / 3) * m - 5.0 / 3);
 }
 double rough_exp2(double x) {
-    const double whole = std::floor(x), r = x - whole;
-    return std::ldexp(1 + r * (2 + r) / 3, static_cast<int>(whole));
+    const int whole = static_cast<int>(x + 64) - 64;  // |x| < 64
+    const double r = x - whole;
+    return power_of_two(whole) * (1 + r * (2 + r) / 3);
 }
 
 struct StepErrors {
@@ -40,53 +46,76 @@ struct StepErrors {
 };
 
 /// K and H of the next step.
+///
+/// The motion's own period is a few steps, and the error of a given H differs a hundredfold along it. So H follows the
+/// least of the last four steps' suggestions, and the order changes only for a clear gain: measured, a third of the
+/// steps were else rejected, and the worst accepted ones made the error.
 class OrderControl {
   public:
     explicit OrderControl(double tolerance)
-        : first_(std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {}
+        : first_(tolerance < least_of_variable_order
+                     ? careful_row
+                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {
+        restart();
+    }
+    void restart() {
+        row_ = first_, rejected_ = false;
+        forget();
+    }
+    int row() const { return row_; }
 
-    void restart() { columns_ = first_, rejected_ = false; }
-    int columns() const { return columns_; }
-
-    /// After a step H of columns() columns: the next H.
+    /// After a step H by row(): the next H.
     double next(double H, const StepErrors& errors, bool accepted) {
-        const int K = columns_;
+        constexpr double gain_to_lower = 0.8, gain_to_raise = 0.7;
+        const int K = extrapolation_rows[row_].columns;
         double same = H * factor(errors.squared, K), lower = H * factor(errors.squared_before, K - 1);
         if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
-        if (rejected_) same = std::min(same, H), lower = std::min(lower, H);
-        double chosen = same;
-        if (K > fewest_columns && work(K - 1, lower) < 0.9 * work(K, same)) {
-            columns_ = K - 1, chosen = lower;
-        } else if (accepted && !rejected_ && K < most_columns && work(K, same) < 0.9 * work(K - 1, lower)) {
+        suggested_ = {same, suggested_[0], suggested_[1], suggested_[2]};
+        const double least = std::min(std::min(same, suggested_[1]), std::min(suggested_[2], suggested_[3]));
+        lower *= least / same, same = least;
+        if (row_ == careful_row) return on_grid(same);
+        if (K > fewest_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
+            row_ = K - 1, same = lower;
+            forget();
+        } else if (accepted && !rejected_ && K < most_columns && work(K, same) < gain_to_raise * work(K - 1, lower)) {
             // the step at which K + 1 columns would cost as much to a unit of time
-            columns_ = K + 1, chosen = same * evaluations(K + 1) / evaluations(K);
+            row_ = K + 1, same *= evaluations(K + 1) / evaluations(K);
+            forget();
         }
         rejected_ = !accepted;
-        return on_grid(chosen);
+        return on_grid(same);
     }
-    double after_no_number(double H) {
-        columns_ = std::max(columns_ - 2, fewest_columns), rejected_ = true;
+    /// After a step that gave no number.
+    double retreat(double H) {
+        if (row_ != careful_row) row_ = std::max(row_ - 2, fewest_columns);
+        rejected_ = true;
+        forget();
         return 0.1 * H;
     }
     /// H cut to few binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is then exact. A
     /// rounded H/n_j would be an error of the time itself, the same in every step and amplified.
     double on_grid(double H) const {
-        const double grid = std::ldexp(extrapolation_rows[columns_].odd_multiple, std::ilogb(H) - 30);
-        return grid > 0 ? std::floor(H / grid) * grid : H;
+        if (H < 1e-200) return H;
+        const double unit = power_of_two(exponent_of(H) - 30);
+        const double grid = extrapolation_rows[row_].odd_multiple * unit;
+        return static_cast<double>(static_cast<long>(H / grid)) * grid;
     }
 
   private:
+    void forget() { suggested_.fill(std::numeric_limits<double>::infinity()); }
     static double evaluations(int K) { return extrapolation_rows[K].evaluations; }
     static double work(int K, double H) { return evaluations(K) / H; }
-    /// H_new / H for an error of order 2K - 1: 0.94 (0.65 / error)^(1/(2K - 1)).
-    static double factor(double squared_error, int K) {
-        constexpr double log2_of_065 = -0.6215;
-        const double exponent = (log2_of_065 - rough_log2(squared_error) / 2) / (2 * K - 1);
+    /// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)); with care the aim is so low that the
+    /// error of T_KK itself, at its worst along the motion, is below rounding.
+    double factor(double squared_error, int K) const {
+        const double log2_of_aim = row_ == careful_row ? -7 : -2.32;
+        const double exponent = (log2_of_aim - rough_log2(squared_error) / 2) / (2 * K - 1);
         return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
     }
 
-    int first_, columns_ = first_;
-    bool rejected_ = false;
+    int first_, row_;
+    bool rejected_;
+    std::array<double, 4> suggested_;
 };
 
 /// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
@@ -115,7 +144,7 @@ class GeneralColumns {
     using Y = std::array<double, N>;
 
     GeneralColumns(const Problem& problem, double tolerance)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())), rounding_(rounding(tolerance)) {
         component_scales<SystemType>(problem, scales_.data());
         for (int i = 0; i < N; ++i)
             squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
@@ -132,32 +161,35 @@ class GeneralColumns {
     double first_step(double t, double longest) {
         return first_step_of(system_, t, y_.data(), scales_, longest);
     }
-    StepErrors attempt(double t, double H, int K) {
-        const ExtrapolationRow& row = extrapolation_rows[K];
+    StepErrors attempt(double t, double H, int number) {
+        const ExtrapolationRow& row = extrapolation_rows[number];
+        const int K = row.columns;
+        const bool careful = number == careful_row;
         Y f;
         system_.derivative(t, y_.data(), f.data());
-        std::array<Y, most_columns> column;
-        for (int j = 0; j < K; ++j) column[j] = midpoint(t, f, H / row.substeps[j], row.substeps[j]);
+        std::array<Y, most_columns> column, lost_column;
+        for (int j = 0; j < K; ++j)
+            midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
         const Y& finest = column[K - 1];
         StepErrors errors{0, 0};
         for (int i = 0; i < N; ++i) {
             double value = 0, error = 0, error_before = 0;
             for (int j = 0; j + 1 < K; ++j) {
-                const double difference = column[j][i] - finest[i];
+                const double difference = (column[j][i] - finest[i]) + (lost_column[j][i] - lost_column[K - 1][i]);
                 value += row.weights.value[j] * difference;
                 error += row.weights.error[j] * difference;
                 error_before += row.weights.error_before[j] * difference;
             }
-            const double slack = rounding * row.amplification * finest[i];
+            const double slack = rounding_ * row.amplification * finest[i];
             const double allowed = squared_scale_[i] + slack * slack;
             errors.squared += error * error / allowed;
             errors.squared_before += error_before * error_before / allowed;
             // y + z_K and what it rounds away, then the rest
-            const double sum = y_[i] + finest[i], part = sum - y_[i];
-            const double rest = (value + lost_[i]) + ((y_[i] - (sum - part)) + (finest[i] - part));
+            value += lost_column[K - 1][i];
+            const double sum = y_[i] + finest[i];
+            const double rest = (value + lost_[i]) + rounded_away(y_[i], finest[i], sum);
             next_[i] = sum + rest;
-            const double kept = next_[i] - sum;
-            next_lost_[i] = (sum - (next_[i] - kept)) + (rest - kept);
+            next_lost_[i] = rounded_away(sum, rest, next_[i]);
         }
         return errors;
     }
@@ -165,23 +197,25 @@ class GeneralColumns {
     Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
 
   private:
-    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y)
-    Y midpoint(double t, const Y& f, double h, int n) const {
-        Y before{}, now, y, rate;
+    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded away.
+    void midpoint(double t, const Y& f, double h, int n, bool careful, Y& now, Y& lost) const {
+        Y before{}, lost_before{}, y, rate;
+        lost.fill(0);
         for (int i = 0; i < N; ++i) now[i] = h * f[i];
         for (int m = 1; m < n; ++m) {
-            for (int i = 0; i < N; ++i) y[i] = y_[i] + now[i];
+            for (int i = 0; i < N; ++i) y[i] = y_[i] + (now[i] + lost[i]);
             system_.derivative(t + m * h, y.data(), rate.data());
             for (int i = 0; i < N; ++i) {
-                const double next = before[i] + 2 * h * rate[i];
+                const double change = 2 * h * rate[i] + lost_before[i], next = before[i] + change;
+                lost_before[i] = lost[i], lost[i] = careful ? rounded_away(before[i], change, next) : 0;
                 before[i] = now[i], now[i] = next;
             }
         }
-        return now;
     }
 
     const Problem* problem_;
     SystemType system_;
+    double rounding_;
     Y scales_, squared_scale_, y_, lost_, next_, next_lost_;
 };
 
@@ -197,7 +231,7 @@ class RotationColumns {
     RotationColumns(const Problem& problem, double tolerance)
         : problem_(&problem), step_(midpoint_step(instruction_set())) {
         component_scales<SystemType>(problem, scales_.data());
-        allowance_.rounding = rounding;
+        allowance_.rounding = rounding(tolerance);
         allowance_.squared_scale[7] = 1;
         for (int i = 0; i < 7; ++i)
             allowance_.squared_scale[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
@@ -215,8 +249,8 @@ class RotationColumns {
     double first_step(double t, double longest) {
         return first_step_of(system_on<SystemType>(*problem_, *segment_), t, state_.y, scales_, longest);
     }
-    StepErrors attempt(double, double H, int K) {
-        step_(coefficients_, allowance_, state_, H, K, next_);
+    StepErrors attempt(double, double H, int row) {
+        step_(coefficients_, allowance_, state_, H, row, next_);
         return {next_.squared_error, next_.squared_error_before};
     }
     void accept() { state_ = next_.state; }
@@ -251,10 +285,10 @@ class ControlledExtrapolation {
         return control_.on_grid(columns_.first_step(t, duration_));
     }
     Attempt attempt(double& t, double& h) {
-        const StepErrors errors = columns_.attempt(t, h, control_.columns());
-        evaluations_ += extrapolation_rows[control_.columns()].evaluations;
+        const StepErrors errors = columns_.attempt(t, h, control_.row());
+        evaluations_ += extrapolation_rows[control_.row()].evaluations;
         if (!std::isfinite(errors.squared) || !std::isfinite(errors.squared_before)) {
-            h = control_.after_no_number(h);
+            h = control_.retreat(h);
             return Attempt::not_finite;
         }
         const bool accepted = errors.squared <= 1;

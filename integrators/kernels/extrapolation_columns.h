@@ -15,19 +15,26 @@ namespace polhode {
 
 inline constexpr int fewest_columns = 2, most_columns = 9;
 
-/// The n_j of K columns. Found by search: the least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30, which is by
-/// how much the rounding of an increment is amplified (with 2, 4, 6, .. it is 120 for K = 8, 600 for K = 10).
-template <int K>
-constexpr std::array<int, K> substeps() {
-    if constexpr (K == 2) return {2, 4};
-    if constexpr (K == 3) return {4, 6, 8};
-    if constexpr (K == 4) return {4, 6, 8, 12};
-    if constexpr (K == 5) return {4, 6, 8, 10, 12};
-    if constexpr (K == 6) return {4, 6, 8, 10, 12, 16};
-    if constexpr (K == 7) return {4, 6, 8, 10, 12, 16, 20};
-    if constexpr (K == 8) return {4, 6, 8, 10, 12, 14, 18, 26};
-    if constexpr (K == 9) return {4, 6, 8, 10, 12, 14, 16, 22, 32};
+/// Rows are counted by their columns; the last is for tolerances near the rounding: six columns that amplify it as
+/// little as possible, each of them summed with compensation.
+inline constexpr int careful_row = 10, rows = 11;
+
+/// The n_j of a row. Found by search: the least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30, which is by how
+/// much the rounding of an increment is amplified (with 2, 4, 6, .. it is 120 for K = 8, 600 for K = 10).
+template <int row>
+constexpr auto substeps() {
+    if constexpr (row == 2) return std::array{2, 4};
+    if constexpr (row == 3) return std::array{4, 6, 8};
+    if constexpr (row == 4) return std::array{4, 6, 8, 12};
+    if constexpr (row == 5) return std::array{4, 6, 8, 10, 12};
+    if constexpr (row == 6) return std::array{4, 6, 8, 10, 12, 16};
+    if constexpr (row == 7) return std::array{4, 6, 8, 10, 12, 16, 20};
+    if constexpr (row == 8) return std::array{4, 6, 8, 10, 12, 14, 18, 26};
+    if constexpr (row == 9) return std::array{4, 6, 8, 10, 12, 14, 16, 22, 32};
+    if constexpr (row == careful_row) return std::array{4, 6, 8, 12, 16, 24};
 }
+template <int row>
+inline constexpr int columns_of = static_cast<int>(substeps<row>().size());
 
 /// The weights of T_KK, of T_KK - T_K,K-1 and of T_K-1,K-1 - T_K-1,K-2, where T_k,k-1 leaves out the first column.
 template <int K>
@@ -36,9 +43,10 @@ struct ExtrapolationWeights {
 };
 
 /// The weights at n = infinity of columns first..last - 1; zero elsewhere.
-template <int K>
-constexpr std::array<long double, K> column_weights(int first, int last) {
-    constexpr std::array<int, K> n = substeps<K>();
+template <int row>
+constexpr auto column_weights(int first, int last) {
+    constexpr auto n = substeps<row>();
+    constexpr int K = columns_of<row>;
     std::array<long double, K> weights{};
     for (int j = first; j < last; ++j) {
         weights[j] = 1;
@@ -48,11 +56,12 @@ constexpr std::array<long double, K> column_weights(int first, int last) {
     return weights;
 }
 
-template <int K>
-constexpr ExtrapolationWeights<K> extrapolation_weights() {
+template <int row>
+constexpr auto extrapolation_weights() {
+    constexpr int K = columns_of<row>;
     ExtrapolationWeights<K> weights;
-    const auto all = column_weights<K>(0, K), without_first = column_weights<K>(1, K);
-    const auto before = column_weights<K>(0, K - 1), before_without_first = column_weights<K>(1, K - 1);
+    const auto all = column_weights<row>(0, K), without_first = column_weights<row>(1, K);
+    const auto before = column_weights<row>(0, K - 1), before_without_first = column_weights<row>(1, K - 1);
     for (int j = 0; j < K; ++j) {
         weights.value[j] = static_cast<double>(all[j]);
         weights.error[j] = static_cast<double>(all[j] - without_first[j]);
@@ -63,6 +72,7 @@ constexpr ExtrapolationWeights<K> extrapolation_weights() {
 
 /// The same at run time, and what a step costs.
 struct ExtrapolationRow {
+    int columns = 0;
     int evaluations = 0;       ///< of the right-hand side in a step
     double amplification = 0;  ///< sum |c_j|
     int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
@@ -70,13 +80,13 @@ struct ExtrapolationRow {
     ExtrapolationWeights<most_columns> weights;
 };
 
-template <int K>
+template <int number>
 constexpr ExtrapolationRow extrapolation_row() {
     ExtrapolationRow row;
-    const auto n = substeps<K>();
-    const auto weights = extrapolation_weights<K>();
-    row.evaluations = 1;
-    for (int j = 0; j < K; ++j) {
+    const auto n = substeps<number>();
+    const auto weights = extrapolation_weights<number>();
+    row.columns = columns_of<number>, row.evaluations = 1;
+    for (int j = 0; j < row.columns; ++j) {
         row.substeps[j] = n[j];
         row.weights.value[j] = weights.value[j];
         row.weights.error[j] = weights.error[j];
@@ -90,11 +100,10 @@ constexpr ExtrapolationRow extrapolation_row() {
     return row;
 }
 
-/// By the number of columns.
-inline constexpr std::array<ExtrapolationRow, most_columns + 1> extrapolation_rows{
+inline constexpr std::array<ExtrapolationRow, rows> extrapolation_rows{
     ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(), extrapolation_row<3>(),
     extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(), extrapolation_row<7>(),
-    extrapolation_row<8>(), extrapolation_row<9>()};
+    extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
 
 /// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
 /// the other, independent of the other chains, so that the processor has several in flight.
@@ -108,10 +117,11 @@ struct ColumnChains {
     int pieces = 0;                 ///< how many
 };
 
-template <int K>
-constexpr ColumnChains<K> column_chains() {
+template <int row>
+constexpr auto column_chains() {
+    constexpr int K = columns_of<row>;
     ColumnChains<K> c;
-    const auto n = substeps<K>();
+    const auto n = substeps<row>();
     std::array<int, K> filled{};
     const int capacity = n[K - 1] - 1;
     for (int j = K - 1; j >= 0; --j) {

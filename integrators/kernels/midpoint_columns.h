@@ -50,22 +50,34 @@ POLHODE_INLINED double squared_norm(const Register& error, const Register& allow
     return sums[0] + sums[4];
 }
 
+/// What rounding takes from sum = a + b (Knuth's sum).
+template <class Register>
+POLHODE_INLINED Register rounded_away(const Register& a, const Register& b, const Register& sum) {
+    const Register part = sum - a;
+    return (a - (sum - part)) + (b - part);
+}
+
 /// z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), on the increments z: their rounding is relative to the
 /// step's change, not to y. The step then adds z_n, no last smoothing: n is even.
-template <int K, RotationTerms terms, class Register>
+template <int row, RotationTerms terms, class Register>
 POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                    const RotationState& from, double H, RotationStep& to) {
-    constexpr std::array<int, K> n = substeps<K>();
-    constexpr ExtrapolationWeights<K> weights = extrapolation_weights<K>();
-    constexpr ColumnChains<K> chains = column_chains<K>();
+    constexpr int K = columns_of<row>;
+    constexpr bool careful = row == careful_row;
+    constexpr auto n = substeps<row>();
+    constexpr auto weights = extrapolation_weights<row>();
+    constexpr auto chains = column_chains<row>();
 
     const RotationRate<terms, Register> rate(coefficients);
     const Register y = loaded<Register>(from.y), f = rate(y), zero = broadcast<Register>(0);
     Register before[chains.chains], now[chains.chains], twice_h[chains.chains], column[K];
+    // what was rounded away from each of them; not used unless careful
+    Register lost_before[chains.chains], lost_now[chains.chains], lost_column[K];
     const auto start = [&](auto j) POLHODE_INLINED_LAMBDA {
         constexpr int c = chains.chain[j];
         const double h = H / n[j];
         before[c] = zero, now[c] = broadcast<Register>(h) * f, twice_h[c] = broadcast<Register>(2 * h);
+        if constexpr (careful) lost_before[c] = zero, lost_now[c] = zero;
     };
     unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
         if constexpr (chains.first[j] == 0) start(j);
@@ -76,51 +88,62 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
             unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
                 if constexpr (chains.first[j] <= begin && end <= chains.last[j]) {
                     constexpr int c = chains.chain[j];
-                    const Register next = before[c] + twice_h[c] * rate(y + now[c]);
-                    before[c] = now[c], now[c] = next;
+                    if constexpr (careful) {
+                        const Register change = twice_h[c] * rate(y + (now[c] + lost_now[c])) + lost_before[c];
+                        const Register next = before[c] + change;
+                        lost_before[c] = lost_now[c], lost_now[c] = rounded_away(before[c], change, next);
+                        before[c] = now[c], now[c] = next;
+                    } else {
+                        const Register next = before[c] + twice_h[c] * rate(y + now[c]);
+                        before[c] = now[c], now[c] = next;
+                    }
                 }
             });
         unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
-            if constexpr (chains.last[j] == end) column[j] = now[chains.chain[j]];
+            if constexpr (chains.last[j] == end) {
+                column[j] = now[chains.chain[j]];
+                if constexpr (careful) lost_column[j] = lost_now[chains.chain[j]];
+            }
         });
         unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
             if constexpr (chains.first[j] == end) start(j);
         });
     });
 
+    const Register& finest = column[K - 1];
     Register value = zero, error = zero, error_before = zero;
     unrolled<K - 1>([&](auto j) POLHODE_INLINED_LAMBDA {
-        const Register difference = column[j] - column[K - 1];
+        Register difference = column[j] - finest;
+        if constexpr (careful) difference = difference + (lost_column[j] - lost_column[K - 1]);
         value = value + broadcast<Register>(weights.value[j]) * difference;
         error = error + broadcast<Register>(weights.error[j]) * difference;
         error_before = error_before + broadcast<Register>(weights.error_before[j]) * difference;
     });
-    const Register rounding = broadcast<Register>(allowance.rounding * extrapolation_rows[K].amplification);
-    const Register slack = rounding * column[K - 1];
+    if constexpr (careful) value = value + lost_column[K - 1];
+    const Register slack = broadcast<Register>(allowance.rounding * extrapolation_rows[row].amplification) * finest;
     const Register allowed = loaded<Register>(allowance.squared_scale) + slack * slack;
     to.squared_error = squared_norm(error, allowed);
     to.squared_error_before = squared_norm(error_before, allowed);
-    // y + z_K and what it rounds away (Knuth's sum), then the rest
-    const Register sum = y + column[K - 1], part = sum - y;
-    const Register rounded = (y - (sum - part)) + (column[K - 1] - part);
-    const Register rest = (value + loaded<Register>(from.lost)) + rounded;
-    const Register next = sum + rest, kept = next - sum;
+    // y + z_K and what it rounds away, then the rest
+    const Register sum = y + finest;
+    const Register rest = (value + loaded<Register>(from.lost)) + rounded_away(y, finest, sum);
+    const Register next = sum + rest;
     store(to.state.y, next);
-    store(to.state.lost, (sum - (next - kept)) + (rest - kept));
+    store(to.state.lost, rounded_away(sum, rest, next));
 }
 
-/// K chosen at run time.
+/// The row chosen at run time.
 template <RotationTerms terms, class Register>
 POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double H, int columns, RotationStep& to) {
-    unrolled<most_columns - fewest_columns + 1>([&](auto i) POLHODE_INLINED_LAMBDA {
-        constexpr int K = fewest_columns + i;
-        if (columns == K) midpoint_step<K, terms, Register>(coefficients, allowance, from, H, to);
+                                   const RotationState& from, double H, int row, RotationStep& to) {
+    unrolled<rows - fewest_columns>([&](auto i) POLHODE_INLINED_LAMBDA {
+        constexpr int number = fewest_columns + i;
+        if (row == number) midpoint_step<number, terms, Register>(coefficients, allowance, from, H, to);
     });
 }
 
 using MidpointStep = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double H,
-                          int columns, RotationStep& to);
+                          int row, RotationStep& to);
 /// The same step, and the same bits, by each instruction set.
 MidpointStep midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512;
 /// By the set at hand.
@@ -128,14 +151,14 @@ MidpointStep* midpoint_step(InstructionSet set);
 
 template <class Register>
 POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double H, int columns, RotationStep& to) {
+                                   const RotationState& from, double H, int row, RotationStep& to) {
     switch (coefficients.terms) {
         case RotationTerms::none:
-            return midpoint_step<RotationTerms::none, Register>(coefficients, allowance, from, H, columns, to);
+            return midpoint_step<RotationTerms::none, Register>(coefficients, allowance, from, H, row, to);
         case RotationTerms::axial_field:
-            return midpoint_step<RotationTerms::axial_field, Register>(coefficients, allowance, from, H, columns, to);
+            return midpoint_step<RotationTerms::axial_field, Register>(coefficients, allowance, from, H, row, to);
         case RotationTerms::quadratic:
-            return midpoint_step<RotationTerms::quadratic, Register>(coefficients, allowance, from, H, columns, to);
+            return midpoint_step<RotationTerms::quadratic, Register>(coefficients, allowance, from, H, row, to);
     }
 }
 

@@ -3,8 +3,8 @@
 namespace polhode {
 
 void midpoint_step_plain(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-    const RotationState& from, double H, int columns, RotationStep& to) {
-    midpoint_step<LaneHalves>(coefficients, allowance, from, H, columns, to);
+    const RotationState& from, double H, int row, RotationStep& to) {
+    midpoint_step<LaneHalves>(coefficients, allowance, from, H, row, to);
 }
 
 MidpointStep* midpoint_step(InstructionSet set) {

@@ -4,8 +4,6 @@
 // nothing to gain from stopping early. After it the errors of orders 2K - 1 and 2K - 3 tell the best H of either, and
 // the one with less work to a unit of time is taken, or one order more (Deuflhard 1983; Hairer, Norsett & Wanner 1993,
 // II.9).
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,6 +13,7 @@
 
 #include "integrators/kernels/midpoint_columns.h"
 #include "integrators/march.h"
+#include "integrators/own_state.h"
 
 namespace polhode {
 namespace {
@@ -23,8 +22,6 @@ namespace {
 constexpr double least_of_variable_order = 3e-14;
 /// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
 double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
-// squares of absurdly small scales vanish
-constexpr double least_square = 1e-290;
 
 /// The exponent of a normal number, and a power of two: without a call.
 int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7FF) - 1023; }
@@ -118,55 +115,23 @@ class OrderControl {
     std::array<double, 4> suggested_;
 };
 
-/// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
-/// evaluations.
-template <class SystemType, std::size_t N>
-double first_step_of(const SystemType& system, double t, const double* y, const std::array<double, N>& scales,
-                     double longest) {
-    std::array<double, N> f, z, f_ahead;
-    system.derivative(t, y, f.data());
-    double rate = 0;
-    for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::abs(f[i]) / scales[i]);
-    const double h = std::min(1e-3 / rate, 1e-3 * longest);
-    for (std::size_t i = 0; i < N; ++i) z[i] = y[i] + h * f[i];
-    system.derivative(t + h, z.data(), f_ahead.data());
-    for (std::size_t i = 0; i < N; ++i)
-        rate = std::max(rate, std::sqrt(std::abs(f_ahead[i] - f[i]) / h / scales[i]));
-    const double first = 0.8 / rate;
-    return first > 0 && first < longest ? first : longest;
-}
-
-/// The state of one of the systems, the columns one after the other: any right-hand side.
+/// Any right-hand side, the columns one after the other.
 template <class SystemType>
-class GeneralColumns {
-  public:
+class GeneralColumns : public GeneralState<SystemType> {
+    using Base = GeneralState<SystemType>;
+    using Y = typename Base::Y;
     static constexpr int N = SystemType::dimension;
-    using Y = std::array<double, N>;
 
+  public:
     GeneralColumns(const Problem& problem, double tolerance)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())), rounding_(rounding(tolerance)) {
-        component_scales<SystemType>(problem, scales_.data());
-        for (int i = 0; i < N; ++i)
-            squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
-        restart();
-    }
-    void restart() {
-        initial_state<SystemType>(*problem_, y_.data());
-        lost_.fill(0);
-    }
-    void enter(const Segment& segment) {
-        if (polhode::enter<SystemType>(*problem_, segment, y_.data())) lost_.fill(0);
-        system_ = system_on<SystemType>(*problem_, segment);
-    }
-    double first_step(double t, double longest) {
-        return first_step_of(system_, t, y_.data(), scales_, longest);
-    }
+        : Base(problem, tolerance), rounding_(rounding(tolerance)) {}
+
     StepErrors attempt(double t, double H, int number) {
         const ExtrapolationRow& row = extrapolation_rows[number];
         const int K = row.columns;
         const bool careful = number == careful_row;
         Y f;
-        system_.derivative(t, y_.data(), f.data());
+        this->system_.derivative(t, this->y_.data(), f.data());
         std::array<Y, most_columns> column, lost_column;
         for (int j = 0; j < K; ++j)
             midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
@@ -181,20 +146,15 @@ class GeneralColumns {
                 error_before += row.weights.error_before[j] * difference;
             }
             const double slack = rounding_ * row.amplification * finest[i];
-            const double allowed = squared_scale_[i] + slack * slack;
+            const double allowed = this->squared_scale_[i] + slack * slack;
             errors.squared += error * error / allowed;
             errors.squared_before += error_before * error_before / allowed;
             // y + z_K and what it rounds away, then the rest
             value += lost_column[K - 1][i];
-            const double sum = y_[i] + finest[i];
-            const double rest = (value + lost_[i]) + rounded_away(y_[i], finest[i], sum);
-            next_[i] = sum + rest;
-            next_lost_[i] = rounded_away(sum, rest, next_[i]);
+            this->add(i, finest[i], value);
         }
         return errors;
     }
-    void accept() { y_ = next_, lost_ = next_lost_; }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
 
   private:
     /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded away.
@@ -203,8 +163,8 @@ class GeneralColumns {
         lost.fill(0);
         for (int i = 0; i < N; ++i) now[i] = h * f[i];
         for (int m = 1; m < n; ++m) {
-            for (int i = 0; i < N; ++i) y[i] = y_[i] + (now[i] + lost[i]);
-            system_.derivative(t + m * h, y.data(), rate.data());
+            for (int i = 0; i < N; ++i) y[i] = this->y_[i] + (now[i] + lost[i]);
+            this->system_.derivative(t + m * h, y.data(), rate.data());
             for (int i = 0; i < N; ++i) {
                 const double change = 2 * h * rate[i] + lost_before[i], next = before[i] + change;
                 lost_before[i] = lost[i], lost[i] = careful ? rounded_away(before[i], change, next) : 0;
@@ -213,58 +173,25 @@ class GeneralColumns {
         }
     }
 
-    const Problem* problem_;
-    SystemType system_;
     double rounding_;
-    Y scales_, squared_scale_, y_, lost_, next_, next_lost_;
 };
 
-/// Rotations whose torques have coefficients, on registers.
+/// Rotations on registers, the columns side by side.
 template <class SystemType>
-class RotationColumns {
+class RotationColumns : public RotationLanes<SystemType> {
+    using Base = RotationLanes<SystemType>;
+
   public:
-    static bool serves(const Problem& problem) {
-        return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
-            return rotation_coefficients(problem.principal_inertia, &segment.forcing).has_value();
-        });
-    }
     RotationColumns(const Problem& problem, double tolerance)
-        : problem_(&problem), step_(midpoint_step(instruction_set())) {
-        component_scales<SystemType>(problem, scales_.data());
-        allowance_.rounding = rounding(tolerance);
-        allowance_.squared_scale[7] = 1;
-        for (int i = 0; i < 7; ++i)
-            allowance_.squared_scale[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
-        restart();
-    }
-    void restart() {
-        state_ = {};
-        initial_state<SystemType>(*problem_, state_.y);
-    }
-    void enter(const Segment& segment) {
-        if (polhode::enter<SystemType>(*problem_, segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
-        coefficients_ = *rotation_coefficients(problem_->principal_inertia, &segment.forcing);
-        segment_ = &segment;
-    }
-    double first_step(double t, double longest) {
-        return first_step_of(system_on<SystemType>(*problem_, *segment_), t, state_.y, scales_, longest);
-    }
+        : Base(problem, tolerance, rounding(tolerance)), step_(midpoint_step(instruction_set())) {}
+
     StepErrors attempt(double, double H, int row) {
-        step_(coefficients_, allowance_, state_, H, row, next_);
-        return {next_.squared_error, next_.squared_error_before};
+        step_(this->coefficients_, this->allowance_, this->state_, H, row, this->next_);
+        return {this->next_.squared_error, this->next_.squared_error_before};
     }
-    void accept() { state_ = next_.state; }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, state_.y); }
 
   private:
-    const Problem* problem_;
     MidpointStep* step_;
-    const Segment* segment_ = nullptr;
-    RotationCoefficients coefficients_;
-    RotationAllowance allowance_;
-    std::array<double, 7> scales_;
-    RotationState state_;
-    RotationStep next_;
 };
 
 template <class Columns>
@@ -311,16 +238,10 @@ class ControlledExtrapolation {
 
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (tolerance < std::numeric_limits<double>::epsilon()) {
-        Trajectory trajectory;
-        trajectory.status = Status::tolerance_not_met;
-        trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
-                                         std::numeric_limits<double>::epsilon());
-        return trajectory;
-    }
+    if (tolerance < std::numeric_limits<double>::epsilon()) return beyond_binary64(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
-            if (RotationColumns<SystemType>::serves(problem))
+            if (RotationLanes<SystemType>::serves(problem))
                 return march_controlled(problem, settings,
                                         ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
         return march_controlled(problem, settings,

@@ -2,60 +2,12 @@
 #pragma once
 
 #include <array>
-#include <type_traits>
-#include <utility>
 
 #include "integrators/kernels/extrapolation_columns.h"
 #include "integrators/kernels/rotation_lanes.h"
 
 
 namespace polhode {
-
-/// A rotation's state: y + lost, `lost` being what the last addition rounded away.
-struct RotationState {
-    alignas(64) double y[8] = {}, lost[8] = {};
-};
-
-/// What a step gave: the squared errors are sums over the components, in units of what is allowed of each.
-struct RotationStep {
-    RotationState state;
-    double squared_error = 0;         ///< the error is of order 2K - 1 in H
-    double squared_error_before = 0;  ///< with a column less: of order 2K - 3
-};
-
-/// What is allowed of each component; positive, also in the lane that is none.
-struct RotationAllowance {
-    alignas(64) double squared_scale[8] = {};
-    double rounding = 0;  ///< more for every unit of increment and of amplification
-};
-
-/// f(integral_constant 0), f(1), .. f(count - 1)
-template <class F, int... i>
-POLHODE_INLINED void unrolled(std::integer_sequence<int, i...>, const F& f) {
-    (f(std::integral_constant<int, i>()), ...);
-}
-template <int count, class F>
-POLHODE_INLINED void unrolled(const F& f) {
-    unrolled(std::make_integer_sequence<int, count>(), f);
-}
-
-/// The sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2; not a number where an error is none.
-template <class Register>
-POLHODE_INLINED double squared_norm(const Register& error, const Register& allowed) {
-    const Register ratios = (error * error) / allowed;
-    const Register pairs = ratios + permuted<1, 0, 3, 2, 5, 4, 7, 6>(ratios);
-    const Register fours = pairs + permuted<2, 3, 0, 1, 6, 7, 4, 5>(pairs);
-    alignas(64) double sums[8];
-    store(sums, fours);
-    return sums[0] + sums[4];
-}
-
-/// What rounding takes from sum = a + b (Knuth's sum).
-template <class Register>
-POLHODE_INLINED Register rounded_away(const Register& a, const Register& b, const Register& sum) {
-    const Register part = sum - a;
-    return (a - (sum - part)) + (b - part);
-}
 
 /// z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), on the increments z: their rounding is relative to the
 /// step's change, not to y. The step then adds z_n, no last smoothing: n is even.

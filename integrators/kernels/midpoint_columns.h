@@ -9,6 +9,22 @@
 
 namespace polhode {
 
+/// The errors in units of what is allowed, and y + z_K + value.
+template <class Register>
+POLHODE_INLINED void finish_step(const RotationAllowance& allowance, const RotationState& from, const Register& y,
+                                 const Register& finest, const Register& value, const Register& error,
+                                 const Register& error_before, double amplification, RotationStep& to) {
+    const Register slack = broadcast<Register>(allowance.rounding * amplification) * finest;
+    const Register allowed = loaded<Register>(allowance.squared_scale) + slack * slack;
+    to.squared_error = squared_norm(error, allowed);
+    to.squared_error_before = squared_norm(error_before, allowed);
+    const Register sum = y + finest;
+    const Register rest = (value + loaded<Register>(from.lost)) + rounded_away(y, finest, sum);
+    const Register next = sum + rest;
+    store(to.state.y, next);
+    store(to.state.lost, rounded_away(sum, rest, next));
+}
+
 /// z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), on the increments z: their rounding is relative to the
 /// step's change, not to y. The step then adds z_n, no last smoothing: n is even.
 template <int row, RotationTerms terms, class Register>
@@ -72,16 +88,7 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
         error_before = error_before + broadcast<Register>(weights.error_before[j]) * difference;
     });
     if constexpr (careful) value = value + lost_column[K - 1];
-    const Register slack = broadcast<Register>(allowance.rounding * extrapolation_rows[row].amplification) * finest;
-    const Register allowed = loaded<Register>(allowance.squared_scale) + slack * slack;
-    to.squared_error = squared_norm(error, allowed);
-    to.squared_error_before = squared_norm(error_before, allowed);
-    // y + z_K and what it rounds away, then the rest
-    const Register sum = y + finest;
-    const Register rest = (value + loaded<Register>(from.lost)) + rounded_away(y, finest, sum);
-    const Register next = sum + rest;
-    store(to.state.y, next);
-    store(to.state.lost, rounded_away(sum, rest, next));
+    finish_step(allowance, from, y, finest, value, error, error_before, extrapolation_rows[row].amplification, to);
 }
 
 /// The row chosen at run time.

@@ -1,0 +1,143 @@
+// Which midpoint columns are extrapolated at each order, with what weights, and how the columns are laid side by side.
+//
+// Column j goes over the step H in n_j substeps of the explicit midpoint rule; its error has an expansion in even powers
+// of H. With K columns the polynomial in (1/n)^2 through them gives order 2K at n = infinity:
+//
+//   T_KK = z_K + sum over j < K of c_j (z_j - z_K),   c_j = product over i != j of n_j^2 / (n_j^2 - n_i^2),
+//
+// z_j the increment that column j finds. (Gragg 1965; Bulirsch & Stoer 1966; Hairer, Norsett & Wanner 1993, II.9.)
+#pragma once
+
+#include <array>
+#include <numeric>
+
+namespace polhode {
+
+inline constexpr int fewest_columns = 2, most_columns = 9;
+
+/// Rows are counted by their columns; the last is for tolerances near the rounding: six columns that amplify it as
+/// little as possible, each of them summed with compensation.
+inline constexpr int careful_row = 10, rows = 11;
+
+/// The n_j of a row. Found by search: the least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30, which is by how
+/// much the rounding of an increment is amplified (with 2, 4, 6, .. it is 120 for K = 8, 600 for K = 10).
+template <int row>
+constexpr auto substeps() {
+    if constexpr (row == 2) return std::array{2, 4};
+    if constexpr (row == 3) return std::array{4, 6, 8};
+    if constexpr (row == 4) return std::array{4, 6, 8, 12};
+    if constexpr (row == 5) return std::array{4, 6, 8, 10, 12};
+    if constexpr (row == 6) return std::array{4, 6, 8, 10, 12, 16};
+    if constexpr (row == 7) return std::array{4, 6, 8, 10, 12, 16, 20};
+    if constexpr (row == 8) return std::array{4, 6, 8, 10, 12, 14, 18, 26};
+    if constexpr (row == 9) return std::array{4, 6, 8, 10, 12, 14, 16, 22, 32};
+    if constexpr (row == careful_row) return std::array{4, 6, 8, 12, 16, 24};
+}
+template <int row>
+inline constexpr int columns_of = static_cast<int>(substeps<row>().size());
+
+/// The weights of T_KK, of T_KK - T_K,K-1 and of T_K-1,K-1 - T_K-1,K-2, where T_k,k-1 leaves out the first column.
+template <int K>
+struct ExtrapolationWeights {
+    std::array<double, K> value{}, error{}, error_before{};
+};
+
+/// The weights at n = infinity of columns first..last - 1; zero elsewhere.
+template <int row>
+constexpr auto column_weights(int first, int last) {
+    constexpr auto n = substeps<row>();
+    constexpr int K = columns_of<row>;
+    std::array<long double, K> weights{};
+    for (int j = first; j < last; ++j) {
+        weights[j] = 1;
+        for (int i = first; i < last; ++i)
+            if (i != j) weights[j] *= static_cast<long double>(n[j] * n[j]) / (n[j] * n[j] - n[i] * n[i]);
+    }
+    return weights;
+}
+
+template <int row>
+constexpr auto extrapolation_weights() {
+    constexpr int K = columns_of<row>;
+    ExtrapolationWeights<K> weights;
+    const auto all = column_weights<row>(0, K), without_first = column_weights<row>(1, K);
+    const auto before = column_weights<row>(0, K - 1), before_without_first = column_weights<row>(1, K - 1);
+    for (int j = 0; j < K; ++j) {
+        weights.value[j] = static_cast<double>(all[j]);
+        weights.error[j] = static_cast<double>(all[j] - without_first[j]);
+        weights.error_before[j] = static_cast<double>(before[j] - before_without_first[j]);
+    }
+    return weights;
+}
+
+/// The same at run time, and what a step costs.
+struct ExtrapolationRow {
+    int columns = 0;
+    int evaluations = 0;       ///< of the right-hand side in a step
+    double amplification = 0;  ///< sum |c_j|
+    int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
+    std::array<int, most_columns> substeps{};
+    ExtrapolationWeights<most_columns> weights;
+};
+
+template <int number>
+constexpr ExtrapolationRow extrapolation_row() {
+    ExtrapolationRow row;
+    const auto n = substeps<number>();
+    const auto weights = extrapolation_weights<number>();
+    row.columns = columns_of<number>, row.evaluations = 1;
+    for (int j = 0; j < row.columns; ++j) {
+        row.substeps[j] = n[j];
+        row.weights.value[j] = weights.value[j];
+        row.weights.error[j] = weights.error[j];
+        row.weights.error_before[j] = weights.error_before[j];
+        row.evaluations += n[j] - 1;
+        row.amplification += weights.value[j] < 0 ? -weights.value[j] : weights.value[j];
+        int odd = n[j];
+        while (odd % 2 == 0) odd /= 2;
+        row.odd_multiple = std::lcm(row.odd_multiple, odd);
+    }
+    return row;
+}
+
+inline constexpr std::array<ExtrapolationRow, rows> extrapolation_rows{
+    ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(), extrapolation_row<3>(),
+    extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(), extrapolation_row<7>(),
+    extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
+
+/// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
+/// the other, independent of the other chains, so that the processor has several in flight.
+template <int K>
+struct ColumnChains {
+    int chains = 0;
+    std::array<int, K> chain{};  ///< of column j
+    std::array<int, K> first{};  ///< evaluations in its chain before column j
+    std::array<int, K> last{};   ///< and after it
+    std::array<int, K + 1> ends{};  ///< 0, then the distinct `last`, rising
+    int pieces = 0;                 ///< how many
+};
+
+template <int row>
+constexpr auto column_chains() {
+    constexpr int K = columns_of<row>;
+    ColumnChains<K> c;
+    const auto n = substeps<row>();
+    std::array<int, K> filled{};
+    const int capacity = n[K - 1] - 1;
+    for (int j = K - 1; j >= 0; --j) {
+        int i = 0;
+        while (i < c.chains && filled[i] + n[j] - 1 > capacity) ++i;
+        if (i == c.chains) ++c.chains;
+        c.chain[j] = i, c.first[j] = filled[i];
+        filled[i] += n[j] - 1;
+        c.last[j] = filled[i];
+    }
+    for (int end = 1; end <= capacity; ++end) {
+        bool found = false;
+        for (int j = 0; j < K; ++j) found = found || c.last[j] == end;
+        if (found) c.ends[++c.pieces] = end;
+    }
+    return c;
+}
+
+}  // namespace polhode

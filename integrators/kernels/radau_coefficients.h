@@ -14,12 +14,12 @@ namespace polhode {
 struct RadauCoefficients {
     int stages = 0;
     Lanes8 nodes{};
-    Lanes8 a[8]{};         ///< A by columns
-    Lanes8 inward[8]{};    ///< Lambda T^-1 by columns
-    Lanes8 outward[8]{};   ///< T by columns: those of real parts, then those of imaginary ones
-    Complex4 eigenvalue;   ///< of A^-1; 1 where there is none
-    Lanes8 power[8]{};     ///< lane k, column j: coefficient of x^(k + 1) in Z_j's part of the polynomial at 1 + x
-    Lanes8 slope_at_0{};   ///< the polynomial's derivative at 0 is the sum of these times Z_j
+    Lanes8 a[8]{};        ///< A by columns
+    Lanes8 inward[8]{};   ///< Lambda T^-1 by columns
+    Lanes8 outward[8]{};  ///< T by columns: those of real parts, then those of imaginary ones
+    Complex4 eigenvalue;  ///< of A^-1; 1 where there is none
+    Lanes8 power[8]{};    ///< lane k, column j: coefficient of x^(k + 1) in Z_j's part of the polynomial at 1 + x
+    Lanes8 slope_at_0{};  ///< the polynomial's derivative at 0 is the sum of these times Z_j
 
     int order() const { return 2 * stages - 1; }
 };

@@ -25,8 +25,8 @@ inline Complex4 reciprocal(const Complex4& z) {
 /// J is that of a body's motion (motion/systems.h): its first component or three are rates, the rest is where the body
 /// is. Eliminated from the last component to the first, no pivot of the rest can vanish while Re mu > 0: those of v and
 /// p are mu + k and mu; those of q are ratios of minors of mu - Omega / 2 with a skew Omega, whose eigenvalues are mu
-/// and mu +- i |w| / 2. So no rows are exchanged, and all four go the same way. What is left for the rates is inverted
-/// by cofactors.
+/// and mu +- i |w| / 2. So no rows are exchanged, and all four go the same way. Rounding grows with |w| / |mu|, which
+/// is small for steps of less than a turn. What is left for the rates is inverted by cofactors.
 template <int N>
 class FourSystems {
   public:

@@ -49,7 +49,7 @@ double error_at(const Scene& scene, const Trajectory& trajectory, const Quaterni
                                       : attitude_error(trajectory.samples.back().q, q);
 }
 
-TEST(Radau, MeetsItsToleranceWhateverTheStiffness) {
+TEST(RadauMethod, MeetsItsToleranceWhateverTheStiffness) {
     for (const double c : {1.0, 1e2, 1e4, 1e6, 1e8})
         for (const Formulation formulation : {Formulation::reduced, Formulation::full})
             for (const double tolerance : {1e-4, 1e-8, 1e-12}) {
@@ -65,7 +65,7 @@ TEST(Radau, MeetsItsToleranceWhateverTheStiffness) {
 }
 
 // Not more steps for a drag a million times as large: but for the first, which grow from the time scale of the decay.
-TEST(Radau, TakesNoMoreStepsWhereTheMotionIsStiffer) {
+TEST(RadauMethod, TakesNoMoreStepsWhereTheMotionIsStiffer) {
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
         long least = std::numeric_limits<long>::max(), most = 0;
         for (const double c : {1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8}) {
@@ -79,18 +79,18 @@ TEST(Radau, TakesNoMoreStepsWhereTheMotionIsStiffer) {
 }
 
 // After the transient a unit of time costs what the smooth motion asks for: here 2 rad of turning.
-TEST(Radau, PaysNothingForDampingAfterTheTransient) {
-    constexpr double c = 1e6, tolerance = 1e-11;
-    const Scene brief = driven_spin(c, 2 * c, 10), whole = driven_spin(c, 2 * c, 30);
+TEST(RadauMethod, PaysNothingForDampingAfterTheTransient) {
+    constexpr double c = 1e6, tolerance = 1e-12;
+    const Scene brief = driven_spin(c, 2 * c, 10), whole = driven_spin(c, 2 * c, 20);
     const Trajectory first = with_tolerance(brief, "radau", tolerance),
                      both = with_tolerance(whole, "radau", tolerance);
     EXPECT_LT(error_at(brief, first, driven_attitude(c, 2 * c, 10)), 1e-10);
-    EXPECT_LT(error_at(whole, both, driven_attitude(c, 2 * c, 30)), 1e-10);
-    EXPECT_LT(static_cast<double>(both.rhs_evaluations - first.rhs_evaluations), 20 * 100);
+    EXPECT_LT(error_at(whole, both, driven_attitude(c, 2 * c, 20)), 1e-10);
+    EXPECT_LT(static_cast<double>(both.rhs_evaluations - first.rhs_evaluations), 10 * 100);
 }
 
 // The truth is made by collocation in multiprecision in two formulations.
-TEST(Radau, FollowsTheTruthOfStiffMotion) {
+TEST(RadauMethod, FollowsTheTruthOfStiffMotion) {
     const FreshCache cache;
     std::vector<Scene> scenes{viscous(1000, 20)};
     Scene spring = free_body(1);
@@ -115,7 +115,7 @@ TEST(Radau, FollowsTheTruthOfStiffMotion) {
     }
 }
 
-TEST(Radau, FollowsMotionThatIsNotStiff) {
+TEST(RadauMethod, FollowsMotionThatIsNotStiff) {
     for (const Scene& scene : {free_body(20), heavy_top(5)}) {
         const Quaternion<double> q = with_tolerance(scene, "exact", 1e-10).samples.back().q;
         for (const char* method : {"radau", "radau9", "radau13"})
@@ -126,14 +126,14 @@ TEST(Radau, FollowsMotionThatIsNotStiff) {
 }
 
 // Nothing is projected, and yet |q| stays what it was.
-TEST(Radau, KeepsTheLengthOfTheQuaternionToItsTolerance) {
+TEST(RadauMethod, KeepsTheLengthOfTheQuaternionToItsTolerance) {
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
         const Trajectory trajectory = with_tolerance(heavy_top(5), "radau", tolerance, 20);
         for (const Sample& sample : trajectory.samples) EXPECT_NEAR(squared_norm(sample.q), 1, 100 * tolerance + 1e-14);
     }
 }
 
-TEST(Radau, EndsByResultOrNameAtEveryTolerance) {
+TEST(RadauMethod, EndsByResultOrNameAtEveryTolerance) {
     Scene huge = viscous(1, 1);
     huge.name = "huge torque", huge.loads = {Torque{{1e200, 2e200, 1e200}, Frame::body, {}}};
     for (const Scene& scene : {everything(2), heavy_top(1), viscous(1e6, 10), huge})
@@ -155,13 +155,13 @@ TEST(Radau, EndsByResultOrNameAtEveryTolerance) {
             }
 }
 
-TEST(Radau, NamesAStepWhoseEquationsItCannotSolve) {
+TEST(RadauMethod, NamesAStepWhoseEquationsItCannotSolve) {
     const Trajectory trajectory = with_step(heavy_top(10), "radau13", 5);
     EXPECT_EQ(trajectory.status, Status::failed);
     EXPECT_NE(trajectory.message.find("did not converge at t = 0"), std::string::npos) << trajectory.message;
 }
 
-TEST(Radau, KnowsNoUsersTorque) {
+TEST(RadauMethod, KnowsNoUsersTorque) {
     Scene scene = free_body(1);
     scene.loads = {UserTorque{"mine", [](const LoadState&) { return Vector3<double>(1, 0, 0); }, {}}};
     EXPECT_EQ(with_tolerance(scene, "radau", 1e-6).status, Status::unsupported);
@@ -169,7 +169,7 @@ TEST(Radau, KnowsNoUsersTorque) {
 }
 
 // The target: attitude to 1e-9 with less than half of the right-hand sides that CVODE's BDF needs.
-TEST(Radau, NeedsFewerRightHandSidesThanBdf) {
+TEST(RadauMethod, NeedsFewerRightHandSidesThanBdf) {
     const Scene scene = viscous(1000, 20);
     const Quaternion<double> truth = with_tolerance(scene, "radau5", 1e-13).samples.back().q;
     const auto cheapest = [&](const char* method) {

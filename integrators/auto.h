@@ -5,8 +5,22 @@
 
 namespace polhode {
 
-/// Whether damping decays more than 10^4 times within the duration: an explicit step is then bound by stability, not by
-/// accuracy. Never with a user's own torque, whose derivative an implicit method would lack.
+/// How often what decays would decay, against how far the body turns: what binds an explicit method's steps by
+/// stability, and what any method's by accuracy.
+struct Stiffness {
+    double decays = 0;   ///< integral over the run of the largest |lambda|, of eigenvalues of df/dy that decay
+    double turning = 0;  ///< integral over the run of |omega|, rad
+
+    /// Explicit steps of high order span about five decays and about a radian; ten implicit ones, of ten times the
+    /// price, bring a motion to rest.
+    bool stiff() const { return decays > 500 && decays > 20 * turning; }
+};
+
+/// Looks along the motion itself, found to three digits by `radau`. Zero where nothing damps, and with a user's own
+/// torque, whose derivative an implicit method would lack; where `radau` finds the motion hard it is not stiff.
+Stiffness stiffness(const Problem& problem);
+
+/// stiffness(problem).stiff()
 bool is_stiff(const Problem& problem);
 
 }  // namespace polhode

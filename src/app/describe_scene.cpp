@@ -10,7 +10,9 @@
 #include "app/polhode_picture.h"
 #include "app/tolerated.h"
 #include "body/orientation.h"
+#include "integrators/auto.h"
 #include "integrators/conditioning.h"
+#include "integrators/method.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
 #include "scene/message.h"
@@ -194,6 +196,17 @@ void system_posed(Report& report, const Problem& problem) {
     for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
 }
 
+void choice(Report& report, const Problem& problem) {
+    report.title("What auto takes");
+    const Choice taken = choose_method(problem);
+    report.line(std::string(taken.method->name), std::string(taken.why));
+    const Stiffness found = stiffness(problem);
+    if (found.decays > 0)
+        report.line(found.stiff() ? "stiff" : "not stiff",
+                    fmt::format("{:.3g} decay times of what decays fastest, while the body turns by {:.3g} rad",
+                                found.decays, found.turning));
+}
+
 void invariants(Report& report, const Problem& problem) {
     report.title("Invariants, with their values at t = 0");
     const std::vector<Conserved> all = conserved(problem);
@@ -296,6 +309,7 @@ std::string describe_scene(const Scene& scene) {
     loads(report, problem);
     planes(report, problem);
     system_posed(report, problem);
+    choice(report, problem);
     invariants(report, problem);
     conditioning(report, problem);
     polhode_drawing(report, problem);

@@ -221,8 +221,8 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
         const std::string& name = names[i];
         const Outcome outcome = run({"describe", name});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        for (const char* part :
-             {"Mass properties", "System posed", "Left out, and why", "Invariants", "Conditioning", "Polhode"})
+        for (const char* part : {"Mass properties", "System posed", "Left out, and why", "What auto takes",
+                                 "Invariants", "Conditioning", "Polhode"})
             EXPECT_NE(outcome.out.find(part), std::string::npos) << name << ": " << part;
     }
     for (const Method* method : methods()) {

@@ -174,6 +174,11 @@ class Order : public ::testing::TestWithParam<const Method*> {
             EXPECT_EQ(with_step(judge.scene, method.name.data(), judge.first).status, Status::unsupported);
             return;
         }
+        if (judge.scene.loads.empty() && method.name.starts_with("splitting_exact")) {
+            // the free motion itself: round-off is left at the coarsest step, and no order to be seen
+            EXPECT_LT(found.front(), judge.floor);
+            return;
+        }
         RecordProperty("order", std::to_string(observed_order(found, judge.floor)));
         EXPECT_NEAR(observed_order(found, judge.floor), method.order, 0.1) << ::testing::PrintToString(found);
     }

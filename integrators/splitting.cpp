@@ -47,10 +47,11 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
 }
 
 constexpr Method family[] = {
-    rotations<2>("splitting2",
-                 "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
-                 "between two half kicks by the loads. Symplectic where the loads have a potential, time-reversible, "
-                 "explicit. Drag is followed exactly within a kick; a user's torque is refused. Order 2."),
+    rotations<2>(
+        "splitting2",
+        "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
+        "between two half kicks by the loads. Symplectic where the loads have a potential, time-reversible, "
+        "explicit. Drag is followed exactly within a kick; a user's torque is refused. Order 2."),
     rotations<4>("splitting4",
                  "splitting2 composed of five stages after Suzuki (1990). One stage goes backwards: strong drag "
                  "grows in it. Order 4."),

@@ -40,8 +40,7 @@ class RotationalDamping {
     Vector3<double> after(double h, const Vector3<double>& y, const Vector3<double>& tau) const {
         const Vector3<double> u = axes_ * unscaled(y), f = axes_ * unscaled(tau);
         Vector3<double> later;
-        for (int i = 0; i < 3; ++i)
-            later[i] = std::exp(-rate_[i] * h) * u[i] + h * mean_decay(rate_[i] * h) * f[i];
+        for (int i = 0; i < 3; ++i) later[i] = std::exp(-rate_[i] * h) * u[i] + h * mean_decay(rate_[i] * h) * f[i];
         const Vector3<double> back = transposed(axes_) * later;
         return {root_[0] * back[0], root_[1] * back[1], root_[2] * back[2]};
     }

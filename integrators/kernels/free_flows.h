@@ -115,7 +115,7 @@ class ExactFreeMotion {
         F[0] = dot(rate, start) * inverse_square;
         const double small = 0x1p-58 * length, small_rate = 0x1p-58 * F[0];
         double phi = F[0];
-        Vector3<double> change;
+        Vector3<double> rest;
         int in_a_row = 0;
         for (int k = 0; k < most; ++k) {
             double p0 = 0, p1 = 0, p2 = 0;
@@ -127,7 +127,7 @@ class ExactFreeMotion {
             const int n = k + 1;
             const double share = reciprocal[n];
             y0[n] = a0 * share * p0, y1[n] = a1 * share * p1, y2[n] = a2 * share * p2;
-            change = change + Vector3<double>(y0[n], y1[n], y2[n]);
+            if (n > 1) rest = rest + Vector3<double>(y0[n], y1[n], y2[n]);
             // both in units of D_0 = 2 L^2
             D[n] = 0.5 * inverse_square * (start[0] * y0[n] + start[1] * y1[n] + start[2] * y2[n]);
             double f = 0.5 * inverse_square * (rate[0] * y0[n] + rate[1] * y1[n] + rate[2] * y2[n]);
@@ -139,12 +139,14 @@ class ExactFreeMotion {
             // two terms in a row, as one may vanish by chance
             in_a_row = last <= small && std::abs(f) <= small_rate ? in_a_row + 1 : 0;
             if (in_a_row < 2) continue;
+            // the largest term last: summed the other way the roundings have a mean, and the energy drifts
+            const Vector3<double> change = Vector3<double>(y0[1], y1[1], y2[1]) + rest;
             // sin^2 of a quarter of the angle between y(h) and y(0)
             const double sigma = 0.25 * inverse_square * dot(change, change);
             if (sigma > 0.5) return false;
             const double cosine = std::sqrt(1 - sigma), scale = 2 * square * cosine;
-            // divided, not multiplied by a reciprocal: the rounding of 1/L^2 is the same at every step, and swings that
-            // are all too long by it let the energy drift
+            // divided, not multiplied by a reciprocal whose rounding is the same at every step: swings that are all too
+            // long by it let the energy drift likewise
             const Vector3<double> across = cross(change, start);
             const Turn swing{-sigma / (1 + cosine), {across[0] / scale, across[1] / scale, across[2] / scale}};
             d = then(turn_by((h * phi) * start), swing);

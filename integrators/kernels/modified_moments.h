@@ -44,18 +44,18 @@ class ModifiedMoments {
         for (int k = 0; k < terms; ++k) {
             S[k] = product(A, B, k) / (2 * k + 1);
             const auto rising = [k](const Series& u, const Series& v) { return k > 0 ? product(u, v, k - 1) : 0; };
-            P1[k] = 0.5 / (2 * k + 1) *
-                    (r1 * product(P0, A, k) + z33 * (r3 * rising(P2, B) - r2 * range * rising(P3, S)));
-            P3[k] = 0.5 / (2 * k + 1) *
-                    (r3 * product(P0, B, k) + z11 * (r2 * range * rising(P1, S) - r1 * rising(P2, A)));
-            P2[k] = 0.5 / (2 * k + 2) *
-                    (r2 * range * product(P0, S, k) + r1 * product(P3, A, k) - r3 * product(P1, B, k));
+            P1[k] =
+                0.5 / (2 * k + 1) * (r1 * product(P0, A, k) + z33 * (r3 * rising(P2, B) - r2 * range * rising(P3, S)));
+            P3[k] =
+                0.5 / (2 * k + 1) * (r3 * product(P0, B, k) + z11 * (r2 * range * rising(P1, S) - r1 * rising(P2, A)));
+            P2[k] =
+                0.5 / (2 * k + 2) * (r2 * range * product(P0, S, k) + r1 * product(P3, A, k) - r3 * product(P1, B, k));
             if (k + 1 == terms) break;
             A[k + 1] = -0.5 / (k + 1) * (r2 - r3) * range * z33 * product(S, B, k);
             B[k + 1] = -0.5 / (k + 1) * (r1 - r2) * range * z11 * product(S, A, k);
-            P0[k + 1] = -0.25 / (k + 1) *
-                        (z11 * r1 * product(P1, A, k) + z33 * r3 * product(P3, B, k) +
-                         z11 * z33 * r2 * range * rising(P2, S));
+            P0[k + 1] =
+                -0.25 / (k + 1) *
+                (z11 * r1 * product(P1, A, k) + z33 * r3 * product(P3, B, k) + z11 * z33 * r2 * range * rising(P2, S));
         }
         // (1, e) = q(-h/2)^-1 q(h/2), where q(-t) = (P_0, -.., +.., -..)
         Series turn0{}, turn1{}, turn3{};

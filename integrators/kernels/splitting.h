@@ -94,8 +94,9 @@ class Splitting : public MomentumState {
 
 /// What a kick at a fixed attitude cannot follow; empty where it can.
 inline std::string_view refused_by_kicks(const Problem& problem) {
-    return problem.needs.user_torque ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"
-                                     : "";
+    return problem.needs.user_torque
+               ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"
+               : "";
 }
 
 }  // namespace polhode

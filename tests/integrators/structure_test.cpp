@@ -70,10 +70,10 @@ class Structure : public ::testing::TestWithParam<const char*> {};
 
 std::string name_of_case(const ::testing::TestParamInfo<const char*>& info) { return info.param; }
 
-constexpr const char* keep_momentum_and_energy[] = {"moser_veselov2",   "moser_veselov4",   "moser_veselov6",
-                                                    "moser_veselov8",   "moser_veselov10",  "splitting_exact2",
+constexpr const char* keep_momentum_and_energy[] = {"moser_veselov2",   "moser_veselov4",  "moser_veselov6",
+                                                    "moser_veselov8",   "moser_veselov10", "splitting_exact2",
                                                     "splitting_exact8", "simo_wong"};
-constexpr const char* keep_momentum[] = {"splitting2", "splitting4",       "splitting6", "splitting8",
+constexpr const char* keep_momentum[] = {"splitting2", "splitting4",       "splitting6",  "splitting8",
                                          "buss",       "commutator_free4", "munthe_kaas4"};
 
 class KeepsMomentumAndEnergy : public Structure {};
@@ -102,7 +102,8 @@ TEST(Structure, SplittingsEnergyErrorStaysTheStepsOwn) {
     for (const char* method : {"splitting2", "splitting4", "splitting_exact2", "moser_veselov4"}) {
         const Drift found = drift(heavy_top(1), method, most_steps / 4, 0.002);
         const auto middle = found.energy.begin() + static_cast<long>(found.energy.size() / 2);
-        const double first = *std::max_element(found.energy.begin(), middle), second = *std::max_element(middle, found.energy.end());
+        const double first = *std::max_element(found.energy.begin(), middle),
+                     second = *std::max_element(middle, found.energy.end());
         EXPECT_GT(first, 1e-14) << method;
         EXPECT_LT(second, 1.2 * first) << method;
         EXPECT_LT(worst(found.momentum_z), 2e-15) << method;
@@ -148,8 +149,9 @@ TEST(Structure, FlowsAreSymmetric) {
 /// Short steps by the Taylor series, long ones by Jacobi's functions: two formulations, one motion.
 TEST(Structure, FreeMotionIsExactAtEveryStep) {
     Scene scene = free_body(1);
-    for (const Vector3<double>& moments : {Vector3<double>(1, 2, 3), Vector3<double>(0.6, 0.8, 1), Vector3<double>(2, 2, 1),
-                                           Vector3<double>(1, 1.0000001, 1.5), Vector3<double>(2, 2, 2)}) {
+    for (const Vector3<double>& moments :
+         {Vector3<double>(1, 2, 3), Vector3<double>(0.6, 0.8, 1), Vector3<double>(2, 2, 1),
+          Vector3<double>(1, 1.0000001, 1.5), Vector3<double>(2, 2, 2)}) {
         scene.body.inertia_B = diagonal(moments);
         const Problem problem = pose(scene);
         const Vector3<double> w(1, -0.7, 0.4), y(moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]);
@@ -195,8 +197,8 @@ TEST(Structure, CompositionsMeetTheirOrderConditions) {
 
 /// Every load that a method takes, against the same motion by another formulation: it converges at its order.
 TEST(Structure, AllLoadsOfASceneAtTheClaimedOrder) {
-    for (const char* name : {"splitting2", "splitting4", "splitting6", "splitting_exact4", "moser_veselov6", "munthe_kaas4",
-                             "commutator_free4", "implicit_midpoint"}) {
+    for (const char* name : {"splitting2", "splitting4", "splitting6", "splitting_exact4", "moser_veselov6",
+                             "munthe_kaas4", "commutator_free4", "implicit_midpoint"}) {
         const Scene scene = everything(1);
         const Quaternion<double> truth = with_tolerance(scene, "odeint_fehlberg78", 1e-14).samples.back().q;
         const Method& method = *find_method(name);

@@ -110,7 +110,7 @@ class ExactFreeMotion {
         const double a0 = h * coefficient_[0], a1 = h * coefficient_[1], a2 = h * coefficient_[2];
         const Vector3<double> rate(inverse_moments_[0] * start[0], inverse_moments_[1] * start[1],
                                    inverse_moments_[2] * start[2]);
-        std::array<double, most + 1> y0, y1, y2, D, F;
+        std::array<double, most + 1> y0{}, y1{}, y2{}, D{}, F{};
         y0[0] = start[0], y1[0] = start[1], y2[0] = start[2];
         F[0] = dot(rate, start) * inverse_square;
         const double small = 0x1p-58 * length, small_rate = 0x1p-58 * F[0];

@@ -124,7 +124,4 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
     return march<S>(problem, settings, options...);
 }
 
-/// Whether a user's own torque acts at any time, or forces tie translation to the attitude.
-inline bool has_user_torque(const Problem& problem) { return problem.needs.user_torque; }
-
 }  // namespace polhode

@@ -14,9 +14,9 @@ namespace polhode {
 /// (1 - exp(-x)) / x
 inline double mean_decay(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
-/// v of dv/dt = a - k v a time h later, h of either sign.
-inline Vector3<double> damped(const Vector3<double>& v, const Vector3<double>& a, double k, double h) {
-    return std::exp(-k * h) * v + (h * mean_decay(k * h)) * a;
+/// By how much v of dv/dt = a - k v changes in a time h of either sign.
+inline Vector3<double> damped_change(const Vector3<double>& v, const Vector3<double>& a, double k, double h) {
+    return (h * mean_decay(k * h)) * (a - k * v);
 }
 
 /// With u = V^T I^-1/2 y and the eigenvalues l of I^-1/2 D I^-1/2 = V diag(l) V^T: du/dt = V^T I^-1/2 tau - l u.
@@ -36,12 +36,13 @@ class RotationalDamping {
         }
     }
 
-    /// y a time h later, h of either sign.
-    Vector3<double> after(double h, const Vector3<double>& y, const Vector3<double>& tau) const {
+    /// By how much y changes in a time h of either sign: that alone goes to the eigenvectors' axes and back, so that
+    /// their rounding is relative to it.
+    Vector3<double> change(double h, const Vector3<double>& y, const Vector3<double>& tau) const {
         const Vector3<double> u = axes_ * unscaled(y), f = axes_ * unscaled(tau);
-        Vector3<double> later;
-        for (int i = 0; i < 3; ++i) later[i] = std::exp(-rate_[i] * h) * u[i] + h * mean_decay(rate_[i] * h) * f[i];
-        const Vector3<double> back = transposed(axes_) * later;
+        Vector3<double> moved;
+        for (int i = 0; i < 3; ++i) moved[i] = h * mean_decay(rate_[i] * h) * (f[i] - rate_[i] * u[i]);
+        const Vector3<double> back = transposed(axes_) * moved;
         return {root_[0] * back[0], root_[1] * back[1], root_[2] * back[2]};
     }
 

@@ -64,15 +64,13 @@ class Splitting : public MomentumState {
     void kick(double h) {
         if (forcing_->has_damping) {
             const Matrix3<double> back = transposed(R_);
-            const Vector3<double> y = back * momentum_.value();
-            momentum_.add(R_ * (damping_.after(h, y, back * torque_) - y));
+            momentum_.add(R_ * damping_.change(h, back * momentum_.value(), back * torque_));
         } else {
             momentum_.add(h * torque_);
         }
         if (!translates_) return;
         if (forcing_->has_translational_drag) {
-            const Vector3<double> v = velocity_.value();
-            velocity_.add(damped(v, push_, forcing_->specific_drag, h) - v);
+            velocity_.add(damped_change(velocity_.value(), push_, forcing_->specific_drag, h));
         } else {
             velocity_.add(h * push_);
         }

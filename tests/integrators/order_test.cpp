@@ -140,30 +140,48 @@ Judge momentum_judge(const Scene& scene, double per_second, double first, double
         const MomentumForm independent(scene);
         const int steps = static_cast<int>(scene.duration * per_second);
         known[key] = independent.attitude(scene.duration, 2 * steps);
-        EXPECT_LT(attitude_error(known[key], independent.attitude(scene.duration, steps)), 0.01 * floor);
+        EXPECT_LT(attitude_error(known[key], independent.attitude(scene.duration, steps)), 0.05 * floor);
     }
     return {scene, known[key], first, floor};
 }
 
-Judge symmetric_judge(int order) {
+/// Methods of high order that add with compensation: their error is seen down to a few roundings, and has to be, as it
+/// is of many stages (splitting) or small at every step (modified moments).
+bool rounds_little(const Method& method) {
+    return method.order > 6 && (method.name.starts_with("splitting") || method.name.starts_with("moser_veselov"));
+}
+constexpr double low_floor = 1e-13;
+
+Judge symmetric_judge(const Method& method) {
+    const int order = method.order;
     const Scene scene = symmetric_body(order > 6 ? 50 : order > 4 ? 20 : 3);
     // so high an order leaves three halvings of h between the steps that can be solved and round-off
-    if (order > 8) return {scene, symmetric_attitude(scene, scene.duration), 2, 5e-13};
+    if (order > 8 && !rounds_little(method)) return {scene, symmetric_attitude(scene, scene.duration), 2, 5e-13};
     // a relaxed step of order 8 is left as it is once its energy error is round-off: from 10^-11 rad on
-    return {scene, symmetric_attitude(scene, scene.duration), 0.5, order > 6 ? 2e-11 : floor_at_100};
+    const double floor = rounds_little(method) ? low_floor : order > 6 ? 2e-11 : floor_at_100;
+    return {scene, symmetric_attitude(scene, scene.duration), 0.5, floor};
 }
 /// I = (1, 2, 3) for the lower orders; for the high ones, whose pre-asymptotic steps reach deep there, the body of
 /// Hairer & Vilmart (2006).
-Judge asymmetric_judge(int order) {
+Judge asymmetric_judge(const Method& method) {
+    const int order = method.order;
     if (order <= 6) return momentum_judge(free_body(order > 4 ? 5 : 3), 4, 0.5, floor_at_100);
+    if (rounds_little(method)) return momentum_judge(free_body(20), 4, 0.5, low_floor);
     Scene scene = free_body(20);
+    scene.name = "Hairer and Vilmart's body";
     scene.body.inertia_B = diagonal(Vector3<double>(0.6, 0.8, 1));
     scene.initial.angular_velocity = {3, 0.5, -0.9};
     return momentum_judge(scene, 8, order > 8 ? 20.0 / 14 : 0.5, 2e-12);
 }
-Judge top_judge(int order) {
-    const double T = order > 6 ? 8 : order > 4 ? 2 : 0.5;
-    return momentum_judge(heavy_top(T), 16, order > 8 ? 0.2 : 1.0 / 32, floor_at_100);
+Judge top_judge(const Method& method) {
+    if (rounds_little(method)) {
+        // slow: the error of a kick shows beside that of the free motion
+        Scene scene = heavy_top(12);
+        scene.name = "slow top", scene.initial.angular_velocity = {0, 0, 5};
+        return momentum_judge(scene, 16, 0.25, low_floor);
+    }
+    const double T = method.order > 6 ? 8 : method.order > 4 ? 2 : 0.5;
+    return momentum_judge(heavy_top(T), 16, method.order > 8 ? 0.2 : 1.0 / 32, floor_at_100);
 }
 
 class Order : public ::testing::TestWithParam<const Method*> {
@@ -176,9 +194,14 @@ class Order : public ::testing::TestWithParam<const Method*> {
             EXPECT_EQ(with_step(judge.scene, method.name.data(), judge.first).status, Status::unsupported);
             return;
         }
+        if (judge.scene.loads.empty() && method.name.starts_with("splitting_exact")) {
+            // the free motion itself: round-off is left at the coarsest step, and no order to be seen
+            EXPECT_LT(found.front(), judge.floor);
+            return;
+        }
         RecordProperty("order", std::to_string(observed_order(found, judge.floor)));
         const double order = observed_order(found, judge.floor);
-        if (method.order <= 8) {
+        if (method.order <= 8 || rounds_little(method)) {
             EXPECT_NEAR(order, method.order, 0.1) << ::testing::PrintToString(found);
         } else {
             // Far from the limit of small steps. A turn's phase is right to one order more: the leading error of a
@@ -189,9 +212,9 @@ class Order : public ::testing::TestWithParam<const Method*> {
     }
 };
 
-TEST_P(Order, IsTheClaimedOneOnAFreeSymmetricBody) { expect_claim(symmetric_judge(GetParam()->order)); }
-TEST_P(Order, IsTheClaimedOneOnAFreeAsymmetricBody) { expect_claim(asymmetric_judge(GetParam()->order)); }
-TEST_P(Order, IsTheClaimedOneOnAHeavyTop) { expect_claim(top_judge(GetParam()->order)); }
+TEST_P(Order, IsTheClaimedOneOnAFreeSymmetricBody) { expect_claim(symmetric_judge(*GetParam())); }
+TEST_P(Order, IsTheClaimedOneOnAFreeAsymmetricBody) { expect_claim(asymmetric_judge(*GetParam())); }
+TEST_P(Order, IsTheClaimedOneOnAHeavyTop) { expect_claim(top_judge(*GetParam())); }
 
 INSTANTIATE_TEST_SUITE_P(All, Order, ::testing::ValuesIn(stepped()),
                          [](const auto& of) { return std::string(of.param->name); });

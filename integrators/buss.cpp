@@ -1,0 +1,66 @@
+// The augmented second-order method of S. R. Buss (2000): one turn by
+//
+//   h (w + h/2 dw/dt + h^2/12 dw/dt x w)
+//
+// the vectors in world axes. A turn by a vector of the world is one by its components in the body's axes of that
+// moment, applied from the other side, so the formula is read there: dw/dt = I^-1 (tau - w x y) are the components of
+// either frame's derivative. (It is the sign of the rates' second derivative that tells the frames apart.)
+#include <span>
+
+#include "integrators/kernels/momentum_state.h"
+
+namespace polhode {
+namespace {
+
+class Buss : public MomentumState {
+  public:
+    explicit Buss(const Problem& problem) : MomentumState(problem) {}
+
+    void step(double t, double h) {
+        const Quaternion<double> q = attitude_.value();
+        const Matrix3<double> R = rotation_matrix(q), back = transposed(R);
+        const Vector3<double> L = momentum_.value(), y = back * L, w = rates(y);
+        const bool torque_acts = loaded();
+        Vector3<double> torque, acceleration = rates(cross(y, w));
+        if (torque_acts) {
+            torque = torque_W(t, R, q, w, {}, {});
+            acceleration = rates(cross(y, w) + back * torque);
+        }
+        ++evaluations_;
+        attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
+        if (!torque_acts) return;
+        // the mean of both ends' torques; that at the end by the rates of the momentum foreseen
+        const Quaternion<double> q_later = attitude_.value();
+        const Matrix3<double> R_later = rotation_matrix(q_later);
+        const Vector3<double> w_later = rates(transposed(R_later) * (L + h * torque));
+        momentum_.add((h / 2) * (torque + torque_W(t + h, R_later, q_later, w_later, {}, {})));
+        ++evaluations_;
+    }
+};
+
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    if (problem.needs.dimension == 13 && !problem.body.pivoted)
+        return unsupported("its equations are those of the rotation: where translation is integrated beside it, not");
+    return march_momentum<Buss>(problem, settings);
+}
+
+const Method family[] = {
+    {.name = "buss",
+     .documentation =
+         "The augmented second-order method of Buss: one turn by a rate corrected with the angular acceleration and "
+         "its cross product with the rate. The momentum is carried in world axes; torques change it by their mean at "
+         "both ends of the step. Explicit; all loads of a body whose rotation does not depend on its translation. "
+         "Order 2.",
+     .source = "S. R. Buss 2000, J. Comput. Phys. 164, 377",
+     .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
+     .control = Control::fixed_step,
+     .order = 2,
+     .solve = solve},
+};
+
+}  // namespace
+
+extern const std::span<const Method> buss_methods;
+const std::span<const Method> buss_methods = family;
+
+}  // namespace polhode

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "experiment/locks.h"
-#include "experiment/parallel.h"
+#include "table/parallel.h"
 #include "experiment/report.h"
 #include "experiment/sweep.h"
 

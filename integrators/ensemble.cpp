@@ -118,7 +118,7 @@ EnsembleRow solve_one(const Scene& scene, const EnsembleBody& body, const Ensemb
         const Trajectory trajectory = solve(problem, *choice.method, with_defaults(problem, *choice.method, run));
         row.status = trajectory.status;
         if (trajectory.status != Status::ok) row.message = trajectory.message;
-        if (!trajectory.samples.empty()) row.end = trajectory.samples.back();
+        if (!trajectory.samples.empty()) row.moved = true, row.end = trajectory.samples.back();
     } catch (const std::exception& error) {
         row.status = Status::failed, row.message = error.what();
     }
@@ -281,9 +281,52 @@ class Block {
         return decay * (piece.end - piece.begin) <= stiff_decays;
     }
 
+    // The axis of two equal moments that all fields' moments lie along, where nothing else acts; -1 if there is none.
+    static int symmetry_axis(const Piece& piece, const Traveller& t, const LoadedLane& lane) {
+        const LoadTerms& terms = piece.terms;
+        if (terms.torque || terms.damping || terms.spring || terms.axes == 0) return -1;
+        for (int s = 0; s < 3; ++s) {
+            const int i = (s + 1) % 3, j = (s + 2) % 3;
+            bool along = t.frame.moments[i] == t.frame.moments[j];
+            for (int n = 0; n < terms.axes; ++n) {
+                const auto& M = lane.field[n];
+                along = along && M[s][i] == 0 && M[s][j] == 0 && M[0][0] == 0 && M[1][1] == 0 && M[2][2] == 0;
+            }
+            if (along) return s;
+        }
+        return -1;
+    }
+
+    // From principal axes to those of SymmetricSeries, both they and the world's relabelled (i, j, s) -> (1, 2, 3).
+    static LoadedLane symmetric_lane(int s, const Piece& piece, const Traveller& t, const LoadedLane& lane) {
+        const int i = (s + 1) % 3, j = (s + 2) % 3;
+        LoadedLane relabelled;
+        relabelled.w[0] = lane.w[i], relabelled.w[1] = lane.w[j], relabelled.w[2] = lane.w[s];
+        const double q[4] = {lane.q[0], lane.q[1 + i], lane.q[1 + j], lane.q[1 + s]};
+        std::copy_n(q, 4, relabelled.q);
+        relabelled.gyroscopic[0] = t.frame.moments[s] * lane.w[s] * t.frame.inverse_moments[i];
+        relabelled.least_rate = std::abs(relabelled.gyroscopic[0]);
+        for (int n = 0; n < piece.terms.axes; ++n) relabelled.field[n][0][0] = lane.field[n][j][i];
+        return relabelled;
+    }
+
+    static void leave_symmetric_axes(int s, LoadedLane& lane) {
+        const int i = (s + 1) % 3, j = (s + 2) % 3;
+        const double angle = lane.w[2] * lane.reached, sine = std::sin(angle), cosine = std::cos(angle);
+        const Quaternion<double> spin{std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
+        const Quaternion<double> q = Quaternion<double>{lane.q[0], lane.q[1], lane.q[2], lane.q[3]} * spin;
+        double w[3], principal[4] = {q.w, 0, 0, 0};
+        w[i] = cosine * lane.w[0] + sine * lane.w[1];
+        w[j] = cosine * lane.w[1] - sine * lane.w[0];
+        w[s] = lane.w[2];
+        principal[1 + i] = q.x, principal[1 + j] = q.y, principal[1 + s] = q.z;
+        std::copy_n(w, 3, lane.w);
+        std::copy_n(principal, 4, lane.q);
+    }
+
     void advance_loaded(const Piece& piece) {
-        lanes_.clear();
-        laned_.clear();
+        // [3]: any body; [s]: symmetric about axis s
+        for (auto& queue : queues_) queue.lanes.clear(), queue.travellers.clear();
         for (Traveller& t : travellers_) {
             if (!t.running) continue;
             LoadedLane lane;
@@ -291,30 +334,42 @@ class Block {
                 t.running = false, t.one_by_one = true;
                 continue;
             }
-            lanes_.push_back(lane);
-            laned_.push_back(&t);
+            const int s = symmetry_axis(piece, t, lane);
+            Queue& queue = queues_[s < 0 ? 3 : static_cast<std::size_t>(s)];
+            queue.lanes.push_back(s < 0 ? lane : symmetric_lane(s, piece, t, lane));
+            queue.travellers.push_back(&t);
         }
         const LaneSteps steps{piece.end - piece.begin, std::max(settings_.tolerance, least_tolerance) / 10,
                               static_cast<double>(settings_.max_steps)};
-        advance_loaded_lanes(lanes_.data(), lanes_.size(), piece.terms, steps, settings_.instructions);
-        for (std::size_t i = 0; i < lanes_.size(); ++i) {
-            const LoadedLane& lane = lanes_[i];
-            Traveller& t = *laned_[i];
-            t.w = {lane.w[0], lane.w[1], lane.w[2]};
-            t.q = {lane.q[0], lane.q[1], lane.q[2], lane.q[3]};
-            if (lane.end != LoadedLane::End::reached) {
-                const double at = piece.begin + lane.reached;
-                const bool finite = lane.end != LoadedLane::End::not_finite;
-                fail(t, finite ? Status::failed : Status::diverged, at,
-                     finite ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
-                            : "the motion is not finite after t = " + shortest_decimal(at));
-                continue;
+        for (int s = 0; s < 4; ++s) {
+            Queue& queue = queues_[static_cast<std::size_t>(s)];
+            if (queue.lanes.empty()) continue;
+            LoadTerms terms = piece.terms;
+            if (s < 3)
+                for (int& axis : terms.axis) axis = (axis - s + 2) % 3;
+            advance_loaded_lanes(queue.lanes.data(), queue.lanes.size(), terms, s < 3, steps, settings_.instructions);
+            for (std::size_t i = 0; i < queue.lanes.size(); ++i) {
+                if (s < 3) leave_symmetric_axes(s, queue.lanes[i]);
+                arrive(piece, queue.lanes[i], *queue.travellers[i]);
             }
-            translate_free(piece, t);
-            if (settings_.tolerance < least_tolerance && rows_[t.row].status == Status::ok) {
-                rows_[t.row].status = Status::tolerance_not_met;
-                rows_[t.row].message = "a tolerance below 1e-15 is less than binary64 can meet";
-            }
+        }
+    }
+
+    void arrive(const Piece& piece, const LoadedLane& lane, Traveller& t) {
+        t.w = {lane.w[0], lane.w[1], lane.w[2]};
+        t.q = {lane.q[0], lane.q[1], lane.q[2], lane.q[3]};
+        if (lane.end != LoadedLane::End::reached) {
+            const double at = piece.begin + lane.reached;
+            const bool finite = lane.end != LoadedLane::End::not_finite;
+            fail(t, finite ? Status::failed : Status::diverged, at,
+                 finite ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
+                        : "the motion is not finite after t = " + shortest_decimal(at));
+            return;
+        }
+        translate_free(piece, t);
+        if (settings_.tolerance < least_tolerance) {
+            rows_[t.row].status = Status::tolerance_not_met;
+            rows_[t.row].message = "a tolerance below 1e-15 is less than binary64 can meet";
         }
     }
 
@@ -327,6 +382,7 @@ class Block {
     void end(const Traveller& t, double at) {
         Sample& s = rows_[t.row].end;
         const bool turned = !(t.frame.q_BP == Quaternion<double>{});
+        rows_[t.row].moved = true;
         s.t = at;
         s.q = turned ? t.q * conjugate(t.frame.q_BP) : t.q;
         s.angular_velocity_B = turned ? rotate(t.frame.q_BP, t.w) : t.w;
@@ -341,8 +397,11 @@ class Block {
     std::span<EnsembleRow> rows_;
     std::vector<Traveller> travellers_;
     std::vector<FreeOctet> octets_;
-    std::vector<LoadedLane> lanes_;
-    std::vector<Traveller*> laned_;
+    struct Queue {
+        std::vector<LoadedLane> lanes;
+        std::vector<Traveller*> travellers;
+    };
+    std::array<Queue, 4> queues_;
 };
 
 }  // namespace

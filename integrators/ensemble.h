@@ -23,6 +23,7 @@ struct EnsembleSettings {
 /// What became of one body.
 struct EnsembleRow {
     Status status = Status::ok;
+    bool moved = false;   ///< `end` holds a motion: false for a body that could not begin
     Sample end;           ///< the motion at the scene's duration, or where the body's run ended
     std::string message;  ///< why, wherever status is not ok
 };

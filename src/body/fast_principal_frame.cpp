@@ -7,8 +7,8 @@ namespace {
 
 // One of Jacobi's rotations, in the (p, r) plane (Golub & Van Loan, 8.5); see principal_frame.cpp.
 bool rotate_away(double (&a)[3][3], double (&q)[4], int p, int r) {
-    const double entry = a[p][r], size = std::abs(a[p][p]) + std::abs(a[r][r]);
-    if (entry == 0 || std::abs(entry) <= 1e-20 * size) {
+    const double entry = a[p][r], negligible = 1e-20 * std::abs(a[p][p]) + 1e-20 * std::abs(a[r][r]);
+    if (entry == 0 || std::abs(entry) <= negligible) {
         a[p][r] = a[r][p] = 0;
         return false;
     }

@@ -13,7 +13,6 @@
 #include "app/commands.h"
 #include "app/tolerated.h"
 #include "experiment/altered_motion.h"
-#include "experiment/parallel.h"
 #include "integrators/conditioning.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
@@ -22,6 +21,7 @@
 #include "scene/message.h"
 #include "scene/scene_file.h"
 #include "table/decimal.h"
+#include "table/parallel.h"
 
 namespace polhode {
 namespace {

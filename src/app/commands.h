@@ -22,6 +22,7 @@ void add_truth(CLI::App& program, int& exit_code);
 void add_check(CLI::App& program, int& exit_code);
 void add_list(CLI::App& program, int& exit_code);
 void add_export(CLI::App& program, int& exit_code);
+void add_ensemble(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.
 class UsageError : public std::runtime_error {

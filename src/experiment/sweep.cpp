@@ -9,13 +9,13 @@
 #include "experiment/case.h"
 #include "experiment/case_store.h"
 #include "experiment/locks.h"
-#include "experiment/parallel.h"
 #include "experiment/pattern.h"
 #include "experiment/progress.h"
 #include "experiment/timing.h"
 #include "integrators/conditioning.h"
 #include "integrators/march.h"
 #include "integrators/truth/reference.h"
+#include "table/parallel.h"
 
 namespace polhode {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "motion/needs.h"
+#include "motion/translation.h"
 
 namespace polhode {
 namespace {
@@ -48,27 +49,10 @@ Forcing<double> rounded(const Forcing<Wide>& f) {
     return r;
 }
 
-// (x - 1 + e^-x) / x^2, by its series where the closed form would cancel
-double second_decay_integral(double x) {
-    if (x > 0.5) return (x + std::expm1(-x)) / (x * x);
-    double term = 0.5, sum = 0;
-    for (int n = 3; n < 24; ++n) sum += term, term *= -x / n;
-    return sum;
-}
-
-// p and v a time `after` the segment's begin, under its constant acceleration a and drag k:
-// v = v0 e^-kt + a (1 - e^-kt)/k,  p = p0 + v0 (1 - e^-kt)/k + a (kt - 1 + e^-kt)/k^2
+// p and v a time `after` the segment's begin
 void translate(const Segment& s, double after, Vector3<double>& p, Vector3<double>& v) {
-    const double k = s.forcing.has_translational_drag ? s.forcing.specific_drag : 0;
-    if (k == 0) {
-        p = s.position_W + (after * s.velocity_W + (0.5 * (after * after)) * s.forcing.acceleration_W);
-        v = s.velocity_W + after * s.forcing.acceleration_W;
-        return;
-    }
-    const double decayed = -std::expm1(-k * after) / k;
-    const double twice = after * after * second_decay_integral(k * after);
-    p = s.position_W + (decayed * s.velocity_W + twice * s.forcing.acceleration_W);
-    v = std::exp(-k * after) * s.velocity_W + decayed * s.forcing.acceleration_W;
+    p = s.position_W, v = s.velocity_W;
+    translate(s.forcing.acceleration_W, s.forcing.has_translational_drag ? s.forcing.specific_drag : 0, after, p, v);
 }
 
 PosedUserTorque posed_user_torque(const UserTorque& load, const Quaternion<double>& q_BP) {

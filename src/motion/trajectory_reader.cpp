@@ -7,6 +7,7 @@
 
 #include "body/orientation.h"
 #include "motion/trajectory_csv.h"
+#include "scene/csv_lines.h"
 #include "scene/json_document.h"
 #include "scene/message.h"
 #include "table/decimal.h"
@@ -14,7 +15,7 @@
 namespace polhode {
 namespace {
 
-constexpr std::size_t largest_file = std::size_t{1} << 30, longest_line = 64u << 10;
+constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 struct Column {
     const char* name;
@@ -50,31 +51,22 @@ const std::vector<Column>& known_columns() {
     return columns;
 }
 
-std::string_view trimmed(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(" \t");
-    if (first == text.npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 // One file, line by line.
 class Reader {
   public:
     Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion)
-        : rest_(text), file_(file), quaternion_(quaternion) {}
+        : lines_(text, file), file_(file), quaternion_(quaternion) {}
 
     TrajectoryFile read() {
-        if (rest_.starts_with("\xef\xbb\xbf")) {
-            rest_.remove_prefix(3);
-            read_past("line 1 begins with a byte order mark");
-        }
-        if (!next_line()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
+        if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
         header();
-        while (next_line()) {
+        while (lines_.next()) {
             // as many as there are lines of this length
-            if (result_.rows.empty()) result_.rows.reserve(rest_.size() / (line_.size() + 1) + 2);
+            if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
         if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
+        result_.read_past = lines_.read_past();
         return std::move(result_);
     }
 
@@ -82,64 +74,23 @@ class Reader {
     [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
         throw InputError(file_, place, fault, remedy);
     }
-    void read_past(const std::string& what) { result_.read_past += (result_.read_past.empty() ? "" : ", ") + what; }
-    std::string here() const { return fmt::format("line {}", line_number_); }
+    std::string here() const { return fmt::format("line {}", lines_.number()); }
     std::string at(std::size_t column) const {
-        return fmt::format("line {}, column {}", line_number_, columns_[column]->name);
-    }
-
-    // The next line that is no comment; false at the end. Blank lines may stand at the end alone.
-    bool next_line() {
-        for (;;) {
-            if (rest_.empty()) return false;
-            const std::size_t end = rest_.find('\n');
-            line_ = rest_.substr(0, end);
-            rest_ = end == rest_.npos ? std::string_view() : rest_.substr(end + 1);
-            ++line_number_;
-            if (!line_.empty() && line_.back() == '\r') {
-                line_.remove_suffix(1);
-                if (!returns_) read_past(fmt::format("line {} ends in a carriage return", line_number_));
-                returns_ = true;
-            }
-            if (line_.size() > longest_line)
-                fail(here(), "has more than 64 KiB", "give one sample a line, of a few hundred characters");
-            if (const std::size_t zero = line_.find('\0'); zero != line_.npos)
-                fail(fmt::format("line {}, character {}", line_number_, zero + 1), "is a zero byte",
-                     "give a text file");
-            if (line_.starts_with('#')) continue;
-            if (!trimmed(line_).empty()) return true;
-            if (rest_.find_first_not_of(" \t\r\n") == rest_.npos) return false;
-            fail(here(), "is blank", "leave the line out");
-        }
-    }
-
-    // Cuts the line into cells at its commas.
-    void split() {
-        cells_.clear();
-        for (std::size_t begin = 0;;) {
-            const std::size_t comma = line_.find(',', begin);
-            cells_.push_back(trimmed(line_.substr(begin, comma - begin)));
-            if (comma == line_.npos) return;
-            begin = comma + 1;
-        }
+        return fmt::format("line {}, column {}", lines_.number(), columns_[column]->name);
     }
 
     void header() {
-        split();
-        if (cells_.size() == 1)
-            for (const auto& [separator, name] : {std::pair(';', "semicolons"), std::pair('\t', "tabs")})
-                if (line_.find(separator) != line_.npos)
-                    fail(here() + ", column 1", fmt::format("has {} between the columns", name),
-                         "separate them by commas, and write decimals with a point");
+        const auto& cells = lines_.cells();
+        lines_.refuse_other_separators();
         std::vector<std::string> names;
         for (const Column& known : known_columns()) names.emplace_back(known.name);
         int seen[blocks] = {};
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::string place = fmt::format("line {}, column {}", line_number_, i + 1);
-            const auto found = std::find(names.begin(), names.end(), cells_[i]);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const std::string place = fmt::format("line {}, column {}", lines_.number(), i + 1);
+            const auto found = std::find(names.begin(), names.end(), cells[i]);
             if (found == names.end()) {
-                const std::string meant = did_you_mean(cells_[i], names);
-                fail(place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
+                const std::string meant = did_you_mean(cells[i], names);
+                fail(place, cells[i].empty() ? "has no name" : "is named " + one_line(cells[i], 60),
                      fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", listed(names)));
             }
             const Column& column = known_columns()[static_cast<std::size_t>(found - names.begin())];
@@ -174,20 +125,20 @@ class Reader {
     }
 
     void sample() {
-        split();
-        if (cells_.size() != columns_.size())
-            fail(here(), fmt::format("has {} cells under {} columns", cells_.size(), columns_.size()),
+        const auto& cells = lines_.cells();
+        if (cells.size() != columns_.size())
+            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
                  "give a number for each column");
         TrajectoryRow row;
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::optional<double> value = parse_decimal(cells_[i]);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                fail(at(i), cells_[i].empty() ? "is empty" : one_line(cells_[i], 60) + " is no number",
+                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
                      "give a decimal number such as -1.5e-3");
-            if (!std::isfinite(*value)) fail(at(i), one_line(cells_[i], 60) + " is not finite", "give a finite number");
+            if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
             if (places_[i] != nullptr) *places_[i](row) = *value;
         }
-        const std::string time = fmt::format("line {}, column t", line_number_);
+        const std::string time = fmt::format("line {}, column t", lines_.number());
         if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
         if (!result_.rows.empty() && !(row.t > result_.rows.back().t))
             fail(time,
@@ -196,20 +147,17 @@ class Reader {
                  "give each time once, in order");
         const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
-            fail(fmt::format("line {}, columns qw,qx,qy,qz", line_number_),
+            fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
                  fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
         result_.rows.push_back(row);
     }
 
-    std::string_view rest_, line_;
+    CsvLines lines_;
     const std::string& file_;
     QuaternionColumns quaternion_;
-    long line_number_ = 0;
-    bool returns_ = false;                             // a line ended in \r\n
     std::vector<const Column*> columns_;               // in the file's order
     std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
-    std::vector<std::string_view> cells_;
     TrajectoryFile result_;
 };
 

@@ -49,6 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
                     Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
                     Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
+                    Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
                     Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
     name_of);
 

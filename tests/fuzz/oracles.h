@@ -14,8 +14,10 @@
 #include "body/mesh.h"
 #include "experiment/result.h"
 #include "experiment/write_experiment.h"
+#include "integrators/ensemble.h"
 #include "integrators/truth/cache.h"
 #include "motion/convention.h"
+#include "motion/ensemble_table.h"
 #include "motion/problem.h"
 #include "motion/sample_clock.h"
 #include "motion/trajectory_csv.h"
@@ -121,6 +123,25 @@ inline void trajectory(std::string_view text) {
             require(k == 0 || other.rows[k].t > other.rows[k - 1].t, "a clock goes back");
             require(std::abs(other.rows[k].t - before[k].t) <= 1e-6 * before[k].t, "a clock is moved too far");
         }
+    }
+}
+
+/// Tables of ensembles, in flight and about a pivot: what is taken can be solved, each row ending in a status.
+inline void ensemble(std::string_view text) {
+    Scene scene;
+    scene.name = "fuzz", scene.duration = 1;
+    if (one_in(2, text)) scene.pivot = Vector3<double>(0, 0, 0);
+    const std::optional<EnsembleTable> table = parsed([&] { return parse_ensemble(text, "fuzz", scene); });
+    if (!table) return;
+    const bool pivoted = scene.pivot.has_value();
+    const EnsembleTable again = parse_ensemble(write_ensemble(*table, pivoted), "written", scene);
+    require(again.bodies == table->bodies && again.ids == table->ids, "an ensemble does not read back");
+    require(table->ids.empty() || table->ids.size() == table->bodies.size(), "ids are lost");
+    for (const EnsembleBody& body : table->bodies) require(!fault_of(body, pivoted), "a body cannot be");
+    if (table->bodies.size() > 20) return;
+    for (const EnsembleRow& row : solve_ensemble(scene, table->bodies)) {
+        require((row.status == Status::ok) == row.message.empty(), "a status without its message");
+        require(row.status != Status::ok || squared_norm(row.end.q) * 0 == 0, "a row that is not finite is ok");
     }
 }
 

@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "experiment/locks.h"
-#include "experiment/parallel.h"
 #include "experiment/report.h"
 #include "experiment/sweep.h"
+#include "table/parallel.h"
 
 namespace polhode {
 namespace {

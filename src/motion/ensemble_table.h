@@ -1,0 +1,57 @@
+// Bodies by the row: the table that an ensemble starts from.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "body/algebra.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// One body of an ensemble: what it is and how it starts.
+struct EnsembleBody {
+    double mass = 1;                         ///< kg
+    Matrix3<double> inertia_B;               ///< kg m^2, about the centre of mass, off-diagonal entries -int xy dm
+    Quaternion<double> orientation;          ///< body to world; stands for its normalised value
+    Vector3<double> angular_velocity;        ///< rad/s, in the scene's angular_velocity_frame
+    Vector3<double> position_W, velocity_W;  ///< of the centre of mass, m and m/s; none with a pivot
+
+    bool operator==(const EnsembleBody&) const = default;
+};
+
+/// The scene's own body.
+EnsembleBody ensemble_body(const Scene& scene);
+
+/// What makes a body impossible: the columns at fault, what is wrong and what would be right.
+struct BodyFault {
+    std::string columns, fault, remedy;
+};
+
+/// The rules of a scene's body and start (see validate), for one row; `pivoted`: the scene holds a point of the body.
+std::optional<BodyFault> fault_of(const EnsembleBody& body, bool pivoted);
+
+/// What a table says. Columns that it lacks are the scene's.
+struct EnsembleTable {
+    std::vector<EnsembleBody> bodies;  ///< at least one
+    std::vector<std::string> ids;      ///< of the column `id`, as they stand; empty without it
+};
+
+/// Reads tables: a header, then a line a body; columns by name, in any order, at least one of
+///   qw,qx,qy,qz   wx,wy,wz   px,py,pz   vx,vy,vz   ixx,iyy,izz   ixy,ixz,iyz   mass   id
+/// q, w, p, v and the moments in whole blocks; products of inertia beside moments only. Without products a row's
+/// moments are those about its body axes. w is in the scene's angular_velocity_frame (the body's own axes unless the
+/// scene says "world"). Numbers, comments, line ends and faults as in trajectory files (motion/trajectory_csv.h); an id
+/// is any text without a comma, of at most 200 bytes. Throws InputError ("FILE: line 3, column mass: FAULT; REMEDY"),
+/// also for bodies that cannot be: see fault_of.
+EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene);
+
+/// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
+EnsembleTable read_ensemble(const std::string& path, const Scene& scene);
+
+/// A table of all columns that reads back to the same.
+std::string write_ensemble(const EnsembleTable& table, bool pivoted);
+
+}  // namespace polhode

@@ -1,0 +1,44 @@
+// The lines and cells of a CSV file, read strictly: what trajectory files and ensemble tables share.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace polhode {
+
+/// A text line by line, each cut into cells at its commas, spaces around a cell left out. Lines may end in \r\n, a byte
+/// order mark may stand in front, `#` begins a comment line. Throws InputError: a blank line between others, a zero
+/// byte, a line of more than 64 KiB.
+class CsvLines {
+  public:
+    /// Both outlive this; `file` is named in errors.
+    CsvLines(std::string_view text, const std::string& file);
+
+    /// The next line that is no comment; false at the end.
+    bool next();
+
+    long number() const { return number_; }  ///< from 1
+    /// Of the line at hand; good until next() is called again.
+    const std::vector<std::string_view>& cells() const { return cells_; }
+    /// About how many lines are left with this one, if all are as long.
+    std::size_t rows_left() const { return rest_.size() / (line_.size() + 1) + 2; }
+    /// "line 1 begins with a byte order mark", ..: empty where nothing was.
+    const std::string& read_past() const { return read_past_; }
+
+    /// For a header: throws InputError where one cell holds semicolons or tabs.
+    void refuse_other_separators() const;
+
+  private:
+    void note(const std::string& what) { read_past_ += (read_past_.empty() ? "" : ", ") + what; }
+    void split();
+
+    std::string_view rest_, line_;
+    const std::string& file_;
+    long number_ = 0;
+    bool returns_ = false;  // a line ended in \r\n
+    std::vector<std::string_view> cells_;
+    std::string read_past_;
+};
+
+}  // namespace polhode

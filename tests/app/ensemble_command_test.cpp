@@ -1,0 +1,128 @@
+// polhode ensemble: a body a row, from table to table.
+#include <cmath>
+
+#include "app/program_fixture.h"
+#include "integrators/scenes.h"
+#include "motion/trajectory_csv.h"
+
+namespace polhode {
+namespace {
+
+class EnsembleCommand : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        inputs = directory.string() + ".in";
+        fs::create_directory(inputs);
+        write("flight.json", R"({"name": "flight", "duration": 2, "body": {"mass": 2, "inertia": [1, 2, 2.5]},
+            "initial": {"angular_velocity": [0.3, 1, 2], "velocity": [1, 0, 0]},
+            "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
+    }
+    void TearDown() override {
+        fs::remove_all(inputs);
+        Program::TearDown();
+    }
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(inputs / name) << text;
+        return (inputs / name).string();
+    }
+    std::string scene() const { return (inputs / "flight.json").string(); }
+
+    fs::path inputs;
+};
+
+// The lines of a text, each cut at its commas.
+std::vector<std::vector<std::string>> cells_of(const std::string& text) {
+    std::vector<std::vector<std::string>> all;
+    std::size_t begin = 0;
+    while (begin < text.size()) {
+        const std::size_t end = text.find('\n', begin);
+        const std::string line = text.substr(begin, end - begin);
+        std::vector<std::string> cells;
+        for (std::size_t at = 0;;) {
+            const std::size_t comma = line.find(',', at);
+            cells.push_back(line.substr(at, comma - at));
+            if (comma == line.npos) break;
+            at = comma + 1;
+        }
+        all.push_back(cells);
+        begin = end + 1;
+    }
+    return all;
+}
+
+TEST_F(EnsembleCommand, ARowEach) {
+    const std::string table = write("t.csv", "id,wx,wy,wz,mass\na,0.3,1,2,2\nb,0,0,0,1\n");
+    const Outcome outcome = run({"ensemble", scene(), "--initial", table});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto rows = cells_of(outcome.out);
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(rows[0], (std::vector<std::string>{"row", "id", "status", "t", "qw", "qx", "qy", "qz", "wx", "wy", "wz",
+                                                 "px", "py", "pz", "vx", "vy", "vz", "message"}));
+    ASSERT_EQ(rows[1].size(), rows[0].size());
+    EXPECT_EQ(rows[1][0] + rows[1][1] + rows[1][2] + rows[1][3], "1aok2");
+    EXPECT_EQ(rows[2][1], "b");
+    EXPECT_EQ(rows[1].back(), "");
+    // the first row is the scene itself
+    const Outcome alone = run({"solve", scene(), "--samples", "1"});
+    const Sample last = samples_of(parse_trajectory(alone.out, "solve"), {}).back();
+    const auto& row = rows[1];
+    const auto number = [&](std::size_t i) { return std::stod(row[i]); };
+    EXPECT_LT(testing::attitude_error({number(4), number(5), number(6), number(7)}, last.q), 1e-13);
+    const TrajectoryRow world = parse_trajectory(alone.out, "solve").rows.back();
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(number(8 + i), world.angular_velocity_W[i], 1e-13);
+        EXPECT_NEAR(number(11 + i), world.position_W[i], 1e-13);
+        EXPECT_NEAR(number(14 + i), world.velocity_W[i], 1e-13);
+    }
+    // one at rest stays as it is, and falls: z = -9.75 t^2 / 2
+    EXPECT_EQ(rows[2][4], "1");
+    EXPECT_EQ(rows[2][13], "-19.5");
+    EXPECT_NE(outcome.err.find("2 ok"), std::string::npos) << outcome.err;
+}
+
+TEST_F(EnsembleCommand, OptionsAndFile) {
+    const std::string table = write("t.csv", "mass\n1\n2\n");
+    const Outcome outcome = run({"ensemble", scene(), "--initial", table, "--duration", "0.5", "--threads", "2",
+                                 "--tolerance", "1e-6", "--output", "out.csv"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    const auto rows = cells_of(read(directory / "out.csv"));
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(rows[1][2], "0.5");
+}
+
+TEST_F(EnsembleCommand, ARowWhoseMotionFailsIsARow) {
+    const std::string table = write("t.csv", "wx,wy,wz\n0.1,0,1\n1e5,1e6,0\n0.2,0,1\n");
+    const std::string top = write("top.json", R"({"name": "top", "duration": 1,
+        "body": {"mass": 1, "inertia": [0.75, 0.7, 0.5], "center_of_mass": [0, 0, 0.5]}, "pivot": [0, 0, 0],
+        "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
+    const Outcome outcome = run({"ensemble", top, "--initial", table, "--max-steps", "1000"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    const auto rows = cells_of(outcome.out);
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_EQ(rows[1][1], "ok");
+    EXPECT_EQ(rows[2][1], "failed");
+    EXPECT_EQ(rows[3][1], "ok");
+    EXPECT_NE(rows[2].back().find("1000 steps"), std::string::npos) << rows[2].back();
+    EXPECT_NE(outcome.err.find("row 2"), std::string::npos) << outcome.err;
+}
+
+TEST_F(EnsembleCommand, RefusesBadUsage) {
+    const std::string table = write("t.csv", "mass\n1\n"), bad = write("bad.csv", "mass\n1\n-1\n");
+    expect_refused({"ensemble", scene()}, "--initial");
+    expect_refused({"ensemble", scene(), "--initial", "none.csv"}, "none.csv");
+    expect_refused({"ensemble", "none.json", "--initial", table}, "none.json");
+    expect_refused({"ensemble", scene(), "--initial", bad}, "bad.csv: line 3, column mass: ");
+    expect_refused({"ensemble", scene(), "--initial", bad, "--output", "out.csv"}, "line 3");
+    for (const char* value : {"0", "-1", "nan", "inf"}) {
+        expect_refused({"ensemble", scene(), "--initial", table, "--tolerance", value}, "--tolerance");
+        expect_refused({"ensemble", scene(), "--initial", table, "--duration", value}, "--duration");
+    }
+    expect_refused({"ensemble", scene(), "--initial", table, "--threads", "0"}, "--threads");
+    expect_refused({"ensemble", scene(), "--initial", table, "--max-steps", "0"}, "--max-steps");
+    expect_refused({"ensemble", scene(), "--initial", table, "--output", "no/such/place.csv"}, "no/such/place.csv");
+}
+
+}  // namespace
+}  // namespace polhode

@@ -348,12 +348,12 @@ class ControlledRadau : public Radau<SystemType> {
             h *= std::min(0.5, 0.8 * std::pow(std::max(newton.expected, 1.0), -1.0 / (4 + most_ - newton.iterations)));
             return Attempt::rejected;
         }
-        const double error = std::max(estimate(t, h), 1e-10);
+        const double error = std::max(estimate(t, h), least_error);
         if (!std::isfinite(error)) return not_finite(h);
 
         const double power = 1.0 / (s + 1);
         const double safety = 0.9 * (1 + 2.0 * most_) / (newton.iterations + 2.0 * most_);
-        double ratio = std::clamp(safety * std::pow(error, -power), 0.125, 8.0);
+        double ratio = std::clamp(safety * std::pow(error, -power), least_ratio, most_ratio);
         if (error >= 1) {
             h *= first_ ? 0.1 : ratio;
             rejected_ = true;
@@ -362,7 +362,7 @@ class ControlledRadau : public Radau<SystemType> {
         if (!first_) {
             // Gustafsson 1994: by the trend of the last two errors
             const double predicted = 0.9 * h / last_size_ * std::pow(error * error / last_error_, -power);
-            ratio = std::min(ratio, std::clamp(predicted, 0.125, 8.0));
+            ratio = std::min(ratio, std::clamp(predicted, least_ratio, most_ratio));
         }
         if (rejected_) ratio = std::min(ratio, 1.0);
         last_error_ = std::max(error, 0.01), last_size_ = h;
@@ -373,6 +373,9 @@ class ControlledRadau : public Radau<SystemType> {
     }
 
   private:
+    // far beyond the usual 8: after a decay that took 10^-8 s the steps are a second long again in five
+    static constexpr double least_ratio = 0.125, most_ratio = 100, least_error = 1e-18;
+
     void forget() { first_ = true, rejected_ = evaluated_ = false; }
     void evaluate(double t) {
         system_.derivative(t, y_, rate_);

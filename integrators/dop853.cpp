@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include "integrators/compensated_state.h"
 #include "integrators/kernels/dormand_prince.h"
-#include "integrators/own_state.h"
 
 namespace polhode {
 namespace {
@@ -26,9 +26,9 @@ class GeneralDop853 : public GeneralState<SystemType> {
     using Base::Base;
 
     PairErrors attempt(double t, double h) {
-        std::array<Y, dop853_stages> k;
+        std::array<Y, dop853_stages> k{};
         this->system_.derivative(t, this->y_.data(), k[0].data());
-        Y y;
+        Y y{};
         for (int s = 1; s < dop853_stages; ++s) {
             for (int i = 0; i < N; ++i) y[i] = this->y_[i] + h * weighted(k, dop853.a[s], s, i);
             this->system_.derivative(t + dop853.c[s] * h, y.data(), k[s].data());

@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "integrators/compensated_state.h"
 #include "integrators/kernels/midpoint_columns.h"
 #include "integrators/march.h"
-#include "integrators/own_state.h"
 
 namespace polhode {
 namespace {
@@ -110,9 +110,9 @@ class OrderControl {
         return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
     }
 
-    int first_, row_;
-    bool rejected_;
-    std::array<double, 4> suggested_;
+    int first_, row_ = first_;
+    bool rejected_ = false;
+    std::array<double, 4> suggested_{};
 };
 
 /// Any right-hand side, the columns one after the other.
@@ -130,9 +130,9 @@ class GeneralColumns : public GeneralState<SystemType> {
         const ExtrapolationRow& row = extrapolation_rows[number];
         const int K = row.columns;
         const bool careful = number == careful_row;
-        Y f;
+        Y f{};
         this->system_.derivative(t, this->y_.data(), f.data());
-        std::array<Y, most_columns> column, lost_column;
+        std::array<Y, most_columns> column{}, lost_column{};
         for (int j = 0; j < K; ++j)
             midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
         const Y& finest = column[K - 1];
@@ -157,9 +157,10 @@ class GeneralColumns : public GeneralState<SystemType> {
     }
 
   private:
-    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded away.
+    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded
+    /// away.
     void midpoint(double t, const Y& f, double h, int n, bool careful, Y& now, Y& lost) const {
-        Y before{}, lost_before{}, y, rate;
+        Y before{}, lost_before{}, y{}, rate{};
         lost.fill(0);
         for (int i = 0; i < N; ++i) now[i] = h * f[i];
         for (int m = 1; m < n; ++m) {

@@ -1,7 +1,7 @@
 // Which midpoint columns are extrapolated at each order, with what weights, and how the columns are laid side by side.
 //
-// Column j goes over the step H in n_j substeps of the explicit midpoint rule; its error has an expansion in even powers
-// of H. With K columns the polynomial in (1/n)^2 through them gives order 2K at n = infinity:
+// Column j goes over the step H in n_j substeps of the explicit midpoint rule; its error has an expansion in even
+// powers of H. With K columns the polynomial in (1/n)^2 through them gives order 2K at n = infinity:
 //
 //   T_KK = z_K + sum over j < K of c_j (z_j - z_K),   c_j = product over i != j of n_j^2 / (n_j^2 - n_i^2),
 //
@@ -101,8 +101,8 @@ constexpr ExtrapolationRow extrapolation_row() {
 }
 
 inline constexpr std::array<ExtrapolationRow, rows> extrapolation_rows{
-    ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(), extrapolation_row<3>(),
-    extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(), extrapolation_row<7>(),
+    ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(),          extrapolation_row<3>(),
+    extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(),          extrapolation_row<7>(),
     extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
 
 /// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
@@ -110,9 +110,9 @@ inline constexpr std::array<ExtrapolationRow, rows> extrapolation_rows{
 template <int K>
 struct ColumnChains {
     int chains = 0;
-    std::array<int, K> chain{};  ///< of column j
-    std::array<int, K> first{};  ///< evaluations in its chain before column j
-    std::array<int, K> last{};   ///< and after it
+    std::array<int, K> chain{};     ///< of column j
+    std::array<int, K> first{};     ///< evaluations in its chain before column j
+    std::array<int, K> last{};      ///< and after it
     std::array<int, K + 1> ends{};  ///< 0, then the distinct `last`, rising
     int pieces = 0;                 ///< how many
 };

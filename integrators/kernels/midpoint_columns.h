@@ -6,7 +6,6 @@
 #include "integrators/kernels/extrapolation_columns.h"
 #include "integrators/kernels/rotation_lanes.h"
 
-
 namespace polhode {
 
 /// The errors in units of what is allowed, and y + z_K + value.
@@ -122,4 +121,3 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
 }
 
 }  // namespace polhode
-

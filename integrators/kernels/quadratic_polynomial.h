@@ -53,12 +53,12 @@ struct QuadraticPolynomial {
             c.linear[i] = a.constant * b.linear[i] + a.linear[i] * b.constant;
             for (int j = i; j < variables; ++j) {
                 c.quadratic[i][j] = a.constant * b.quadratic[i][j] + a.quadratic[i][j] * b.constant;
-                c.quadratic[i][j] += i == j ? a.linear[i] * b.linear[i]
-                                            : a.linear[i] * b.linear[j] + a.linear[j] * b.linear[i];
+                c.quadratic[i][j] +=
+                    i == j ? a.linear[i] * b.linear[i] : a.linear[i] * b.linear[j] + a.linear[j] * b.linear[i];
             }
         }
-        const bool too_high = (a.has_quadratic() && (b.has_linear() || b.has_quadratic())) ||
-                              (b.has_quadratic() && a.has_linear());
+        const bool too_high =
+            (a.has_quadratic() && (b.has_linear() || b.has_quadratic())) || (b.has_quadratic() && a.has_linear());
         c.exact = a.exact && b.exact && !too_high;
         return c;
     }

@@ -33,7 +33,8 @@ std::optional<Vector3<Polynomial>> polynomial_torque(const Forcing<double>& forc
     if (!forcing.user_torques.empty() || (!forcing.world_points.empty() && !forcing.pivoted)) return std::nullopt;
     const auto x = [](int i) { return Polynomial::variable(i); };
     const Vector3<Polynomial> w(x(0), x(1), x(2)), nowhere;
-    const Vector3<Polynomial> tau = torque(forcing, 0, w, Quaternion<Polynomial>{x(3), x(4), x(5), x(6)}, nowhere, nowhere);
+    const Vector3<Polynomial> tau =
+        torque(forcing, 0, w, Quaternion<Polynomial>{x(3), x(4), x(5), x(6)}, nowhere, nowhere);
     for (int i = 0; i < 3; ++i) {
         if (!tau[i].exact) return std::nullopt;
         for (int j = 0; j < 7; ++j)
@@ -70,7 +71,8 @@ std::optional<RotationCoefficients> rotation_coefficients(const PrincipalInertia
     for (int i = 0; i < rates; ++i) {
         c.constant[i] = (*tau)[i].constant;
         for (int j = 0; j < rates; ++j) c.damping[j][i] = (*tau)[i].linear[j];
-        for (int k = 0; k < 10; ++k) c.monomial[k][i] = (*tau)[i].quadratic[attitude + pairs[k][0]][attitude + pairs[k][1]];
+        for (int k = 0; k < 10; ++k)
+            c.monomial[k][i] = (*tau)[i].quadratic[attitude + pairs[k][0]][attitude + pairs[k][1]];
     }
     return c;
 }

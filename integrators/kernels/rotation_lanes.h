@@ -32,11 +32,12 @@ enum class RotationTerms {
 /// Eight lanes a row.
 struct RotationCoefficients {
     RotationTerms terms = RotationTerms::none;
-    alignas(64) double product[3][8] = {};    ///< of the three products of every rotation
-    alignas(64) double response[8] = {};      ///< the inverse moments, then ones
-    alignas(64) double constant[8] = {};      ///< tau_0
-    alignas(64) double damping[3][8] = {};    ///< -D, a column each
-    alignas(64) double monomial[10][8] = {};  ///< of wx, wy, wz, xy, xz, yz, ww, xx, yy, zz in q: the torque's coefficients
+    alignas(64) double product[3][8] = {};  ///< of the three products of every rotation
+    alignas(64) double response[8] = {};    ///< the inverse moments, then ones
+    alignas(64) double constant[8] = {};    ///< tau_0
+    alignas(64) double damping[3][8] = {};  ///< -D, a column each
+    alignas(
+        64) double monomial[10][8] = {};  ///< of wx, wy, wz, xy, xz, yz, ww, xx, yy, zz in q: the torque's coefficients
 };
 
 /// nullopt where a torque is of another form: the user's own, or one that needs the position.
@@ -149,7 +150,8 @@ class RotationRate {
         const Register mixed = (monomial<0>(u, 0) + monomial<1>(u, 1)) + (monomial<2>(u, 2) + monomial<3>(u, 3)) +
                                (monomial<4>(u, 4) + monomial<5>(u, 5));
         const Register squares = (monomial<6>(u, 6) + monomial<7>(u, 7)) + (monomial<0>(v, 8) + monomial<1>(v, 9));
-        const Register rest = (loaded<Register>(coefficients_.constant) + damping<0>(y)) + (damping<1>(y) + damping<2>(y));
+        const Register rest =
+            (loaded<Register>(coefficients_.constant) + damping<0>(y)) + (damping<1>(y) + damping<2>(y));
         return (mixed + squares) + rest;
     }
     template <int i>
@@ -194,4 +196,3 @@ POLHODE_INLINED Register rounded_away(const Register& a, const Register& b, cons
 }
 
 }  // namespace polhode
-

@@ -35,10 +35,15 @@ TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
             EXPECT_NEAR(value.sum, k == 0 ? 1 : 0, 1e-15 * value.size) << number << ' ' << k;
             // differences of values that agree up to one and two powers fewer
             const Moment error = moment(row, row.weights.error, k);
-            if (k < row.columns - 1) EXPECT_NEAR(error.sum, 0, 1e-15 * error.size);
-            else EXPECT_GT(std::abs(error.sum), 1e-3 * error.size);
+            if (k < row.columns - 1) {
+                EXPECT_NEAR(error.sum, 0, 1e-15 * error.size) << number << ' ' << k;
+            } else {
+                EXPECT_GT(std::abs(error.sum), 1e-3 * error.size) << number;
+            }
             const Moment before = moment(row, row.weights.error_before, k);
-            if (k < row.columns - 2) EXPECT_NEAR(before.sum, 0, 1e-15 * before.size);
+            if (k < row.columns - 2) {
+                EXPECT_NEAR(before.sum, 0, 1e-15 * before.size) << number << ' ' << k;
+            }
         }
         EXPECT_LE(row.amplification, 33);
     }
@@ -58,12 +63,11 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
             midpoint_step_plain(*coefficients, allowance, from, T / steps, row, step);
         }
         const double* y = step.state.y;
-        return attitude_error({y[3], y[4], y[5], y[6]},
-                              symmetric_attitude(problem.scene, T) * problem.principal.q_BP);
+        return attitude_error({y[3], y[4], y[5], y[6]}, symmetric_attitude(problem.scene, T) * problem.principal.q_BP);
     };
-    for (int row = 2; row <= 5; ++row) {
-        // the coarser the step, the higher the order: all errors stay above rounding
-        const int steps = row == 2 ? 64 : row == 3 ? 24 : row == 4 ? 12 : 8;
+    // from five columns on, rounding comes before the asymptotic slope: for them the moments above speak
+    for (int row = 2; row <= 4; ++row) {
+        const int steps = row == 2 ? 64 : row == 3 ? 24 : 12;
         EXPECT_NEAR(std::log2(error(row, steps) / error(row, 2 * steps)), 2 * row, 0.35) << row;
     }
 }
@@ -76,8 +80,9 @@ TEST(ColumnChains, HoldEveryColumnOnce) {
         EXPECT_EQ(chains.last[j] - chains.first[j], n[j] - 1);
         evaluations += chains.last[j] - chains.first[j];
         for (int i = 0; i < j; ++i)
-            if (chains.chain[i] == chains.chain[j])
+            if (chains.chain[i] == chains.chain[j]) {
                 EXPECT_TRUE(chains.last[i] <= chains.first[j] || chains.last[j] <= chains.first[i]);
+            }
         EXPECT_LE(chains.last[j], n[7] - 1);
     }
     EXPECT_EQ(evaluations, extrapolation_rows[8].evaluations);

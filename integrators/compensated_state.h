@@ -31,15 +31,14 @@ inline constexpr double least_square = 1e-290;
 template <class SystemType, std::size_t N>
 double first_step_of(const SystemType& system, double t, const double* y, const std::array<double, N>& scales,
                      double longest) {
-    std::array<double, N> f, z, f_ahead;
+    std::array<double, N> f{}, z{}, f_ahead{};
     system.derivative(t, y, f.data());
     double rate = 0;
     for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::abs(f[i]) / scales[i]);
     const double h = std::min(1e-3 / rate, 1e-3 * longest);
     for (std::size_t i = 0; i < N; ++i) z[i] = y[i] + h * f[i];
     system.derivative(t + h, z.data(), f_ahead.data());
-    for (std::size_t i = 0; i < N; ++i)
-        rate = std::max(rate, std::sqrt(std::abs(f_ahead[i] - f[i]) / h / scales[i]));
+    for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::sqrt(std::abs(f_ahead[i] - f[i]) / h / scales[i]));
     const double first = 0.8 / rate;
     return first > 0 && first < longest ? first : longest;
 }
@@ -81,7 +80,7 @@ class GeneralState {
 
     const Problem* problem_;
     SystemType system_;
-    Y scales_, squared_scale_, y_, lost_, next_{}, next_lost_{};
+    Y scales_{}, squared_scale_{}, y_{}, lost_{}, next_{}, next_lost_{};
 };
 
 /// The same on registers, for rotations whose torques have coefficients.
@@ -125,7 +124,7 @@ class RotationLanes {
     const Segment* segment_ = nullptr;
     RotationCoefficients coefficients_;
     RotationAllowance allowance_;
-    std::array<double, 7> scales_;
+    std::array<double, 7> scales_{};
     RotationState state_;
     RotationStep next_;
 };

@@ -74,7 +74,7 @@ POLHODE_INLINE Octet mean_with_one(Octet b) {
 
 struct Lattice8 {
     OctetMask hyperbolic;
-    bool some_hyperbolic, some_trigonometric;
+    bool some_hyperbolic = false, some_trigonometric = false;
     Octet scale, nome, quarter;
     Octet square[hyperbolic_terms + 1], pronic[hyperbolic_terms + 1];  ///< q^(n^2), q^(n(n+1))
 };

@@ -19,11 +19,11 @@ using Integers8 = std::int64_t __attribute__((vector_size(64)));
 
 /// In a struct: a bare vector has no calling convention where there are no such registers, nor the same alignment.
 struct alignas(64) Octet {
-    Lanes8 v;
+    Lanes8 v{};
 };
 /// All bits of a lane set, or none. Masks are combined as sums of 0 and 1: GCC 12 takes their logic lane by lane.
 struct alignas(64) OctetMask {
-    Integers8 m;
+    Integers8 m{};
 };
 
 POLHODE_INLINE Octet octet(double x) { return {Lanes8{x, x, x, x, x, x, x, x}}; }
@@ -59,7 +59,7 @@ POLHODE_INLINE bool any(const OctetMask& mask) {
 }
 
 POLHODE_INLINE Integers8 bits(const Octet& x) {
-    Integers8 b;
+    Integers8 b{};
     std::memcpy(&b, &x.v, sizeof b);
     return b;
 }

@@ -234,7 +234,7 @@ constexpr std::string_view source =
 constexpr Method list[] = {
     {.name = "gsl_rk8pd",
      .documentation =
-         "GSL's explicit Runge-Kutta pair of orders 8 and 9 (`rk8pd`). Relative tolerance R, absolute tolerance R "
+         "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R "
          "times the "
          "component's scale, by GSL's own step control (`control_scaled`). Steps stop exactly at events and at the end "
          "alone; a sample inside a step is reached sideways, by steps of its own from the step's start that are "
@@ -246,7 +246,7 @@ constexpr Method list[] = {
      .solve = solve_by<rk8pd, false>},
     {.name = "gsl_msadams",
      .documentation =
-         "GSL's Adams formulas of order 1 to 12 in Nordsieck form (`msadams`), the implicit equation solved by "
+         "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by "
          "functional iteration; for non-stiff motion. Otherwise as `gsl_rk8pd`, which also goes to the samples; the "
          "history is dropped at events.",
      .source = source,
@@ -254,9 +254,8 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = solve_by<msadams, false>},
     {.name = "gsl_bsimp",
-     .documentation =
-         "GSL's semi-implicit extrapolation (`bsimp`) with the exact Jacobian, for stiff motion. Otherwise as "
-         "`gsl_rk8pd`. A torque of the user's own is `unsupported`: it has no Jacobian.",
+     .documentation = "GSL's semi-implicit extrapolation with the exact Jacobian, for stiff motion. Otherwise as "
+                      "`gsl_rk8pd`. A torque of the user's own is `unsupported`: it has no Jacobian.",
      .source = "Bader & Deuflhard 1983, A semi-implicit mid-point rule for stiff systems of ordinary differential "
                "equations, Numer. Math. 41, 373-398; Galassi et al. 2009, GNU Scientific Library Reference Manual, "
                "3rd ed.",
@@ -265,7 +264,7 @@ constexpr Method list[] = {
      .solve = solve_by<bsimp, true>},
     {.name = "gsl_msbdf",
      .documentation =
-         "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form (`msbdf`), the implicit equation "
+         "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation "
          "solved by a modified Newton iteration with the exact Jacobian; for stiff motion. Otherwise as `gsl_bsimp`, "
          "which also goes to the samples; the history is dropped at events.",
      .source = source,

@@ -3,9 +3,11 @@
 # What experiments/run and tests/run share: packages and the build. To be sourced by bash, with `top` set to the
 # source tree's root.
 
-# what the program is built from; dpkg-dev unpacks the SUNDIALS source package, Arb is for truth --certified
+# what the program is built from; dpkg-dev unpacks the SUNDIALS source package, Arb is for truth --certified,
+# GSL is measured beside and goes into the build tree's programs alone: it is under the GPL
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev gnuplot-nox)
+    libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev
+    gnuplot-nox)
 test_packages=(libgtest-dev librapidcheck-dev)
 # for tests/run --all
 check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy)

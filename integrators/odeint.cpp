@@ -179,14 +179,6 @@ const Method family[] = {
 
 }  // namespace
 
-Trajectory out_of_reach(double tolerance) {
-    Trajectory trajectory;
-    trajectory.status = Status::tolerance_not_met;
-    trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
-                                     std::numeric_limits<double>::epsilon());
-    return trajectory;
-}
-
 extern const std::span<const Method> odeint_methods;
 const std::span<const Method> odeint_methods = family;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
 #include "integrators/odeint_algebra.h"
 
@@ -104,22 +105,14 @@ class ControlledOdeintState : public OdeintState<SystemType> {
         component_scales<SystemType>(problem, scales_.data());
     }
 
-    /// Hairer, Norsett & Wanner (1993), II.4: the step at which an Euler step, and then the second derivative, would
-    /// change y by a hundredth of its tolerated error to the power the order gives. Two evaluations.
     double first_step(double t) {
-        OdeintArray<N> f0, f1, z;
-        this->system_.derivative(t, this->y_.data(), f0.data());
-        ++this->evaluations_;
-        const double d0 = norm(this->y_), d1 = norm(f0);
-        const double guess = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
-        for (std::size_t i = 0; i < N; ++i) z[i] = this->y_[i] + guess * f0[i];
-        this->system_.derivative(t + guess, z.data(), f1.data());
-        ++this->evaluations_;
-        for (std::size_t i = 0; i < N; ++i) f1[i] = f1[i] - f0[i];
-        const double steepest = std::max(d1, norm(f1) / guess);
-        const double h =
-            steepest <= 1e-15 ? std::max(1e-6, guess * 1e-3) : std::pow(0.01 / steepest, 1.0 / (order_ + 1));
-        const double step = std::min(100 * guess, h);
+        OdeintArray<N> tolerated;
+        for (std::size_t i = 0; i < N; ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(this->y_[i]));
+        const auto rate = [&](double later, const std::array<double, N>& y, std::array<double, N>& dydt) {
+            this->system_.derivative(t + later, y.data(), dydt.data());
+            ++this->evaluations_;
+        };
+        const double step = polhode::first_step<N>(rate, this->y_, tolerated, order_);
         // a right-hand side that is not finite is met, and named, at the first attempt
         return step > 0 && std::isfinite(step) ? step : 1e-6 * this->problem_->scene.duration;
     }
@@ -130,22 +123,7 @@ class ControlledOdeintState : public OdeintState<SystemType> {
     double tolerance_;
     int order_;
     OdeintArray<N> scales_;
-
-  private:
-    // root mean square in units of the tolerated error
-    double norm(const std::array<double, N>& v) const {
-        double sum = 0;
-        for (std::size_t i = 0; i < N; ++i) {
-            const double ratio = v[i] / (tolerance_ * (scales_[i] + std::abs(this->y_[i])));
-            sum += ratio * ratio;
-        }
-        return std::sqrt(sum / static_cast<double>(N));
-    }
 };
-
-/// A relative tolerance below the spacing of binary64 is out of anyone's reach; answers so, by status.
-inline bool reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
-Trajectory out_of_reach(double tolerance);
 
 /// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
 /// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).

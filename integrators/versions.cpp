@@ -9,6 +9,7 @@
 #include <boost/version.hpp>
 #include <nlohmann/json.hpp>
 
+#include "integrators/peers/gsl.h"
 #include "integrators/truth/certified.h"
 
 namespace polhode {
@@ -26,7 +27,7 @@ bool sundials_unoptimised() { return POLHODE_SUNDIALS_UNOPTIMISED != 0; }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {
     const std::string arb = ball_arithmetic_version();
-    return {
+    std::vector<std::pair<std::string, std::string>> versions{
         {"SUNDIALS", sundials_build()},
         {"Boost", fmt::format("{}.{}.{}", BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100)},
         {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
@@ -37,6 +38,8 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
         {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                             NLOHMANN_JSON_VERSION_PATCH)},
     };
+    if (const std::string gsl = gsl_library_version(); !gsl.empty()) versions.emplace_back("GSL (GPL)", gsl);
+    return versions;
 }
 
 }  // namespace polhode

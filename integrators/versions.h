@@ -17,7 +17,8 @@ std::string sundials_build();
 /// Whether it is a binary known to be compiled without optimisation: its timings speak of the package.
 bool sundials_unoptimised();
 
-/// Name and version of every library in use: SUNDIALS, Boost, Eigen, MPFR, GMP, Arb, fmt, JSON for Modern C++.
+/// Name and version of every library in use: SUNDIALS, Boost, Eigen, MPFR, GMP, Arb, fmt, JSON for Modern C++, and GSL
+/// in a program that has it.
 std::vector<std::pair<std::string, std::string>> library_versions();
 
 }  // namespace polhode

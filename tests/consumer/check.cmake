@@ -17,3 +17,8 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/consumer)
 run(${WORK}/moved/bin/polhode --version)
+# nothing under the GPL is installed, whatever the build tree has
+execute_process(COMMAND ${WORK}/moved/bin/polhode list methods OUTPUT_VARIABLE methods RESULT_VARIABLE result)
+if(NOT result EQUAL 0 OR NOT methods MATCHES "cvode_adams" OR methods MATCHES "gsl_")
+  message(FATAL_ERROR "the installed program has these methods:\n${methods}")
+endif()

@@ -1,0 +1,52 @@
+// What solvers that control their own step share: the tolerances that are out of reach, and a first step.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "motion/trajectory.h"
+
+namespace polhode {
+
+/// A relative tolerance below the spacing of binary64 is out of anyone's reach; answers so, by status.
+inline bool reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
+inline Trajectory out_of_reach(double tolerance) {
+    Trajectory trajectory;
+    trajectory.status = Status::tolerance_not_met;
+    trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
+                                     std::numeric_limits<double>::epsilon());
+    return trajectory;
+}
+
+/// Hairer, Norsett & Wanner (1993), II.4: the step at which an Euler step, and then the second derivative, would change
+/// y by a hundredth of its tolerated error to the power the order gives. rate(y, dy) is called twice, at t and a little
+/// later. Not finite, or 0, where the right-hand side is not finite.
+template <std::size_t N, class Rate>
+double first_step(const Rate& rate, const std::array<double, N>& y, const std::array<double, N>& tolerated, int order) {
+    // root mean square in units of the tolerated error
+    const auto norm = [&](const std::array<double, N>& v) {
+        double sum = 0;
+        for (std::size_t i = 0; i < N; ++i) {
+            const double ratio = v[i] / tolerated[i];
+            sum += ratio * ratio;
+        }
+        return std::sqrt(sum / static_cast<double>(N));
+    };
+    std::array<double, N> f0{}, f1{}, z{};
+    rate(0.0, y, f0);
+    const double d0 = norm(y), d1 = norm(f0);
+    const double guess = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
+    for (std::size_t i = 0; i < N; ++i) z[i] = y[i] + guess * f0[i];
+    rate(guess, z, f1);
+    for (std::size_t i = 0; i < N; ++i) f1[i] = f1[i] - f0[i];
+    const double steepest = std::max(d1, norm(f1) / guess);
+    const double h = steepest <= 1e-15 ? std::max(1e-6, guess * 1e-3) : std::pow(0.01 / steepest, 1.0 / (order + 1));
+    return std::min(100 * guess, h);
+}
+
+}  // namespace polhode

@@ -13,7 +13,6 @@
 #include "experiment/study.h"
 #include "experiment/timing.h"
 #include "integrators/auto.h"
-#include "integrators/exact.h"
 #include "integrators/truth/reference.h"
 #include "measure/growth.h"
 
@@ -214,7 +213,7 @@ void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, con
 
 // Over T, 10 T, 100 T at the finest tolerance: how errors grow, what a second of motion costs.
 void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool quick) {
-    if (!has_closed_form(pose(scene.scene))) return;  // a truth that costs the same for any T
+    if (!pose(scene.scene).needs.torque_free) return;  // a truth that costs the same for any T
     for (const PlannedCurve& curve : plan.curves) {
         if (!steps_by_itself(curve)) continue;
         for (double factor = 1; factor <= (quick ? 10 : 100); factor *= 10) {

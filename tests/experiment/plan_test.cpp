@@ -163,7 +163,7 @@ TEST(Plan, QuickKeepsEveryThirdSetting) {
 }
 
 TEST(Plan, MethodsDifferInColorAsLongAsThereAreColors) {
-    for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence"}) {
+    for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence", "speed"}) {
         const Plan plan = make_plan(find_experiment(name), name, false);
         std::map<const Method*, int> of_method;
         std::map<int, const Method*> of_color;
@@ -185,7 +185,7 @@ TEST(Plan, MethodsDifferInColorAsLongAsThereAreColors) {
 }
 
 TEST(Plan, BuiltInExperimentsAreSound) {
-    for (const std::string name : {"contrast", "convergence", "work_precision"}) {
+    for (const std::string name : {"contrast", "convergence", "work_precision", "speed"}) {
         const Plan plan = make_plan(find_experiment(name), name, false);
         EXPECT_EQ(plan.experiment.name, name);
         EXPECT_FALSE(plan.scenes.empty());

@@ -14,6 +14,8 @@
 namespace polhode {
 namespace {
 
+using testing::free_body;
+
 const Method& taylor() { return *find_method("taylor"); }
 
 double attitude_error(const Scene& scene, double tolerance, long samples = 50) {

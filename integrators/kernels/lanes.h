@@ -2,7 +2,8 @@
 //
 // One source serves all: a kernel is [[gnu::always_inline]] inline throughout and is called from thin functions that
 // differ only in [[gnu::target(..)]]; the caller picks one of them by instruction_set(). Contraction is off, so that
-// every set does the same operations in the same order: the same bits.
+// every set does the same operations in the same order: the same bits. (GCC 12 still fuses some sums and differences of
+// scalar products where AVX-512 has an instruction for them: a kernel computes in whole lanes.)
 #pragma once
 
 #include <string_view>

@@ -95,7 +95,12 @@ class RotationSeries {
             ++axes_;
         }
         has_spring_ = !f.springs.empty();
-        if (has_spring_) stiffness_ = f.springs[0].stiffness, rest_ = f.springs[0].rest;
+        if (!has_spring_) return;
+        stiffness_ = f.springs[0].stiffness;
+        // columns of q -> r = rest* q, as (x, y, z, w)
+        const Quaternion<double> s = conjugate(f.springs[0].rest);
+        turn_ = {Lanes4{s.x, s.y, s.z, s.w}, Lanes4{s.w, s.z, -s.y, -s.x}, Lanes4{-s.z, s.w, s.x, -s.y},
+                 Lanes4{s.y, -s.x, s.w, -s.z}};
     }
 
     /// Coefficients 0..order of the motion that starts at `state`.
@@ -214,8 +219,8 @@ class RotationSeries {
     // plus the k-th coefficient of I^-1 (-2 k r_w r_vec)
     POLHODE_INLINE void add_spring(int k, Lanes4& acceleration) {
         const Lanes4 q = low(qu_[k]);
-        const Quaternion<double> r = conjugate(rest_) * Quaternion<double>{q[0], q[1], q[2], q[3]};
-        turned_[k] = Lanes4{r.x, r.y, r.z, 0}, turned_scalar_[k] = r.w;
+        turned_[k] = (turn_[0] * q[0] + turn_[1] * q[1]) + (turn_[2] * q[2] + turn_[3] * q[3]);
+        turned_scalar_[k] = turned_[k][3];
         Lanes4 s{0, 0, 0, 0}, t = s;
         for (int j = 0, i = k; j < i; ++j, --i)
             s += turned_scalar_[i] * turned_[j], t += turned_scalar_[j] * turned_[i];
@@ -229,7 +234,7 @@ class RotationSeries {
     int axes_ = 0;
     bool has_constant_ = false, has_damping_ = false, has_along_ = false, has_spring_ = false;
     double stiffness_ = 0;
-    Quaternion<double> rest_;
+    std::array<Lanes4, 4> turn_{};
 
     template <class T>
     using Coefficients = std::array<T, order + 1>;

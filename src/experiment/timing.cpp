@@ -25,9 +25,11 @@ void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic
         run.settings.record = false;
         run.settings.repetitions = repetitions(run.expected);
         if (run.settings.repetitions == 1 || !run.failure.empty() || stop) continue;
-        // what was expected held the samples and a cold start: a closed form takes a hundredth of it
-        if (const Trajectory pilot = solve(*run.problem, *run.method, run.settings); pilot.status == Status::ok)
-            run.settings.repetitions = repetitions(pilot.seconds);
+        // what was expected held the samples and a cold start, and so does a first pilot: a closed form takes a
+        // hundredth of it
+        for (int pilots = 0; pilots < 2; ++pilots)
+            if (const Trajectory pilot = solve(*run.problem, *run.method, run.settings); pilot.status == Status::ok)
+                run.settings.repetitions = repetitions(pilot.seconds);
     }
     for (int round = 0; round < rounds; ++round) {
         for (std::size_t i = 0; i < runs.size() && !stop; ++i) {

@@ -168,8 +168,9 @@ void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& spe
             });
             std::vector<Cell> row{scene.label, levels[i]};
             const auto add = [&](const std::optional<Runner>& runner, std::string_view wanted, const char* otherwise) {
-                row.emplace_back(runner ? curve_label(*runner->curve)
-                                        : std::string(wanted.empty() ? otherwise : wanted) + " does not reach it");
+                row.emplace_back(runner           ? curve_label(*runner->curve)
+                                 : wanted.empty() ? std::string(otherwise) + " reaches it"
+                                                  : std::string(wanted) + " does not reach it");
                 row.push_back(cell_of(runner ? std::optional(runner->time.median) : std::nullopt));
             };
             add(own, own_name, "none of ours");

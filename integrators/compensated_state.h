@@ -2,8 +2,6 @@
 // or on one register, what is allowed of each component, and a first step.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,15 +11,6 @@
 #include "integrators/march.h"
 
 namespace polhode {
-
-/// tolerance_not_met, for one below the spacing of binary64.
-inline Trajectory beyond_binary64(double tolerance) {
-    Trajectory trajectory;
-    trajectory.status = Status::tolerance_not_met;
-    trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
-                                     std::numeric_limits<double>::epsilon());
-    return trajectory;
-}
 
 // squares of absurdly small scales vanish
 inline constexpr double least_square = 1e-290;

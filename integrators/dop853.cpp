@@ -1,10 +1,9 @@
 // DOP853 by the tolerance, on registers for rotations and on any right-hand side.
-#include <fmt/format.h>
-
 #include <limits>
 
 #include "integrators/compensated_state.h"
 #include "integrators/kernels/dormand_prince.h"
+#include "integrators/kernels/tolerance.h"
 
 namespace polhode {
 namespace {
@@ -121,13 +120,13 @@ class ControlledDop853 {
 
 Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (tolerance < std::numeric_limits<double>::epsilon()) return beyond_binary64(tolerance);
+    if (!reachable(tolerance)) return out_of_reach(tolerance);
+    const double aim = aimed_at(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
             if (RotationLanes<SystemType>::serves(problem))
-                return march_controlled(problem, settings,
-                                        ControlledDop853<RotationDop853<SystemType>>(problem, tolerance));
-        return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, tolerance));
+                return march_controlled(problem, settings, ControlledDop853<RotationDop853<SystemType>>(problem, aim));
+        return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, aim));
     });
 }
 

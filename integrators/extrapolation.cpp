@@ -13,6 +13,7 @@
 
 #include "integrators/compensated_state.h"
 #include "integrators/kernels/midpoint_columns.h"
+#include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -239,7 +240,7 @@ class ControlledExtrapolation {
 
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (tolerance < std::numeric_limits<double>::epsilon()) return beyond_binary64(tolerance);
+    if (!reachable(tolerance)) return out_of_reach(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
             if (RotationLanes<SystemType>::serves(problem))

@@ -10,6 +10,7 @@
 #include "integrators/kernels/four_systems.h"
 #include "integrators/kernels/radau_coefficients.h"
 #include "integrators/kernels/stages.h"
+#include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
 #include "motion/dual.h"
 
@@ -417,16 +418,11 @@ class ControlledRadau : public Radau<SystemType> {
 
 Trajectory solve_with(const Problem& problem, const Settings& settings, int stages) {
     if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
-    if (settings.tolerance && *settings.tolerance < epsilon) {
-        Trajectory trajectory;
-        trajectory.status = Status::tolerance_not_met;
-        trajectory.message =
-            fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", *settings.tolerance, epsilon);
-        return trajectory;
-    }
+    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) return march<FixedRadau<SystemType>>(problem, settings, stages);
-        return march_controlled(problem, settings, ControlledRadau<SystemType>(problem, *settings.tolerance, stages));
+        return march_controlled(problem, settings,
+                                ControlledRadau<SystemType>(problem, aimed_at(*settings.tolerance), stages));
     });
 }
 

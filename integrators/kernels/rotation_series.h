@@ -114,7 +114,7 @@ class RotationSeries {
             keep_axis(n, 0, Lanes4{e[0], e[1], e[2], 0});
         }
         const Lanes4 zero{0, 0, 0, 0};
-        Wide none;
+        Wide none{};
         join(zero, zero, none);
         for (int k = 0; k < order; ++k) {
             // from the middle outward: the newest coefficients come last, so that a degree's sums begin before the
@@ -201,7 +201,7 @@ class RotationSeries {
         const Lanes4 u = __builtin_shufflevector(w, w, 1, 2, 0, 3), v = __builtin_shufflevector(w, w, 2, 0, 1, 3);
         const Lanes4 w1 = __builtin_shufflevector(w, w, 0, 0, 0, 0), w2 = __builtin_shufflevector(w, w, 1, 1, 1, 1);
         const Lanes4 w3 = __builtin_shufflevector(w, w, 2, 2, 2, 2);
-        Terms terms;
+        Terms terms{};
         join(q, q, terms.qq), join(w1, w2, terms.w12), join(q, u, terms.qu), join(w3, v, terms.w3v);
         join(v, u, terms.vu);
         return terms;

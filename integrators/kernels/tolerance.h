@@ -49,4 +49,8 @@ double first_step(const Rate& rate, const std::array<double, N>& y, const std::a
     return std::min(100 * guess, h);
 }
 
+/// The error a step that an own method of moderate order aims at for a relative tolerance R: errors of a step add up
+/// over hundreds of turns, and a tenth of R costs it a quarter more steps or less.
+inline double aimed_at(double tolerance) { return std::max(0.1 * tolerance, std::numeric_limits<double>::epsilon()); }
+
 }  // namespace polhode

@@ -1,4 +1,5 @@
-// Taylor series in binary64 against closed forms and the truth: every load, dense output, tolerances down to absurd ones.
+// Taylor series in binary64 against closed forms and the truth: every load, dense output, tolerances down to absurd
+// ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -54,11 +54,7 @@ class ImplicitMidpoint {
         }
     }
     Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
-    bool finite() const {
-        double zeros = 0;
-        for (const double value : y_) zeros += value * 0;
-        return zeros == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
     void explain(Trajectory& trajectory) const {

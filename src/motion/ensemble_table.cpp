@@ -110,24 +110,12 @@ class Reader {
     }
 
     void header() {
-        const auto& cells = lines_.cells();
-        lines_.refuse_other_separators();
         std::vector<std::string> names;
         for (const Column& known : known_columns()) names.emplace_back(known.name);
         int seen[blocks] = {};
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            const std::string place = fmt::format("{}, column {}", here(), i + 1);
-            const auto found = std::find(names.begin(), names.end(), cells[i]);
-            if (found == names.end()) {
-                const std::string meant = did_you_mean(cells[i], names);
-                fail(place, cells[i].empty() ? "has no name" : "is named " + one_line(cells[i], 60),
-                     fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", listed(names)));
-            }
-            const Column& column = known_columns()[static_cast<std::size_t>(found - names.begin())];
-            if (std::find(columns_.begin(), columns_.end(), &column) != columns_.end())
-                fail(place, fmt::format("is a second column {}", column.name), "give each column once");
-            columns_.push_back(&column);
-            ++seen[column.block];
+        for (const std::size_t place : lines_.header(names)) {
+            columns_.push_back(&known_columns()[place]);
+            ++seen[columns_.back()->block];
         }
         for (const Column& known : known_columns()) {
             if (seen[known.block] == 0 || std::find(columns_.begin(), columns_.end(), &known) != columns_.end())

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "scene/message.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -59,6 +62,25 @@ void CsvLines::split() {
         if (comma == line_.npos) return;
         begin = comma + 1;
     }
+}
+
+std::vector<std::size_t> CsvLines::header(const std::vector<std::string>& names) const {
+    refuse_other_separators();
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+        const std::string place = fmt::format("line {}, column {}", number_, i + 1);
+        const auto found = std::find(names.begin(), names.end(), cells_[i]);
+        if (found == names.end()) {
+            const std::string meant = did_you_mean(cells_[i], names);
+            throw InputError(file_, place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
+                             fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", listed(names)));
+        }
+        const std::size_t index = static_cast<std::size_t>(found - names.begin());
+        if (std::find(places.begin(), places.end(), index) != places.end())
+            throw InputError(file_, place, fmt::format("is a second column {}", names[index]), "give each column once");
+        places.push_back(index);
+    }
+    return places;
 }
 
 void CsvLines::refuse_other_separators() const {

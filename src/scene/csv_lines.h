@@ -26,10 +26,12 @@ class CsvLines {
     /// "line 1 begins with a byte order mark", ..: empty where nothing was.
     const std::string& read_past() const { return read_past_; }
 
-    /// For a header: throws InputError where one cell holds semicolons or tabs.
-    void refuse_other_separators() const;
+    /// Of a header: the place in `names` of each cell. Throws InputError: semicolons or tabs for commas, a name that is
+    /// none of them, or one given twice.
+    std::vector<std::size_t> header(const std::vector<std::string>& names) const;
 
   private:
+    void refuse_other_separators() const;
     void note(const std::string& what) { read_past_ += (read_past_.empty() ? "" : ", ") + what; }
     void split();
 

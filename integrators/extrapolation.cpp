@@ -53,7 +53,7 @@ class OrderControl {
     explicit OrderControl(double tolerance)
         : first_(tolerance < least_of_variable_order
                      ? careful_row
-                     : std::clamp(static_cast<int>(std::lround(1.5 - std::log10(tolerance) / 2)), 3, most_columns)) {
+                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {
         restart();
     }
     void restart() {

@@ -150,11 +150,7 @@ class Radau {
         last_h_ = 0;
     }
     Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
-    bool finite() const {
-        double sum = 0;
-        for (double value : y_) sum += value * 0;
-        return sum == 0;
-    }
+    bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:

@@ -38,12 +38,6 @@ class Buss : public MomentumState {
     }
 };
 
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (problem.needs.dimension == 13 && !problem.body.pivoted)
-        return unsupported("its equations are those of the rotation: where translation is integrated beside it, not");
-    return march_momentum<Buss>(problem, settings);
-}
-
 const Method family[] = {
     {.name = "buss",
      .documentation =
@@ -55,7 +49,7 @@ const Method family[] = {
      .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = solve},
+     .solve = march_rotation<Buss>},
 };
 
 }  // namespace

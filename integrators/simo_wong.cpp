@@ -76,12 +76,6 @@ class SimoWong : public MomentumState {
     }
 };
 
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (problem.needs.dimension == 13 && !problem.body.pivoted)
-        return unsupported("its equations are those of the rotation: where translation is integrated beside it, not");
-    return march_momentum<SimoWong>(problem, settings);
-}
-
 const Method family[] = {
     {.name = "simo_wong",
      .documentation =
@@ -92,7 +86,7 @@ const Method family[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = solve},
+     .solve = march_rotation<SimoWong>},
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "integrators/kernels/rotation_series.h"
+#include "integrators/kernels/turn.h"
 #include "integrators/march.h"
 #include "integrators/truth/series.h"
 
@@ -55,15 +56,6 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
         return squared == 0 ? HUGE_VAL : root(tolerance * tolerance / squared, 2 * p);
     };
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
-}
-
-// sum += increment, with what was lost before in `lost`: Kahan 1965
-template <class T>
-void add_compensated(T& sum, T& lost, const T& increment) {
-    const T corrected = increment + lost, before = sum;
-    sum = before + corrected;
-    const T kept = sum - before;
-    lost = (before - (sum - kept)) + (corrected - kept);
 }
 
 /// Rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
@@ -132,10 +124,13 @@ class RecordedSeries {
         component_scales<SystemType>(problem, scales_.data());
     }
     void start(const double* y) {
-        std::copy(y, y + dimension, y_.begin());
-        lost_.fill(0);
+        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
     }
-    void expand() { series_.expand(y_.data()); }
+    void expand() {
+        std::array<double, dimension> y{};
+        state(y.data());
+        series_.expand(y.data());
+    }
     double step(double tolerance) const {
         Sizes sizes;
         for (int i = 0; i < dimension; ++i)
@@ -143,12 +138,14 @@ class RecordedSeries {
         return step_of(sizes, tolerance, order);
     }
     void advance(double h) {
-        for (int i = 0; i < dimension; ++i) add_compensated(y_[i], lost_[i], increment(i, h));
+        for (int i = 0; i < dimension; ++i) sum_[i].add(increment(i, h));
     }
     void look(double h, double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = y_[i] + (lost_[i] + increment(i, h));
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + increment(i, h));
     }
-    void state(double* y) const { std::copy(y_.begin(), y_.end(), y); }
+    void state(double* y) const {
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+    }
 
   private:
     struct Form {
@@ -165,7 +162,8 @@ class RecordedSeries {
     }
 
     truth::Series<double> series_;
-    std::array<double, dimension> scales_{}, y_{}, lost_{};
+    std::array<double, dimension> scales_{};
+    std::array<CompensatedSum, dimension> sum_{};
 };
 
 /// Steps of the series' own choosing, cut only at events and at the end; samples are looked up in the polynomial, so

@@ -22,7 +22,7 @@ constexpr std::size_t block_size = 512;
 constexpr double near_moments = 1e3, far_moments = 1e8;
 // the range in which squares and quotients of squares neither overflow nor underflow
 constexpr double least = 1e-60, most = 1e60;
-// as `auto` has it: beyond this many decay times explicit steps are bound by stability
+// beyond this many decay times explicit steps are bound by stability, and the body goes to `auto` alone
 constexpr double stiff_decays = 1e4;
 // what the closed form's own estimate may come to before it is set up in 128 bits
 constexpr double rounding_limit = 1e-12;

@@ -3,6 +3,7 @@
 // A method of one's own, from outside the tree, is the same descriptor handed to solve().
 #pragma once
 
+#include <complex>
 #include <limits>
 #include <optional>
 #include <span>
@@ -23,6 +24,7 @@ struct Settings {
     long samples = 100;               ///< N: samples at k T / N, k = 0..N
     long max_steps = 1'000'000'000;   ///< a run that needs more is `failed`
     double seconds_limit = std::numeric_limits<double>::infinity();  ///< likewise, the thread's time in one integration
+    long max_evaluations = std::numeric_limits<long>::max();         ///< likewise, of right-hand sides
     /// false: the same steps, but only the last sample is kept (what timings measure).
     bool record = true;
     /// The integration is repeated this often inside one call and the time divided: for runs near the clock's grain.
@@ -42,6 +44,11 @@ struct Method {
     bool planes = false;  ///< it follows impacts on planes; without it a scene that has any is `unsupported`
     int order = 0;        ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
+    /// Linear stability: the spectral radius of one step on y' = lambda y, as a function of z = h lambda.
+    double (*growth)(std::complex<double> z) = nullptr;
+    /// The same on theta'' = -gamma theta' - k theta, of (h gamma, h^2 k), where the scheme is not one for first-order
+    /// systems.
+    double (*pendulum_growth)(double damping, double stiffness) = nullptr;
 };
 
 /// All methods of this build, in the order of the list in integrators/CMakeLists.txt.

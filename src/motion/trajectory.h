@@ -1,6 +1,7 @@
 // What every method returns: states at times, how the run ended and what it cost.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,13 @@ struct Sample {
 /// w in world axes, by the sample's own attitude (normalised).
 Vector3<double> angular_velocity_W(const Sample& sample);
 
+/// What a solver tells of its troubles; empty where it does not tell, or cannot have them.
+struct SolverCounts {
+    std::optional<long> rejected_steps;    ///< tried and taken back, the error being too large
+    std::optional<long> newton_failures;   ///< nonlinear systems of equations that did not converge
+    std::optional<long> order_reductions;  ///< orders lowered because the step came near its limit of stability
+};
+
 struct Trajectory {
     Status status = Status::ok;
     std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
@@ -33,6 +41,7 @@ struct Trajectory {
     std::vector<double> impact_times;          ///< s, of the impacts on the scene's planes
     long steps = 0;
     long rhs_evaluations = 0;
+    SolverCounts counts;
     double seconds = 0;          ///< wall clock of the integration alone, set-up left out
     bool limit_reached = false;  ///< `failed` because of Settings::max_steps or seconds_limit
     double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none

@@ -7,13 +7,13 @@
 
 namespace polhode {
 
-StudyResult run_gimbal_lock(const Plan& plan, bool quick);
-StudyResult run_collisions(const Plan& plan, bool quick);
-StudyResult run_inertia(const Plan& plan, bool quick);
-StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
-StudyResult run_orientation(const Plan& plan, bool quick);
-StudyResult run_point_bodies(const Plan& plan, bool quick);
-StudyResult run_speed(const Plan& plan, bool quick);
+StudyResult run_gimbal_lock(const Plan& plan, const RunOptions& options);
+StudyResult run_collisions(const Plan& plan, const RunOptions& options);
+StudyResult run_inertia(const Plan& plan, const RunOptions& options);
+StudyResult run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
+StudyResult run_orientation(const Plan& plan, const RunOptions& options);
+StudyResult run_point_bodies(const Plan& plan, const RunOptions& options);
+StudyResult run_speed(const Plan& plan, const RunOptions& options);
 
 double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth) {
     Wide difference = 0, size = 0;

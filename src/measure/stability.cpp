@@ -26,8 +26,6 @@ const char* name_of(Outcome outcome) {
             return "wrong but bounded";
         case Outcome::damped_to_rest:
             return "damped to rest";
-        case Outcome::unbounded:
-            return "unbounded";
         case Outcome::diverged:
             return "diverged";
         case Outcome::tolerance_not_met:
@@ -80,7 +78,7 @@ Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Ref
             return Outcome::failed;
     }
     if (!errors.attitude_max) return Outcome::no_truth;
-    if (!is_stable(errors)) return Outcome::unbounded;
+    if (!is_stable(errors)) return Outcome::diverged;
     // a stop is told first: at rest the attitude may be near enough by chance
     if (is_damped_to_rest(trajectory, reference)) return Outcome::damped_to_rest;
     if (*errors.attitude_max <= accurate_attitude) return Outcome::accurate;

@@ -13,17 +13,15 @@ enum class Outcome {
     close,              ///< within 0.1 rad
     wrong_but_bounded,  ///< further off, and nothing of the numbers shows it
     damped_to_rest,     ///< the body stopped where the true one moves on
-    unbounded,          ///< to the end with finite numbers, but not stable: see is_stable()
-    diverged,
+    diverged,           ///< the solver says so, or to the end with finite numbers but not stable: see is_stable()
     tolerance_not_met,
     failed,       ///< the solver's own word, or one of the run's limits
     unsupported,  ///< not run
     no_truth,     ///< nothing to judge it by
 };
-constexpr std::array outcomes{Outcome::accurate,          Outcome::close,     Outcome::wrong_but_bounded,
-                              Outcome::damped_to_rest,    Outcome::unbounded, Outcome::diverged,
-                              Outcome::tolerance_not_met, Outcome::failed,    Outcome::unsupported,
-                              Outcome::no_truth};
+constexpr std::array outcomes{Outcome::accurate,       Outcome::close,       Outcome::wrong_but_bounded,
+                              Outcome::damped_to_rest, Outcome::diverged,    Outcome::tolerance_not_met,
+                              Outcome::failed,         Outcome::unsupported, Outcome::no_truth};
 
 /// "accurate", "close", "wrong but bounded", ..
 const char* name_of(Outcome outcome);

@@ -19,14 +19,14 @@ enum class Outcome {
     unsupported,  ///< not run
     no_truth,     ///< nothing to judge it by
 };
-constexpr std::array outcomes{Outcome::accurate,       Outcome::close,       Outcome::wrong_but_bounded,
-                              Outcome::damped_to_rest, Outcome::diverged,    Outcome::tolerance_not_met,
-                              Outcome::failed,         Outcome::unsupported, Outcome::no_truth};
+inline constexpr std::array outcomes{Outcome::accurate,       Outcome::close,       Outcome::wrong_but_bounded,
+                                     Outcome::damped_to_rest, Outcome::diverged,    Outcome::tolerance_not_met,
+                                     Outcome::failed,         Outcome::unsupported, Outcome::no_truth};
 
 /// "accurate", "close", "wrong but bounded", ..
 const char* name_of(Outcome outcome);
 
-constexpr double accurate_attitude = 1e-3, close_attitude = 0.1;  ///< rad
+inline constexpr double accurate_attitude = 1e-3, close_attitude = 0.1;  ///< rad
 
 /// Stable: the run reached its end, and at no sample did the angular velocity's error exceed 4 times the motion's
 /// largest rate or the energy's error 8 times its largest energy. A motion that is only out of phase with the truth, or

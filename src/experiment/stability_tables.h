@@ -31,10 +31,27 @@ Table tolerances_table(const Plan& plan, const StabilityFindings& found);
 /// comes within it.
 Table float32_table(const StabilityFindings& found);
 
-/// For each tolerance-driven method and family: what stiffness costs.
+/// Each tolerance-driven run: steps, evaluations, and what the solver tells of its troubles.
 Table counts_table(const StabilityFindings& found);
 
+/// Of a method on a family whose members last equally long and differ in stiffness alone.
+struct StiffnessCost {
+    const Method* method = nullptr;
+    std::string family;
+    double tolerance = 0;
+    std::vector<double> parameter, evaluations;  ///< of the members that ended `ok`, by rising parameter
+    std::optional<double> exponent;  ///< p of evaluations ~ parameter^p, least squares over the stiffer half of them
+    std::optional<double> lost_at;   ///< the least parameter from which on no run is `ok`
+    std::string lost_to;             ///< and how the first of those ended
+};
+std::vector<StiffnessCost> stiffness_costs(const Plan& plan, const StabilityFindings& found);
+/// Flat (exponent near 0) for methods made for it, linear (1) for explicit ones.
+Table stiffness_table(const std::vector<StiffnessCost>& costs);
+/// Evaluations against the parameter, a panel a family, at the plan's middle tolerance.
+std::vector<NamedFigure> stiffness_figures(const Plan& plan, const std::vector<StiffnessCost>& costs);
+
 /// The page: for each method in plain words what it is safe for.
-std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<NamedTable>& tables);
+std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<StiffnessCost>& costs,
+                           const std::vector<NamedTable>& tables);
 
 }  // namespace polhode

@@ -53,8 +53,8 @@ class Article {
         angular_velocity_ = cast<S>(in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B));
         linear_velocity_ = held_ ? Vector3<S>() : cast<S>(body.velocity_W);
         // the article's position is that of the body's origin
-        position_ = held_ ? Vector3<S>()
-                          : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
+        position_ =
+            held_ ? Vector3<S>() : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
         steps_ = 0;
         turn_tensor();
     }
@@ -202,7 +202,7 @@ class Article {
     S mass_ = 1;
     Matrix3<S> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
     Vector3<S> mass_center_B_, turning_center_B_;  ///< from the body's origin
-    std::vector<const Load*> loads_;                    ///< those that act on this segment, in file order
+    std::vector<const Load*> loads_;               ///< those that act on this segment, in file order
 
     Quaternion<S> orientation_;
     Vector3<S> angular_velocity_;  ///< world axes; body axes in the body-frame form

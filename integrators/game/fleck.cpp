@@ -121,10 +121,9 @@ class ResummedInertia {
             half[i] = std::sqrt(std::max(I[j] + I[k] - I[i], 0.0) / (2 * problem.body.mass));
         }
         for (std::size_t n = 0; n < points_B_.size(); ++n)
-            points_B_[n] =
-                cast<S>(rotate(problem.principal.q_BP,
-                               Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
-                                               (n & 4U) ? half[2] : -half[2])));
+            points_B_[n] = cast<S>(rotate(problem.principal.q_BP,
+                                          Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
+                                                          (n & 4U) ? half[2] : -half[2])));
     }
     Vector3<S> angular_velocity(const Matrix3<S>& A, const Vector3<S>& L) const {
         Matrix3<S> I_W;
@@ -180,9 +179,7 @@ class Fleck {
         if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
         return s;
     }
-    bool finite() const {
-        return all_finite(L_, w_, x_, v_) && all_finite(attitude_.matrix());
-    }
+    bool finite() const { return all_finite(L_, w_, x_, v_) && all_finite(attitude_.matrix()); }
     long rhs_evaluations() const { return steps_; }
     double orthogonality_defect() const requires requires(const Attitude& a) { a.orthogonality_defect(); }
     { return attitude_.orthogonality_defect(); }

@@ -214,13 +214,12 @@ constexpr Method in_binary64[] = {
      .solve = solve<Term::explicit_euler, Turning::first_order>},
 };
 
-constexpr auto family =
-    with_binary32<in_binary64, solve<Term::none, Turning::exponential, 1, float>,
-                  solve<Term::explicit_euler, Turning::exponential, 1, float>,
-                  solve<Term::one_newton_step, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
-                  solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+constexpr auto family = with_binary32<in_binary64, solve<Term::none, Turning::exponential, 1, float>,
+                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
+                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
+                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
 
 }  // namespace
 

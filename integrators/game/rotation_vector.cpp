@@ -18,9 +18,7 @@ template <class S>
 struct RotationVectorChart {
     Quaternion<S> centre;
 
-    Quaternion<S> quaternion(const Vector3<S>& theta) const {
-        return centre * quaternion_from_rotation_vector(theta);
-    }
+    Quaternion<S> quaternion(const Vector3<S>& theta) const { return centre * quaternion_from_rotation_vector(theta); }
     Vector3<S> rate(const Vector3<S>& theta, const Vector3<S>& w) const {
         const S square = dot(theta, theta);
         S factor = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/turn.h"
 #include "integrators/march.h"
 #include "motion/dual.h"
@@ -157,7 +158,8 @@ const Method family[] = {
                   "a free body; all to round-off",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = solve},
+     .solve = solve,
+     .growth = midpoint_growth},
 };
 
 }  // namespace

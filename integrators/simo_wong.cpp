@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 #include "integrators/kernels/newton.h"
 
@@ -86,7 +87,8 @@ const Method family[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<SimoWong>},
+     .solve = march_rotation<SimoWong>,
+     .growth = midpoint_growth},
 };
 
 }  // namespace

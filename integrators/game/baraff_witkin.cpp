@@ -10,6 +10,7 @@
 #include "body/orientation.h"
 #include "integrators/game/explicit_step.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -118,7 +119,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<ClassicalRungeKutta>},
+     .solve = solve<ClassicalRungeKutta>,
+     .growth = classical_growth},
     {.name = "baraff_witkin_euler",
      .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
                       "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
@@ -127,7 +129,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<ExplicitEuler>},
+     .solve = solve<ExplicitEuler>,
+     .growth = explicit_euler_growth},
 };
 
 }  // namespace

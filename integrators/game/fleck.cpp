@@ -17,6 +17,7 @@
 
 #include "body/orientation.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -223,7 +224,8 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<true>>},
+     .solve = solve<TurnedMatrix<true>>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_matrix_drifting",
      .documentation =
          "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
@@ -234,7 +236,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<false>>},
+     .solve = solve<TurnedMatrix<false>>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_quaternion",
      .documentation =
          "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
@@ -244,7 +247,8 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedQuaternion>},
+     .solve = solve<TurnedQuaternion>,
+     .growth = explicit_euler_growth},
     {.name = "accumulated_vertices",
      .documentation =
          "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
@@ -255,7 +259,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<AccumulatedVertices>},
+     .solve = solve<AccumulatedVertices>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_resummed_inertia",
      .documentation =
          "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
@@ -266,7 +271,8 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<true>, ResummedInertia>},
+     .solve = solve<TurnedMatrix<true>, ResummedInertia>,
+     .growth = explicit_euler_growth},
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -97,7 +98,8 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve},
+     .solve = solve,
+     .growth = classical_growth},
 };
 
 }  // namespace

@@ -70,12 +70,12 @@ int draw(const std::string& name, const std::string& path) {
 // How far a step may reach by linear theory, or why there is none.
 std::string linear_stability(const Method& method) {
     if (!method.growth && !method.pendulum_growth)
-        return takes_step(method) ? "a step of it is no linear map of the state, or its loads are none: no theory"
-                                  : "it takes no step of the user's: no theory";
+        return takes_step(method) ? "no linear theory: a step of it is no linear map of the state"
+                                  : "no linear theory: it chooses its steps, and often its order, by itself";
     const auto words = [](std::optional<double> length) {
-        return std::isinf(*length) ? std::string("however long the step") : fmt::format("up to {:.10g}", *length);
+        return *length == 0 ? "never" : std::isinf(*length) ? "always" : fmt::format("up to {:.7g}", *length);
     };
-    return fmt::format("h lambda < 0 {}; h lambda imaginary {}", words(real_interval(method)),
+    return fmt::format("in h |lambda|: for lambda < 0 {}, for imaginary lambda {}", words(real_interval(method)),
                        words(imaginary_interval(method)));
 }
 

@@ -105,8 +105,16 @@ Scene pendulum(double h, double damping, double stiffness, double angle, double 
     scene.body.inertia_B = diagonal(Vector3<double>(2, 2.5, moment));
     scene.initial.orientation = {std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
     scene.initial.angular_velocity = {0, 0, rate};
-    if (damping > 0) scene.loads.emplace_back(Drag{.rotational = {0, 0, moment * damping / h}});
-    if (stiffness > 0) scene.loads.emplace_back(Spring{.stiffness = moment * stiffness / (h * h)});
+    if (damping > 0) {
+        Drag drag;
+        drag.rotational = {0, 0, moment * damping / h};
+        scene.loads.emplace_back(drag);
+    }
+    if (stiffness > 0) {
+        Spring spring;
+        spring.stiffness = moment * stiffness / (h * h);
+        scene.loads.emplace_back(spring);
+    }
     return scene;
 }
 

@@ -7,6 +7,7 @@
 // either frame's derivative. (It is the sign of the rates' second derivative that tells the frames apart.)
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 
 namespace polhode {
@@ -43,6 +44,14 @@ class Buss : public MomentumStateOf<S> {
     }
 };
 
+// a = -c v - s theta, theta+ = theta + v + a/2, v+ = v + (a - c (v + a) - s theta+) / 2; the cross product is of second
+// order in the angle.
+double buss_pendulum_growth(double c, double s) {
+    const double theta_of_theta = 1 - s / 2, theta_of_v = 1 - c / 2;
+    return spectral_radius(theta_of_theta, theta_of_v, (-s + c * s - s * theta_of_theta) / 2,
+                           1 + (-c - c * (1 - c) - s * theta_of_v) / 2);
+}
+
 constexpr Method in_binary64[] = {
     {.name = "buss",
      .documentation =
@@ -54,7 +63,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<Buss<double>>},
+     .solve = march_rotation<Buss<double>>,
+     .pendulum_growth = buss_pendulum_growth},
 };
 
 constexpr auto family = with_binary32<in_binary64, march_rotation<Buss<float>>>();

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "integrators/kernels/binary32.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/turn.h"
 #include "integrators/march.h"
 #include "motion/dual.h"
@@ -162,7 +163,8 @@ constexpr Method in_binary64[] = {
                   "a free body; all to round-off",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = solve<double>},
+     .solve = solve<double>,
+     .growth = midpoint_growth},
 };
 
 constexpr auto family = with_binary32<in_binary64, solve<float>>();

@@ -1,6 +1,7 @@
 // The discrete Moser-Veselov motion with modified moments of inertia.
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/splitting.h"
 
 namespace polhode {
@@ -30,7 +31,9 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
             .conserves = kept,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<order>};
+            .solve = solve<order>,
+            // to first order in the angle the free motion is theta + h theta'; order 10 takes no loads
+            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>};
 }
 
 constexpr Method in_binary64[] = {

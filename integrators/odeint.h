@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "integrators/kernels/binary32.h"
@@ -129,6 +130,12 @@ class ControlledOdeintState : public OdeintState<SystemType> {
     OdeintArray<N> scales_;
 };
 
+/// y' = z y of a complex number, by its real and imaginary part.
+inline void linear_rate(std::complex<double> z, const double* y, double* rate) {
+    rate[0] = z.real() * y[0] - z.imag() * y[1];
+    rate[1] = z.imag() * y[0] + z.real() * y[1];
+}
+
 /// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
 /// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
 Trajectory solve_rk4(const Problem& problem, const Settings& settings);
@@ -139,8 +146,12 @@ Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings);
 
 /// Boost's adams_bashforth_moulton on the problem. Compiled alone, likewise.
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);
+/// Method::growth of it.
+double adams_bashforth_moulton_growth(std::complex<double> z);
 
 /// Boost's rosenbrock4 on the problem, fixed or controlled; in a file of its own, for it compiles only as C++17.
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);
+/// Method::growth of it.
+double rosenbrock4_growth(std::complex<double> z);
 
 }  // namespace polhode

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 #include "integrators/kernels/newton.h"
 
@@ -93,7 +94,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<SimoWong<double>>},
+     .solve = march_rotation<SimoWong<double>>,
+     .growth = midpoint_growth},
 };
 
 constexpr auto family = with_binary32<in_binary64, march_rotation<SimoWong<float>>>();

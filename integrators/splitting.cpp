@@ -3,6 +3,8 @@
 
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
+
 namespace polhode {
 namespace {
 
@@ -33,7 +35,8 @@ constexpr Method rotations(std::string_view name, std::string_view documentation
             .conserves = rotations_keep,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<ThreeRotations<>, false, order>};
+            .solve = solve<ThreeRotations<>, false, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
 }
 template <int order>
 constexpr Method exact_flow(std::string_view name, std::string_view documentation) {
@@ -43,7 +46,8 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
             .conserves = exact_keeps,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<ExactFreeMotion, true, order>};
+            .solve = solve<ExactFreeMotion, true, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
 }
 
 constexpr Method in_binary64[] = {

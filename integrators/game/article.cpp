@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "integrators/kernels/binary32.h"
+#include "integrators/kernels/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -233,7 +234,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::as_written>},
+     .solve = solve<Form::as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_offset_as_written",
      .documentation =
          "The article's `apply_torque` as it is printed, x_com = position + center_of_mass with the offset left in "
@@ -246,7 +248,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::offset_as_written>},
+     .solve = solve<Form::offset_as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_sign_as_written",
      .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
                       "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
@@ -255,7 +258,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::sign_as_written>},
+     .solve = solve<Form::sign_as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
@@ -265,7 +269,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::mended>},
+     .solve = solve<Form::mended>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_body_frame",
      .documentation =
          "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
@@ -275,7 +280,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::body_frame>},
+     .solve = solve<Form::body_frame>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
 
 constexpr auto family =

@@ -10,6 +10,7 @@
 #include "body/orientation.h"
 #include "integrators/game/explicit_step.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -125,7 +126,8 @@ constexpr Method in_binary64[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<ClassicalRungeKutta>},
+     .solve = solve<ClassicalRungeKutta>,
+     .growth = classical_growth},
     {.name = "baraff_witkin_euler",
      .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
                       "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
@@ -134,7 +136,8 @@ constexpr Method in_binary64[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<ExplicitEuler>},
+     .solve = solve<ExplicitEuler>,
+     .growth = explicit_euler_growth},
 };
 
 constexpr auto family = with_binary32<in_binary64, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();

@@ -19,6 +19,7 @@
 #include "integrators/cvode_session.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/sundials_run.h"
 
 namespace polhode {
@@ -211,7 +212,8 @@ const Method family[] = {
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = euler_angles},
+     .solve = euler_angles,
+     .growth = explicit_euler_growth},
     {.name = "euler_angles_cvode",
      .documentation =
          "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "

@@ -17,6 +17,7 @@
 
 #include "body/orientation.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -231,7 +232,8 @@ constexpr Method in_binary64[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<MendedMatrix>},
+     .solve = solve<MendedMatrix>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_matrix_drifting",
      .documentation =
          "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
@@ -242,7 +244,8 @@ constexpr Method in_binary64[] = {
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<DriftingMatrix>},
+     .solve = solve<DriftingMatrix>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_quaternion",
      .documentation =
          "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
@@ -252,7 +255,8 @@ constexpr Method in_binary64[] = {
      .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedQuaternion>},
+     .solve = solve<TurnedQuaternion>,
+     .growth = explicit_euler_growth},
     {.name = "accumulated_vertices",
      .documentation =
          "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
@@ -263,7 +267,8 @@ constexpr Method in_binary64[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<AccumulatedVertices>},
+     .solve = solve<AccumulatedVertices>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_resummed_inertia",
      .documentation =
          "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
@@ -274,7 +279,8 @@ constexpr Method in_binary64[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<MendedMatrix, ResummedInertia>},
+     .solve = solve<MendedMatrix, ResummedInertia>,
+     .growth = explicit_euler_growth},
 };
 
 constexpr auto family =

@@ -9,6 +9,7 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -103,7 +104,8 @@ constexpr Method in_binary64[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<double>},
+     .solve = solve<double>,
+     .growth = classical_growth},
 };
 
 constexpr auto family = with_binary32<in_binary64, solve<float>>();

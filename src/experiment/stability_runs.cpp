@@ -46,14 +46,26 @@ Sample rounded(const ReferenceSample& s) {
             high(s.velocity_W)};
 }
 
+double largest_magnitude(const std::vector<std::complex<double>>& values) {
+    double largest = 0;
+    for (const std::complex<double>& value : values) largest = std::max(largest, std::abs(value));
+    return largest;
+}
+
 void describe_scene(const Posed& posed, StabilityScene& scene) {
+    constexpr double same = 1e-3;
     scene.has_truth = posed.truth.available;
-    scene.fastest_rate = largest_rate(posed.truth);
     if (!posed.truth.available) return;
+    const double turning = largest_rate(posed.truth);
+    scene.fastest_rate = turning;
     scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
-    for (const ReferenceSample& sample : posed.truth.samples)
-        for (const std::complex<double>& lambda : eigenvalues(posed.problem, rounded(sample)))
-            scene.fastest_rate = std::max(scene.fastest_rate, std::abs(lambda));
+    const double first = largest_magnitude(scene.eigenvalues);
+    scene.is_linear = first > turning && posed.problem.segments.size() == 1;
+    for (const ReferenceSample& sample : posed.truth.samples) {
+        const double largest = largest_magnitude(eigenvalues(posed.problem, rounded(sample)));
+        scene.fastest_rate = std::max(scene.fastest_rate, largest);
+        if (std::abs(largest - first) > same * first) scene.is_linear = false;
+    }
 }
 
 // of the scene's data alone, within a limit of steps that is the same on every machine

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "integrators/arkode_session.h"
+#include "integrators/auto.h"
 #include "integrators/kernels/linear_growth.h"
 #include "integrators/sundials_run.h"
 
@@ -81,6 +82,13 @@ double growth(std::complex<double> z) {
     return runge_kutta_growth(table.A, table.b, z);
 }
 
+Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+    const bool stiff = is_stiff(problem);
+    Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
+    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
+                                                 : "explicit, order 8, for the motion is not stiff");
+}
+
 constexpr std::string_view arkode_source =
     "Reynolds, Gardner, Woodward & Chinomona 2023, ARKODE: A flexible IVP solver infrastructure for one-step methods, "
     "ACM Trans. Math. Softw. 49, 19; SUNDIALS 6.4";
@@ -137,6 +145,16 @@ constexpr Method list[] = {
     method<true, 5>("arkode_dirk5",
                     "ARKODE's diagonally implicit Runge-Kutta method of order 5 (Kennedy & Carpenter's ARK5(4)8L[2]SA, "
                     "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
+    {.name = "arkode",
+     .documentation = "`arkode_dirk5` where the motion is stiff, else `arkode_erk8`, by a tolerance; the message says "
+                      "which. Stiff is "
+                      "what damps far faster than the body turns, along the motion that `radau` finds to three digits "
+                      "first, which is "
+                      "not in the time shown. With a torque of the user's own it is always `arkode_erk8`.",
+     .source = arkode_source,
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = by_stiffness},
 };
 
 }  // namespace

@@ -67,6 +67,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     void restart() {
         Base::begin();
         steps_ = 0;
+        counts_ = {}, counted_ = {};
     }
 
     /// An event: impulses, then the loads of this segment. ARKODE's step control starts again.
@@ -74,7 +75,10 @@ class ArkodeSession : public SundialsSession<SystemType> {
         Base::pass(segment);
         if (!(end_ > t_)) return ARK_SUCCESS;
         offset_ = 0, reached_ = t_;
-        return ARKStepReInit(memory_.get(), explicit_part(), implicit_part(), t_, state_.get());
+        count();
+        const int flag = ARKStepReInit(memory_.get(), explicit_part(), implicit_part(), t_, state_.get());
+        counted_ = told();
+        return flag;
     }
 
     /// A step of length h from t, both the caller's: ARKODE's own clock adds up rounding errors.
@@ -124,6 +128,12 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// Since restart(). Those that went sideways for a sample do not count.
     long steps() const { return steps_; }
     long rhs_evaluations() const { return this->evaluations_; }
+    SolverCounts counts() {
+        count();
+        SolverCounts counts{counts_.rejected_steps, {}, {}};
+        if (table_.implicit) counts.newton_failures = counts_.newton_failures;
+        return counts;
+    }
 
     /// What a flag below zero means.
     SundialsFailure failure(int flag) {
@@ -139,6 +149,22 @@ class ArkodeSession : public SundialsSession<SystemType> {
     struct FreeMemory {
         void operator()(void* memory) const { ARKStepFree(&memory); }
     };
+
+    struct Counts {
+        long rejected_steps = 0, newton_failures = 0;
+    };
+    Counts told() const {
+        Counts counts;
+        ARKStepGetNumErrTestFails(memory_.get(), &counts.rejected_steps);
+        ARKStepGetNumNonlinSolvConvFails(memory_.get(), &counts.newton_failures);
+        return counts;
+    }
+    void count() {
+        const Counts now = told();
+        counts_.rejected_steps += now.rejected_steps - counted_.rejected_steps;
+        counts_.newton_failures += now.newton_failures - counted_.newton_failures;
+        counted_ = now;
+    }
 
     ARKRhsFn explicit_part() const { return table_.implicit ? nullptr : Base::right_hand_side; }
     ARKRhsFn implicit_part() const { return table_.implicit ? Base::right_hand_side : nullptr; }
@@ -169,6 +195,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     double before_ = 0, y_before_[dimension] = {};
     int inside_flag_ = ARK_SUCCESS;
     long steps_ = 0;
+    Counts counts_, counted_;  // since restart(); ARKODE's own at the last look
 };
 
 }  // namespace polhode

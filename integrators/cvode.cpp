@@ -1,4 +1,5 @@
 // CVODE's variable-order, variable-step linear multistep methods.
+#include "integrators/auto.h"
 #include "integrators/cvode_session.h"
 #include "integrators/sundials_run.h"
 
@@ -21,6 +22,13 @@ Trajectory adams(const Problem& problem, const Settings& settings) {
 Trajectory bdf(const Problem& problem, const Settings& settings) {
     if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     return solve_by(problem, settings, Multistep::bdf, Iteration::newton);
+}
+
+Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+    const bool stiff = is_stiff(problem);
+    Trajectory trajectory = stiff ? bdf(problem, settings) : adams(problem, settings);
+    return remarked(std::move(trajectory),
+                    stiff ? "BDF, for the motion is stiff" : "Adams, for the motion is not stiff");
 }
 
 Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
@@ -54,8 +62,10 @@ constexpr Method list[] = {
      .documentation =
          "CVODE's backward differentiation formulas of order 1 to 5 in fixed-leading-coefficient Nordsieck form, for "
          "stiff motion. The implicit equation is solved by a modified Newton iteration with the exact Jacobian and a "
-         "dense LU factorisation. Tolerances, events and samples as for `cvode_adams`. A torque of the user's own is "
-         "`unsupported`: it has no Jacobian.",
+         "dense LU factorisation. Stability-limit detection is on: where vibration damps so little that the formulas "
+         "of "
+         "orders 3 to 5 would be unstable the order is lowered, and the reductions counted. Tolerances, events and "
+         "samples as for `cvode_adams`. A torque of the user's own is `unsupported`: it has no Jacobian.",
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
@@ -68,6 +78,15 @@ constexpr Method list[] = {
      .conserves = "|q| and, where the motion keeps them, E, momenta and spin, to round-off",
      .control = Control::tolerance,
      .solve = projected_bdf},
+    {.name = "cvode",
+     .documentation =
+         "`cvode_bdf` where the motion is stiff, else `cvode_adams`; the message says which. Stiff is what damps far "
+         "faster than the body turns, along the motion that `radau` finds to three digits first, which is not in the "
+         "time shown. With a torque of the user's own it is always `cvode_adams`.",
+     .source = source,
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = by_stiffness},
 };
 
 }  // namespace

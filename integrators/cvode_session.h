@@ -82,6 +82,9 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
             demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
             demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
+        detects_limit_ = multistep == Multistep::bdf;
+        // of the orders 3 to 5, which are not stable on all of the left half plane
+        if (detects_limit_) demand(CVodeSetStabLimDet(memory, SUNTRUE));
     }
 
     /// Projects each step's end; BDF only. Samples inside a step too. The error estimate is left as it is: with it

@@ -113,7 +113,7 @@ EnsembleRow solve_one(const Scene& scene, const EnsembleBody& body, const Ensemb
         const Problem problem = pose(one);
         const Choice choice = choose_method(problem);
         Settings run;
-        run.samples = 1, run.max_steps = settings.max_steps;
+        run.samples = 1, run.max_steps = settings.max_steps, run.seconds_limit = settings.seconds_limit;
         if (takes_tolerance(*choice.method)) run.tolerance = settings.tolerance;
         const Trajectory trajectory = solve(problem, *choice.method, with_defaults(problem, *choice.method, run));
         row.status = trajectory.status;
@@ -410,8 +410,8 @@ void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, co
                     std::span<EnsembleRow> rows) {
     if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
         throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
-    if (settings.threads < 1 || settings.max_steps < 1)
-        throw std::invalid_argument("an ensemble has at least one thread and one step");
+    if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0))
+        throw std::invalid_argument("an ensemble has at least one thread, one step and some time");
     if (settings.instructions > widest_instruction_set())
         throw std::invalid_argument("this processor has no such instructions");
     if (rows.size() != bodies.size()) throw std::invalid_argument("an ensemble has as many rows as bodies");

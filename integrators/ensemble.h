@@ -17,6 +17,7 @@ struct EnsembleSettings {
     double tolerance = 1e-10;
     int threads = 1;                                  ///< at least 1
     long max_steps = 1'000'000;                       ///< a body that needs more between two events is `failed`
+    double seconds_limit = 3600;                      ///< s; likewise, of the thread, for a body solved by itself
     InstructionSet instructions = instruction_set();  ///< not beyond what the processor has; same bits in each
 };
 

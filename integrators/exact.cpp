@@ -93,7 +93,12 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     const double bound = energy_bound(problem), duration = problem.scene.duration;
     Trajectory trajectory;
     double y[7];
+    Budget budget(settings);
     const auto sample = [&](const Segment& segment, const Form& form, double t) {
+        if (!budget.goes_on()) {
+            budget.stop(trajectory);
+            return false;
+        }
         advance(form, t - segment.begin, y);
         return record(problem, sample_of<FreeRotation<double>>(problem, t, y), bound, trajectory);
     };

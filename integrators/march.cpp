@@ -2,21 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <ctime>
 #include <limits>
 
+#include "integrators/kernels/processor_time.h"
+
 namespace polhode {
-namespace {
-
-// s, of this thread alone: what other work on the machine takes away does not count
-double processor_time() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-}  // namespace
-
 Budget::Budget(const Settings& settings)
     : max_steps_(settings.max_steps > std::numeric_limits<long>::max() / settings.repetitions
                      ? settings.max_steps

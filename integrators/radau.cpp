@@ -312,12 +312,14 @@ class ControlledRadau : public Radau<SystemType> {
     }
     void restart() {
         Base::restart();
+        newton_failures_ = 0;
         forget();
     }
     void enter(const Segment& segment) {
         Base::enter(segment);
         forget();
     }
+    long newton_failures() const { return newton_failures_; }
 
     /// From the time |y'| / |y''| in which the motion changes at first.
     double first_step(double t) {
@@ -343,6 +345,7 @@ class ControlledRadau : public Radau<SystemType> {
         const auto newton = this->solve(t, h, enough_, epsilon / unit_, most_);
         if (!newton.finite) return not_finite(h);
         if (!newton.converged) {
+            ++newton_failures_;
             h *= std::min(0.5, 0.8 * std::pow(std::max(newton.expected, 1.0), -1.0 / (4 + most_ - newton.iterations)));
             return Attempt::rejected;
         }
@@ -411,6 +414,7 @@ class ControlledRadau : public Radau<SystemType> {
     double rate_[N];  ///< f at the step's start
     double last_error_ = 1, last_size_ = 1;
     bool first_ = true, rejected_ = false, evaluated_ = false;
+    long newton_failures_ = 0;
 };
 
 Trajectory solve_with(const Problem& problem, const Settings& settings, int stages) {

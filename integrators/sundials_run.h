@@ -12,6 +12,12 @@ inline void name_unoptimised_sundials(Trajectory& trajectory) {
         trajectory.message += trajectory.message.empty() ? "SUNDIALS unoptimised" : "; SUNDIALS unoptimised";
 }
 
+/// A remark before what the message says already.
+inline Trajectory remarked(Trajectory trajectory, const char* remark) {
+    trajectory.message = trajectory.message.empty() ? remark : remark + ("; " + trajectory.message);
+    return trajectory;
+}
+
 /// Session: CvodeSession, ArkodeSession, or one alike.
 template <class Session>
 class SundialsRun : private SolverRun<Session> {

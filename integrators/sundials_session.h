@@ -17,6 +17,7 @@
 #include "integrators/kernels/fixed_dense_solver.h"
 #include "integrators/kernels/fixed_vector.h"
 #include "integrators/kernels/sundials_handles.h"
+#include "integrators/march.h"
 #include "motion/dual.h"
 #include "motion/problem.h"
 
@@ -84,8 +85,8 @@ class SundialsSession {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
-            return {Status::diverged, fmt::format("the right-hand side is not finite at t = {:g} s; {}: {}",
-                                                  *not_finite_at_, library, said)};
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
+                                                  moment(*not_finite_at_), library, said, last_state(sample()))};
         return {status, fmt::format("{}: {}", library, said)};
     }
     void rethrow() {

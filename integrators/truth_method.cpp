@@ -18,13 +18,14 @@ Sample rounded(const ReferenceSample& truth) {
 
 Trajectory solve_truth(const Problem& problem, const Settings& settings) {
     constexpr int digits = 25;
-    const truth::Truth truth = truth::find_truth(problem.scene, settings.samples, digits);
+    const truth::Truth truth = truth::find_truth(problem.scene, settings.samples, digits, settings.seconds_limit);
     Trajectory trajectory;
     trajectory.message = truth.reference.message;
     trajectory.steps = truth.steps;
     trajectory.seconds = truth.seconds;
     if (!truth.reference.available) {
         trajectory.status = problem.needs.user_torque ? Status::unsupported : Status::failed;
+        trajectory.limit_reached = truth.limit_reached;
         return trajectory;
     }
     for (const Pair& t : truth.reference.impact_times) trajectory.impact_times.push_back(t.high);

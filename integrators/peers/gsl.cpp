@@ -58,7 +58,8 @@ class GslSession {
     void restart() {
         initial_state<SystemType>(*problem_, y_.data());
         main_.evaluations = 0;
-        steps_ = 0;
+        steps_ = rejected_ = 0;
+        gsl_odeiv2_driver_reset(driver_.get());
     }
 
     /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
@@ -67,6 +68,7 @@ class GslSession {
         system_ = system_on<SystemType>(*problem_, segment);
         t_ = segment.begin, end_ = segment.end;
         if (!(end_ > t_)) return GSL_SUCCESS;
+        rejected_ += static_cast<long>(driver_->e->failed_steps);
         gsl_odeiv2_driver_reset(driver_.get());
         h_ = first_step();
         return GSL_SUCCESS;
@@ -109,9 +111,8 @@ class GslSession {
     /// What a flag below zero means.
     Failure failure(int) const {
         if (main_.not_finite || side_.not_finite)
-            return {Status::diverged, fmt::format("the right-hand side is not finite at t = {:g} s, however small the "
-                                                  "step",
-                                                  t_)};
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
+                                                  moment(t_), last_state(sample()))};
         return {Status::tolerance_not_met,
                 fmt::format(
                     "GSL: {} at t = {:g} s",
@@ -121,6 +122,7 @@ class GslSession {
     /// Since restart().
     long steps() const { return steps_; }
     long rhs_evaluations() const { return main_.evaluations; }
+    SolverCounts counts() const { return {rejected_ + static_cast<long>(driver_->e->failed_steps), {}, {}}; }
 
   private:
     using State = std::array<double, dimension>;
@@ -206,7 +208,7 @@ class GslSession {
     State scales_{}, y_{}, side_y_{};
     double t_ = 0, begin_ = 0, end_ = 0, h_ = 0, side_h_ = 0;
     std::optional<double> side_t_;
-    long steps_ = 0;
+    long steps_ = 0, rejected_ = 0;
     int status_ = GSL_SUCCESS;
     Context main_{}, side_{};
     Driver driver_, sideways_;

@@ -113,7 +113,7 @@ class ConstraintSession : public PointSession {
     void restart() {
         begin();
         N_VConst(0, rate_of_state_.get());
-        steps_ = 0, running_ = false;
+        steps_ = rejected_steps_ = newton_failures_ = 0, running_ = false;
     }
     int enter(const Segment& segment) {
         close();
@@ -149,6 +149,10 @@ class ConstraintSession : public PointSession {
     long steps() {
         close();
         return steps_;
+    }
+    SolverCounts counts() {
+        close();
+        return {rejected_steps_, newton_failures_, {}};
     }
 
   private:
@@ -220,9 +224,11 @@ class ConstraintSession : public PointSession {
     void close() {
         if (!running_) return;
         running_ = false;
-        long steps = 0;
+        long steps = 0, rejected = 0, failures = 0;
         IDAGetNumSteps(memory_.get(), &steps);
-        steps_ += steps;
+        IDAGetNumErrTestFails(memory_.get(), &rejected);
+        IDAGetNumNonlinSolvConvFails(memory_.get(), &failures);
+        steps_ += steps, rejected_steps_ += rejected, newton_failures_ += failures;
     }
 
     Constraints constraints_;
@@ -231,7 +237,7 @@ class ConstraintSession : public PointSession {
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
-    long steps_ = 0;
+    long steps_ = 0, rejected_steps_ = 0, newton_failures_ = 0;
     bool running_ = false;
 };
 

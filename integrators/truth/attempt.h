@@ -16,12 +16,13 @@ struct Truth {
     Reference reference;
     long steps = 0;                            ///< of both runs
     double seconds = 0;                        ///< wall clock, when it was computed
+    bool limit_reached = false;                ///< there is none because the time allowed was spent
     std::vector<DecimalColumns> decimals;      ///< one a sample, to more digits than agree
     std::vector<std::string> impact_decimals;  ///< of Reference::impact_times, likewise
 };
 
-/// The truth from the cache, or else computed and kept there; throws as reference() does.
-Truth find_truth(const Scene& scene, long samples, int digits);
+/// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.
+Truth find_truth(const Scene& scene, long samples, int digits, double seconds_limit = truth_seconds);
 
 struct Attempt {
     std::string fault;         ///< why a run did not reach the end; empty if both did

@@ -64,6 +64,11 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     const std::optional<ClosedForm<P>> back = piece.begun(forcing, last.w, last.q);
     Run<P> first, second;
     for (const double t : sample_times) {
+        if (Allowance::is_spent()) {
+            Attempt none;
+            none.fault = Allowance::fault;
+            return none;
+        }
         first.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
         second.motions.push_back(piece.motion(back->at(P(P(t) - end)), P(t)));
     }

@@ -11,10 +11,11 @@
 
 namespace polhode::truth {
 
-/// Runs f in a thread of its own; the caches that mpfr keeps for it go with it.
+/// Runs f in a thread of its own, with as much time as is left; the caches that mpfr keeps for it go with it.
 template <class F>
 auto in_thread(F f) {
-    return std::async(std::launch::async, [f] {
+    return std::async(std::launch::async, [f, seconds = Allowance::left()] {
+        const Allowance allowance(seconds);
         auto result = f();
         mpfr_free_cache();
         return result;

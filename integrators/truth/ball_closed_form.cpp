@@ -1,5 +1,6 @@
 #include <optional>
 
+#include "integrators/truth/allowance.h"
 #include "integrators/truth/ball_flow.h"
 #include "integrators/truth/ball_free.h"
 #include "motion/systems.h"
@@ -50,7 +51,13 @@ Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& st
             if (!component.is_finite()) result.fault = "the closed form has no finite balls at this precision";
         return y;
     };
-    for (const double time : piece.sample_times) result.samples.push_back(state(time));
+    for (const double time : piece.sample_times) {
+        if (Allowance::is_spent()) {
+            result.fault = Allowance::fault;
+            return result;
+        }
+        result.samples.push_back(state(time));
+    }
     result.end = state(piece.end);
     return result;
 }

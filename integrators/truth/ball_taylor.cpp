@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/truth/allowance.h"
 #include "integrators/truth/ball_flow.h"
 
 namespace polhode::truth {
@@ -157,6 +158,10 @@ Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std
     while (!(t == end)) {
         if (result.steps++ >= max_steps) {
             result.fault = "more steps than are allowed";
+            return result;
+        }
+        if (Allowance::is_spent()) {
+            result.fault = Allowance::fault;
             return result;
         }
         series.expand(point.data());

@@ -10,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "integrators/truth/allowance.h"
 #include "integrators/truth/ball_decimal.h"
 #include "integrators/truth/ball_flow.h"
 #include "integrators/truth/damping.h"
@@ -202,7 +203,7 @@ double excess_bits(const std::vector<Columns>& all, int digits) {
 
 }  // namespace
 
-CertifiedReference certified_reference(const Scene& scene, long samples, int digits) {
+CertifiedReference certified_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
     if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
     validate(scene, scene.name);
@@ -221,12 +222,14 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     const auto start = std::chrono::steady_clock::now();
     for (long k = 0; k <= samples; ++k) result.times.push_back(sample_time(scene.duration, k, samples));
 
+    const truth::Allowance allowance(seconds_limit);
     Certifier certifier(scene, result.times, digits);
     double bits = certifier.least_bits(), limit = most_bits;
     while (bits <= limit) {
         result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
         const Attempt attempt = certifier.attempt();
+        if (truth::Allowance::is_spent()) break;
         limit = std::min(limit, attempt.most_bits);
         if (!attempt.fault.empty()) {
             bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
@@ -257,6 +260,10 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
         return result;
     }
     result.times.clear();
+    if (truth::Allowance::is_spent()) {
+        result.message = fmt::format("no certified truth within the limit of {} s", seconds_limit);
+        return result;
+    }
     // with room for what an attempt may find missing
     const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
     result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits of {} bits", limit)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/truth/reference.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -37,9 +38,10 @@ struct CertifiedReference {
 /// after it. Every radius is at most 10^-digits, and at most 10^-digits times the largest length of its block (q, w,
 /// p, v) over the run. Precision is raised until it is; where that is out of reach `available` is false and the
 /// message says how many digits can be had. A scene with a user's own torque has no truth, and a program built without
-/// Arb has none that is certified. Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample
-/// or digit.
-CertifiedReference certified_reference(const Scene& scene, long samples, int digits);
+/// Arb has none that is certified. Nor is there one that would take the thread more than `seconds_limit` seconds.
+/// Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample or digit.
+CertifiedReference certified_reference(const Scene& scene, long samples, int digits,
+                                       double seconds_limit = truth_seconds);
 
 /// Version of the ball arithmetic in use; empty where the program was built without it.
 std::string ball_arithmetic_version();

@@ -3,7 +3,7 @@
 
 namespace polhode {
 
-CertifiedReference certified_reference(const Scene&, long, int digits) {
+CertifiedReference certified_reference(const Scene&, long, int digits, double) {
     CertifiedReference result;
     result.requested_digits = digits;
     result.message =

@@ -56,7 +56,7 @@ class CollocationStep {
         const int s = table_.stages;
         for (int i = 0; i <= s; ++i) std::copy(y.begin(), y.end(), values_.begin() + i * n_);
         double last = std::numeric_limits<double>::infinity();
-        for (int iteration = 0; iteration < 40; ++iteration) {
+        for (int iteration = 0; iteration < 40 && !Allowance::is_spent(); ++iteration) {
             find_residual(h);
             if (last > 1e-5) factor(h.template convert_to<double>(), scales);
             const double correction = correct(scales);
@@ -184,6 +184,7 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
     P t(begin);
     while (t < end) {
         if (steps++ >= settings.max_steps) return "more steps than are allowed";
+        if (Allowance::is_spent()) return Allowance::fault;
         measure();
         const P remaining = P(end) - t;
         const bool to_end = remaining <= h;

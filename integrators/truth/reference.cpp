@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/cache.h"
 #include "integrators/truth/damping.h"
@@ -95,12 +96,18 @@ Truth computed(const Scene& scene, const std::vector<double>& times, int digits)
 }
 
 // The truth kept under `key`, or else computed at those times and kept.
-Truth found(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits) {
+Truth found(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits,
+            double seconds_limit) {
     if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
     const auto start = std::chrono::steady_clock::now();
+    const truth::Allowance allowance(seconds_limit);
     Truth made = computed(scene, times, digits);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    truth::keep(key, made);
+    made.limit_reached = !made.reference.available && truth::Allowance::is_spent();
+    if (made.limit_reached)
+        made.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
+    else
+        truth::keep(key, made);
     return made;
 }
 
@@ -119,13 +126,13 @@ std::string refusal(const Scene& scene, int digits) {
 
 }  // namespace
 
-Truth truth::find_truth(const Scene& scene, long samples, int digits) {
+Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
     if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
-    return found(scene, truth::cache_key(scene, samples, digits), times_of(scene, samples), digits);
+    return found(scene, truth::cache_key(scene, samples, digits), times_of(scene, samples), digits, seconds_limit);
 }
 
-Reference reference(const Scene& scene, const std::vector<double>& times, int digits) {
+Reference reference(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
     if (times.empty()) throw std::invalid_argument("there are no times");
     for (std::size_t i = 0; i < times.size(); ++i)
         if (!std::isfinite(times[i]) || !(i == 0 ? times[i] >= 0 : times[i] > times[i - 1]))
@@ -134,9 +141,9 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
     if (times.back() > 0) timed.duration = times.back();
     const long samples = static_cast<long>(times.size()) - 1;
     // the usual times: their truth may be there already
-    if (samples > 0 && times == times_of(timed, samples)) return reference(timed, samples, digits);
+    if (samples > 0 && times == times_of(timed, samples)) return reference(timed, samples, digits, seconds_limit);
     if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
-    return found(timed, truth::cache_key(timed, times, digits), times, digits).reference;
+    return found(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit).reference;
 }
 
 std::string_view truth_method(const Problem& problem) {
@@ -144,12 +151,12 @@ std::string_view truth_method(const Problem& problem) {
     return is_long(problem) ? "closed form" : is_stiff(problem) ? "collocation" : "Taylor series";
 }
 
-Reference reference(const Scene& scene, long samples, int digits) {
-    return truth::find_truth(scene, samples, digits).reference;
+Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {
+    return truth::find_truth(scene, samples, digits, seconds_limit).reference;
 }
 
-DecimalReference decimal_reference(const Scene& scene, long samples, int digits) {
-    const Truth truth = truth::find_truth(scene, samples, std::max(digits, usual_digits));
+DecimalReference decimal_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
+    const Truth truth = truth::find_truth(scene, samples, std::max(digits, usual_digits), seconds_limit);
     DecimalReference result;
     result.available = truth.reference.available;
     result.message = truth.reference.message;

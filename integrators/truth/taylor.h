@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/truth/allowance.h"
 #include "integrators/truth/motion.h"
 #include "integrators/truth/real.h"
 #include "integrators/truth/series.h"
@@ -144,6 +145,10 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
         while (t < end) {
             if (run.steps++ >= settings.max_steps) {
                 run.fault = "more steps than are allowed";
+                return false;
+            }
+            if (Allowance::is_spent()) {
+                run.fault = Allowance::fault;
                 return false;
             }
             for (Block& block : blocks) {

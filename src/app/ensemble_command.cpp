@@ -27,6 +27,7 @@ struct Options {
     std::optional<double> tolerance, duration;
     std::optional<long> threads;
     long max_steps = EnsembleSettings{}.max_steps;
+    double max_seconds = EnsembleSettings{}.seconds_limit;
 };
 
 // A number, or nothing where there is none.
@@ -106,6 +107,7 @@ int run(const Options& options) {
     if (options.duration) require_positive("--duration", *options.duration);
     if (options.threads) require_count("--threads", *options.threads, most_threads);
     require_count("--max-steps", options.max_steps, most_steps);
+    require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
@@ -113,7 +115,7 @@ int run(const Options& options) {
     settings.tolerance = options.tolerance.value_or(settings.tolerance);
     settings.threads = static_cast<int>(
         options.threads.value_or(std::max<long>(1, static_cast<long>(std::thread::hardware_concurrency()))));
-    settings.max_steps = options.max_steps;
+    settings.max_steps = options.max_steps, settings.seconds_limit = options.max_seconds;
     const EnsembleTable table = read_ensemble(options.initial, scene);
     const auto start = std::chrono::steady_clock::now();
     const std::vector<EnsembleRow> rows = solve_ensemble(scene, table.bodies, settings);
@@ -143,6 +145,10 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command
         ->add_option("--max-steps", options->max_steps,
                      "A body that needs more steps between two events ends as failed")
+        ->capture_default_str();
+    command
+        ->add_option("--max-seconds", options->max_seconds,
+                     "Likewise, of its thread's time, for a body that is solved by itself")
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -16,13 +16,14 @@
 namespace polhode {
 namespace {
 
-constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000;
+constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000, most_evaluations = 1'000'000'000'000'000;
 
 struct Options {
     std::string scene, method = "auto", output;
     std::optional<double> step, tolerance, duration;
     std::optional<long> steps;
-    long samples = 100, max_steps = Settings{}.max_steps;
+    long samples = 100, max_steps = Settings{}.max_steps, max_evaluations = Settings{}.max_evaluations;
+    double max_seconds = Settings{}.seconds_limit;
     bool full = false;
 };
 
@@ -33,6 +34,8 @@ void check(const Options& options) {
     if (options.steps) require_count("--steps", *options.steps, most_steps);
     require_count("--samples", options.samples, most_samples);
     require_count("--max-steps", options.max_steps, most_steps);
+    require_count("--max-evaluations", options.max_evaluations, most_evaluations);
+    require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
 }
 
@@ -68,8 +71,16 @@ std::string summary(const Options& options, const Problem& problem, const Choice
     }
     text += fmt::format("status   {}{}{}\n", name_of(trajectory.status), trajectory.message.empty() ? "" : ": ",
                         one_line(trajectory.message, 500));
-    text += fmt::format("cost     {}, {}, {:.6f} s\n", plural(trajectory.steps, "step"),
-                        plural(trajectory.rhs_evaluations, "right-hand side"), trajectory.seconds);
+    text += fmt::format("cost     {}, {}", plural(trajectory.steps, "step"),
+                        plural(trajectory.rhs_evaluations, "right-hand side"));
+    const SolverCounts& counts = trajectory.counts;
+    if (counts.rejected_steps.value_or(0) > 0)
+        text += fmt::format(", {} rejected", plural(*counts.rejected_steps, "step"));
+    if (counts.newton_failures.value_or(0) > 0)
+        text += fmt::format(", {} of the nonlinear solver", plural(*counts.newton_failures, "failure"));
+    if (counts.order_reductions.value_or(0) > 0)
+        text += fmt::format(", {} for stability", plural(*counts.order_reductions, "order reduction"));
+    text += fmt::format(", {:.6f} s\n", trajectory.seconds);
     return text;
 }
 
@@ -80,7 +91,8 @@ int run(const Options& options) {
     if (options.duration) scene.duration = *options.duration;
     Settings settings;
     settings.samples = options.samples;
-    settings.max_steps = options.max_steps;
+    settings.max_steps = options.max_steps, settings.max_evaluations = options.max_evaluations;
+    settings.seconds_limit = options.max_seconds;
     settings.formulation = options.full ? Formulation::full : Formulation::reduced;
     settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
     settings.tolerance = options.tolerance;
@@ -118,6 +130,9 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--duration", options->duration, "T in s, in place of the scene's");
     command->add_option("--max-steps", options->max_steps, "A run that needs more steps ends as failed")
         ->capture_default_str();
+    command->add_option("--max-evaluations", options->max_evaluations, "Likewise, of right-hand sides")
+        ->capture_default_str();
+    command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
     command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -25,6 +25,7 @@ struct Options {
     std::optional<double> duration;
     long samples = 100;
     int digits = 17;
+    double max_seconds = truth_seconds;
     bool certified = false;
 };
 
@@ -99,7 +100,7 @@ std::string json(const Scene& scene, const CertifiedReference& truth) {
 }
 
 int run_certified(const Options& options, const Scene& scene) {
-    const CertifiedReference truth = certified_reference(scene, options.samples, options.digits);
+    const CertifiedReference truth = certified_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
         return 1;
@@ -118,11 +119,12 @@ int run(const Options& options) {
     require_count("--samples", options.samples, most_samples);
     require_count("--digits", options.digits, 1'000'000);
     if (options.duration) require_positive("--duration", *options.duration);
+    require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
     if (options.certified) return run_certified(options, scene);
-    const DecimalReference truth = decimal_reference(scene, options.samples, options.digits);
+    const DecimalReference truth = decimal_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
         return 1;
@@ -157,6 +159,10 @@ void add_truth(CLI::App& program, int& exit_code) {
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();
     command->add_option("--duration", options->duration, "T in s, in place of the scene's");
+    command
+        ->add_option("--max-seconds", options->max_seconds,
+                     "A truth that takes its thread longer is given up (exit 1); what is cached takes none")
+        ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->callback([options, &exit_code] { exit_code = run(*options); });
 }

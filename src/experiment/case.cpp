@@ -33,6 +33,7 @@ bool choose_settings(const Experiment& experiment, Case& c) {
     settings.samples = experiment.samples;
     // a step costs an evaluation at least: a run of too many fixed steps is not begun
     settings.max_steps = std::min(experiment.max_steps, experiment.max_evaluations);
+    settings.max_evaluations = experiment.max_evaluations;
     settings.seconds_limit = experiment.seconds_per_run;
     settings.formulation = c.curve->formulation;
     double setting = c.setting();
@@ -74,7 +75,8 @@ std::string words_of(const Plan& plan, const Case& c) {
     return words;
 }
 
-Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c) {
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference,
+                          std::optional<double> kappa, Case& c) {
     if (!choose_settings(experiment, c)) return {};
     Result result = blank(c);
     Settings settings = c.settings;
@@ -86,6 +88,7 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (trajectory.step > 0) result.step_taken = trajectory.step;
     if (trajectory.status != Status::unsupported) {
         result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
+        result.counts = trajectory.counts;
         const ErrorSeries series = error_series(problem.scene, trajectory, reference);
         result.errors = errors(series, trajectory, reference);
         if (keeps_series(experiment.kind)) result.series = series, result.revolutions = revolutions(reference);
@@ -95,14 +98,16 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
         result.errors.attitude_final.value_or(0) > 1) {
         result.status = Status::tolerance_not_met;
-        result.message = fmt::format("ends {:.3g} rad off", *result.errors.attitude_final);
+        result.message =
+            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors.attitude_final,
+                        kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "not known");
     }
     if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
         result.status = Status::failed, result.cut = true, result.errors = {};
         result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
     }
     // how far it came before a limit depends on the machine
-    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset();
+    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
     result.seconds_min = trajectory.seconds;
     c.result = std::move(result);
     return trajectory;

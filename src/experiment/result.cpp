@@ -51,6 +51,11 @@ Formulation formulation_named(const std::string& name) {
     throw std::invalid_argument("not a formulation: " + name);
 }
 
+std::optional<double> error_over_tolerance(const Result& r) {
+    if (r.setting_kind != SettingKind::tolerance || !(r.setting > 0) || !r.errors.attitude_max) return {};
+    return *r.errors.attitude_max / r.setting;
+}
+
 const std::vector<std::string> series_columns{
     "t", "attitude_error", "omega_error", "energy_error", "momentum_error", "norm_error", "float64_floor"};
 
@@ -83,7 +88,11 @@ std::vector<std::string> result_columns() {
             "float64_floor",
             "float32_floor",
             "float64_floor_final",
-            "float32_floor_final"};
+            "float32_floor_final",
+            "rejected_steps",
+            "newton_failures",
+            "order_reductions",
+            "error_over_tolerance"};
 }
 
 std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
@@ -113,7 +122,11 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
             cell_of(r.floors.float64),
             cell_of(r.floors.float32),
             cell_of(r.floors.float64_final),
-            cell_of(r.floors.float32_final)};
+            cell_of(r.floors.float32_final),
+            cell_of(r.counts.rejected_steps),
+            cell_of(r.counts.newton_failures),
+            cell_of(r.counts.order_reductions),
+            cell_of(error_over_tolerance(r))};
 }
 
 Result result_of(const Table& table, std::size_t row) {
@@ -141,9 +154,11 @@ Result result_of(const Table& table, std::size_t row) {
     r.formulation = formulation_named(at("formulation"));
     r.evaluations_per_revolution = number(at("evaluations_per_revolution"));
     r.revolutions = number(at("revolutions"));
-    if (!has_column(table, "float64_floor")) return r;
-    r.floors = {number(at("float64_floor")), number(at("float32_floor")), number(at("float64_floor_final")),
-                number(at("float32_floor_final"))};
+    if (has_column(table, "float64_floor"))
+        r.floors = {number(at("float64_floor")), number(at("float32_floor")), number(at("float64_floor_final")),
+                    number(at("float32_floor_final"))};
+    if (has_column(table, "rejected_steps"))
+        r.counts = {count(at("rejected_steps")), count(at("newton_failures")), count(at("order_reductions"))};
     return r;
 }
 

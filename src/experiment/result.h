@@ -27,6 +27,7 @@ struct Result {
     std::optional<double> seconds_min, seconds_median;
     long repeats = 0;
     std::optional<long> steps, rhs_evaluations;
+    SolverCounts counts;
     Errors errors;
     std::string message;
     std::optional<double> step_taken;  ///< s, of a fixed-step run
@@ -39,12 +40,13 @@ struct Result {
 };
 
 /// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
-/// float32_floor, float64_floor_final and float32_floor_final.
+/// float32_floor, float64_floor_final and float32_floor_final, then rejected_steps, newton_failures, order_reductions,
+/// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance.
 std::vector<std::string> result_columns();
 std::vector<Cell> row_of(const std::string& experiment, const Result& result);
 
-/// The result that row_of() wrote, or one written before there were floors. Throws std::invalid_argument where a cell
-/// cannot be read.
+/// The result that row_of() wrote, or one written before there were floors, or counts. Throws std::invalid_argument
+/// where a cell cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
 /// drift.csv: scene, method, setting, t, the five errors and float64_floor, then the experiment.

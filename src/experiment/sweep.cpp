@@ -70,6 +70,7 @@ class SceneSweep {
           cases_(std::move(cases)),
           conditioning_(conditioning),
           floors_(floors_of(conditioning)),
+          kappa_(conditioning.available ? std::optional(conditioning.attitude.back()) : std::nullopt),
           progress_(progress) {}
 
     long run() {
@@ -116,7 +117,7 @@ class SceneSweep {
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
             const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
             const Stopwatch stopwatch;
-            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i]);
+            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, kappa_, *now[i]);
             now[i]->spent = stopwatch.seconds();
         });
         if (interrupted) {
@@ -151,7 +152,7 @@ class SceneSweep {
                     result.status = Status::failed, result.message = run.failure;
                     result.cut = run.limit_reached;
                     result.errors = {};
-                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset();
+                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
                 }
             }
             store(*c);
@@ -176,6 +177,7 @@ class SceneSweep {
     std::vector<Case*> cases_;
     const Conditioning& conditioning_;
     const Floors floors_;
+    const std::optional<double> kappa_;  // of the attitude at T
     std::map<Formulation, Problem> problems_;
     Progress& progress_;
 };

@@ -27,6 +27,25 @@ enum class Multistep { adams, bdf };
 /// How the implicit equation of a step is solved: y = g(y) iterated, or Newton's method with the Jacobian.
 enum class Iteration { functional, newton };
 
+/// What CVODE tells of its troubles, summed over its initialisations.
+struct CvodeCounts {
+    long rejected_steps = 0, newton_failures = 0, order_reductions = 0;
+
+    void add(void* memory) {
+        long rejected = 0, failures = 0, reductions = 0;
+        CVodeGetNumErrTestFails(memory, &rejected);
+        CVodeGetNumNonlinSolvConvFails(memory, &failures);
+        CVodeGetNumStabLimOrderReds(memory, &reductions);
+        rejected_steps += rejected, newton_failures += failures, order_reductions += reductions;
+    }
+    /// `detects_limit`: of stability, as CVODE can for BDF.
+    SolverCounts told(bool detects_limit) const {
+        SolverCounts counts{rejected_steps, newton_failures, {}};
+        if (detects_limit) counts.order_reductions = order_reductions;
+        return counts;
+    }
+};
+
 /// Newton's method needs FixedVector. SystemType: one of motion/systems.h.
 template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
@@ -78,6 +97,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     void restart() {
         Base::begin();
         steps_ = 0;
+        counts_ = {};
         running_ = false;
     }
 
@@ -134,6 +154,10 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return steps_;
     }
     long rhs_evaluations() const { return this->evaluations_; }
+    SolverCounts counts() {
+        close();
+        return counts_.told(detects_limit_);
+    }
 
   protected:
     using Base::demand;
@@ -171,13 +195,14 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return CV_SUCCESS;
     }
 
-    // adds CVODE's count, which starts again at every event
+    // adds CVODE's counts, which start again at every event
     void close() {
         if (!running_) return;
         running_ = false;
         long steps = 0;
         CVodeGetNumSteps(memory_.get(), &steps);
         steps_ += steps;
+        counts_.add(memory_.get());
     }
 
     SundialsOwner<N_Vector> inside_ = owned(Vector::make(context_));
@@ -187,7 +212,8 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     std::unique_ptr<void, FreeMemory> memory_;
     std::optional<Projection<SystemType>> projection_;
     long steps_ = 0;
-    bool running_ = false;
+    CvodeCounts counts_;
+    bool running_ = false, detects_limit_ = false;
 };
 
 }  // namespace polhode

@@ -2,25 +2,38 @@
 // tolerance-driven one that takes its own steps and looks sideways for the samples.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <concepts>
+#include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "integrators/method.h"
 
 namespace polhode {
 
-/// Counts steps against Settings::max_steps, and looks now and then at the time spent for Settings::seconds_limit.
+/// Holds a run to Settings' limits: of steps, of right-hand sides, and of time, at which it looks now and then.
 class Budget {
   public:
     explicit Budget(const Settings& settings);
 
-    /// Takes one step; false once the run may not go on: `message()` then says why.
-    bool take() {
-        if (++steps_ > max_steps_) return refuse();
-        return (steps_ & 63) != 0 || !timed_ || in_time();
+    /// Takes one step; false once the run may not go on: `stop()` then says why. `evaluations`: so far, in this
+    /// repetition.
+    bool take(long evaluations = 0) {
+        if (steps_ >= max_steps_) return refuse_step();
+        ++steps_;
+        if (goes_on(evaluations)) return true;
+        --steps_;
+        return false;
+    }
+    /// The same for work that is no step: another attempt at one, a sample aside.
+    bool goes_on(long evaluations = 0) {
+        if (evaluations >= max_evaluations_) return refuse_evaluation();
+        return --until_look_ > 0 || in_time();
     }
     long steps() const { return steps_; }
     /// The run needs more steps than it may take: `failed` before its first.
@@ -29,17 +42,24 @@ class Budget {
     void stop(Trajectory& trajectory) const;
 
   private:
-    bool refuse();
+    bool refuse_step();
+    bool refuse_evaluation();
     bool in_time();
+    double spent() const;
 
-    long steps_ = 0, max_steps_;
+    long steps_ = 0, max_steps_, max_evaluations_;
     int repetitions_;
-    bool timed_;
     double seconds_limit_;
+    // as many steps between two looks at the clock as take some 10 ms, 1024 at the most
+    long until_look_ = 1, between_looks_ = 1;
+    double looked_ = 0;  // s, after start_
     std::chrono::steady_clock::time_point start_;
     double processor_start_;
     std::string message_;
 };
+
+/// "t = 0.125 s"
+std::string moment(double t);
 
 /// Steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit.
 class Pace {
@@ -56,7 +76,7 @@ class Pace {
         return needed <= most_;
     }
     static std::string message(double t) {
-        return "no progress at t = " + std::to_string(t) + ": the tolerance is too small for binary64";
+        return "no progress at " + moment(t) + ": the tolerance is too small for binary64";
     }
 
   private:
@@ -84,7 +104,14 @@ class Stopwatch {
 /// Whole steps for one sample interval of length `interval`, none longer than `step` (but for rounding).
 long steps_per_sample(double interval, double step);
 
-/// Appends the sample, or tells that the run has diverged: a number that is not finite, or energy beyond all bounds.
+/// What has gone astray: a number that is not finite, or energy beyond all bounds, with the time; empty where nothing
+/// has.
+std::string divergence(const Problem& problem, const Sample& sample, double bound);
+
+/// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes: what follows upon what went wrong.
+std::string last_state(const Sample& sample);
+
+/// Appends the sample, or tells that the run has diverged, with the sample before.
 bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
 
 Trajectory unsupported(std::string message);
@@ -139,10 +166,15 @@ class SystemStepper {
 
 /// Fixed steps. Every sample time is met by whole steps; an event inside a step cuts it in two. The steps do not
 /// depend on Settings::record. `options` are what the stepper is made from beside the problem.
+///
+/// Whether the motion has diverged is asked at each sample time, and between them after `longest_stretch` steps; the
+/// steps since a copy was made are then repeated from it, one at a time, to name the one that led astray. A stepper
+/// that cannot be copied is asked at each step.
 template <Stepper S, class... Options>
 requires std::constructible_from<S, const Problem&, const Options&...> Trajectory march(const Problem& problem,
                                                                                         const Settings& settings,
                                                                                         const Options&... options) {
+    constexpr long longest_stretch = 1024, between_copies = 64;
     Trajectory trajectory;
     const double T = problem.scene.duration;
     const long N = settings.samples;
@@ -156,59 +188,114 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         return trajectory;
     }
     S stepper(problem, options...);
-    const auto keep = [&](double t) {
-        const bool fine = record(problem, stepper.sample(t), bound, trajectory);
-        if constexpr (requires { stepper.orthogonality_defect(); })
-            if (fine) trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
-        return fine;
-    };
+    std::size_t next = 0;  // the event to come
     const auto failed = [&] {
         if constexpr (requires { stepper.failed(); }) return stepper.failed();
+        return false;
+    };
+    const auto pass_events = [&](double t) {
+        while (next < problem.segments.size() && problem.segments[next].begin <= t)
+            stepper.enter(problem.segments[next++]);
+    };
+    // the steps between two samples: step i goes from time(i) to time(i + 1)
+    struct Interval {
+        double begin, end, h;
+        long steps;
+        double time(long i) const { return i == steps ? end : begin + static_cast<double>(i) * h; }
+    };
+    const auto interval = [&](long k) {
+        const double begin = sample_time(T, k - 1, N), end = sample_time(T, k, N);
+        return Interval{begin, end, (end - begin) / static_cast<double>(per_sample), per_sample};
+    };
+    const auto take_step = [&](const Interval& at, long i) {
+        double t = at.time(i);
+        const double stop = at.time(i + 1);
+        if (next == problem.segments.size() || problem.segments[next].begin > stop) {
+            stepper.step(t, at.h);
+            return;
+        }
+        while (next < problem.segments.size() && problem.segments[next].begin <= stop) {
+            const double event = problem.segments[next].begin;
+            if (event > t) stepper.step(t, event - t);
+            t = event;
+            pass_events(event);
+        }
+        if (stop > t) stepper.step(t, stop - t);
+    };
+    const auto keep = [&](const Sample& sample) {
+        trajectory.samples.push_back(sample);
+        if constexpr (requires { stepper.orthogonality_defect(); })
+            trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
+    };
+    struct Nothing {};
+    std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
+    long copied_at = 0;  // steps before it, in this repetition
+    std::size_t next_of_copy = 0;
+    // in the first `reached` steps of this repetition the motion has diverged: in which?
+    const auto diverge = [&](long reached, std::string what) {
+        std::string state;
+        if (!trajectory.samples.empty()) state = last_state(trajectory.samples.back());
+        if constexpr (std::copyable<S>) {
+            stepper = *copy, next = next_of_copy;
+            for (long n = copied_at; n < reached; ++n) {
+                const Interval at = interval(n / per_sample + 1);
+                const long i = n % per_sample;
+                const Sample before = stepper.sample(at.time(i));
+                take_step(at, i);
+                const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
+                if (here.empty() && stepper.finite()) continue;
+                if (!here.empty()) what = here;
+                state = last_state(before);
+                break;
+            }
+        }
+        trajectory.status = Status::diverged, trajectory.message = what + state;
         return false;
     };
     // false when the run ended early
     const auto run = [&](bool recording) {
         stepper.restart();
-        std::size_t next = 0;
-        const auto pass_events = [&](double t) {
-            while (next < problem.segments.size() && problem.segments[next].begin <= t)
-                stepper.enter(problem.segments[next++]);
-        };
+        next = 0;
         pass_events(0);
-        if (recording && !keep(0)) return false;
+        if (recording) {
+            const Sample start = stepper.sample(0);
+            if (std::string what = divergence(problem, start, bound); !what.empty()) {
+                trajectory.status = Status::diverged, trajectory.message = std::move(what);
+                return false;
+            }
+            keep(start);
+        }
+        copied_at = -between_copies;
         for (long k = 1; k <= N; ++k) {
-            const double begin = sample_time(T, k - 1, N), end = sample_time(T, k, N);
-            const double h = (end - begin) / static_cast<double>(per_sample);
-            for (long i = 0; i < per_sample; ++i) {
-                if (!budget.take()) {
-                    budget.stop(trajectory);
+            const Interval at = interval(k);
+            for (long first = 0; first < per_sample;) {
+                const long done = (k - 1) * per_sample + first, last = std::min(first + longest_stretch, per_sample);
+                if constexpr (std::copyable<S>)
+                    if (done - copied_at >= between_copies) copy = stepper, copied_at = done, next_of_copy = next;
+                long i = first;
+                for (bool going = true; i < last && going; ++i) {
+                    if (!budget.take(stepper.rhs_evaluations())) {
+                        budget.stop(trajectory);
+                        return false;
+                    }
+                    take_step(at, i);
+                    going = !failed();
+                    if constexpr (!std::copyable<S>) going = going && stepper.finite();
+                }
+                if (failed()) {
+                    if constexpr (requires { stepper.explain(trajectory); }) stepper.explain(trajectory);
                     return false;
                 }
-                double t = begin + static_cast<double>(i) * h;
-                const double stop = i + 1 == per_sample ? end : begin + static_cast<double>(i + 1) * h;
-                if (next == problem.segments.size() || problem.segments[next].begin > stop) {
-                    stepper.step(t, h);
-                    if (failed()) break;
-                    continue;
+                const bool sampled = recording && i == per_sample;
+                if (!stepper.finite() || sampled || i - first == longest_stretch) {
+                    const Sample sample = stepper.sample(at.time(i));
+                    std::string what = divergence(problem, sample, bound);
+                    if (what.empty() && !stepper.finite()) what = "not finite at " + moment(at.time(i));
+                    if (!what.empty()) return diverge(done + i - first, std::move(what));
+                    if (sampled) keep(sample);
                 }
-                while (next < problem.segments.size() && problem.segments[next].begin <= stop) {
-                    const double event = problem.segments[next].begin;
-                    if (event > t) stepper.step(t, event - t);
-                    t = event;
-                    pass_events(event);
-                }
-                if (stop > t) stepper.step(t, stop - t);
-                if (failed()) break;
+                first = i;
             }
-            if (failed()) {
-                if constexpr (requires { stepper.explain(trajectory); }) stepper.explain(trajectory);
-                return false;
-            }
-            if (!stepper.finite()) {
-                record(problem, stepper.sample(end), bound, trajectory);
-                return false;
-            }
-            if (recording && !keep(end)) return false;
         }
         return true;
     };
@@ -221,7 +308,14 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     trajectory.steps = budget.steps() / settings.repetitions;
     trajectory.rhs_evaluations = stepper.rhs_evaluations();
     if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
-    if (!settings.record && trajectory.status == Status::ok) keep(T);
+    if (!settings.record && trajectory.status == Status::ok) {
+        const Sample end = stepper.sample(T);
+        std::string what = divergence(problem, end, bound);
+        if (what.empty())
+            keep(end);
+        else
+            diverge(N * per_sample, std::move(what));
+    }
     return trajectory;
 }
 
@@ -250,12 +344,17 @@ concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const S
 
 /// Tolerance-driven steps, cut only at events and at the end. A sample inside a step is reached sideways: a copy of
 /// the stepper as it was at the step's start goes there by itself. So the steps do not depend on the sampling.
+///
+/// One that solves implicit equations has `long newton_failures() const`, since restart(): the attempts that ended as
+/// rejected because they did not converge.
 template <ControlledStepper S>
 Trajectory march_controlled(const Problem& problem, const Settings& settings, S stepper) {
     constexpr int attempts_per_step = 1000;
+    constexpr long between_looks = 16;  // steps, at the energy
     Trajectory trajectory;
     const double T = problem.scene.duration, bound = energy_bound(problem);
     const long N = settings.samples;
+    long rejected = 0;
     Budget budget(settings);
     const auto fail = [&](Status status, std::string message) {
         trajectory.status = status, trajectory.message = std::move(message);
@@ -264,6 +363,10 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     // goes from t to at most `stop` by one accepted step; false: the run has ended
     const auto advance = [&](S& s, double& t, double& h, double stop) {
         for (int i = 0; i < attempts_per_step; ++i) {
+            if (!budget.goes_on(s.rhs_evaluations())) {
+                budget.stop(trajectory);
+                return false;
+            }
             const double left = stop - t;
             // a remainder of a few rounding errors joins the step
             const bool last = h >= left * (1 - 1e-14);
@@ -275,19 +378,23 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                 h = last && size < h && tried < h ? h : size;
                 return true;
             }
+            if (&s == &stepper) ++rejected;
             h = size;
-            if (!(h > 0) || begin + h == begin)
-                return fail(outcome == Attempt::not_finite ? Status::diverged : Status::tolerance_not_met,
-                            outcome == Attempt::not_finite
-                                ? "not finite however small the step, at t = " + std::to_string(t)
-                                : "step size below the spacing of numbers at t = " + std::to_string(t) +
-                                      ": the tolerance is too small for binary64");
+            if (!(h > 0) || begin + h == begin) {
+                if (outcome == Attempt::not_finite)
+                    return fail(Status::diverged,
+                                "not finite however small the step, at " + moment(t) + last_state(s.sample(t)));
+                return fail(Status::tolerance_not_met, "step size below the spacing of numbers at " + moment(t) +
+                                                           ": the tolerance is too small for binary64");
+            }
         }
         return fail(Status::tolerance_not_met,
-                    std::to_string(attempts_per_step) + " rejected attempts at one step, at t = " + std::to_string(t));
+                    std::to_string(attempts_per_step) + " rejected attempts at one step, at " + moment(t));
     };
     const auto run = [&](bool recording) {
         stepper.restart();
+        rejected = 0;
+        long until_look = between_looks;
         Pace pace(settings, T, budget.steps());
         long k = 0;
         for (std::size_t i = 0; i < problem.segments.size(); ++i) {
@@ -301,7 +408,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
             }
             const bool closes = i + 1 < problem.segments.size() && problem.segments[i + 1].begin == segment.end;
             while (t < segment.end) {
-                if (!budget.take()) {
+                if (!budget.take(stepper.rhs_evaluations())) {
                     budget.stop(trajectory);
                     return false;
                 }
@@ -311,6 +418,12 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                 double from = t, side_step = h;
                 if (!advance(stepper, t, h, segment.end)) return false;
                 if (!pace.keeps(budget.steps(), t)) return fail(Status::tolerance_not_met, Pace::message(t));
+                if (--until_look == 0) {
+                    until_look = between_looks;
+                    const Sample sample = stepper.sample(t);
+                    if (std::string what = divergence(problem, sample, bound); !what.empty())
+                        return fail(Status::diverged, what + last_state(sample));
+                }
                 while (recording && k <= N && sample_time(T, k, N) <= t) {
                     const double at = sample_time(T, k, N);
                     if (at == t) {
@@ -336,6 +449,11 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     trajectory.seconds = stopwatch.seconds() / settings.repetitions;
     trajectory.steps = budget.steps() / settings.repetitions;
     trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    trajectory.counts.rejected_steps = rejected;
+    if constexpr (requires { stepper.newton_failures(); }) {
+        trajectory.counts.newton_failures = stepper.newton_failures();
+        trajectory.counts.rejected_steps = rejected - stepper.newton_failures();
+    }
     if (!settings.record && trajectory.status == Status::ok) record(problem, stepper.sample(T), bound, trajectory);
     return trajectory;
 }

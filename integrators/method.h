@@ -4,7 +4,6 @@
 #pragma once
 
 #include <complex>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -22,9 +21,12 @@ struct Settings {
     std::optional<double> step;       ///< s; rounded down so that whole steps meet every sample
     std::optional<double> tolerance;  ///< relative; absolute = this times the component's scale
     long samples = 100;               ///< N: samples at k T / N, k = 0..N
-    long max_steps = 1'000'000'000;   ///< a run that needs more is `failed`
-    double seconds_limit = std::numeric_limits<double>::infinity();  ///< likewise, the thread's time in one integration
-    long max_evaluations = std::numeric_limits<long>::max();         ///< likewise, of right-hand sides
+    /// Limits of one integration: a run that needs more is `failed`, with Trajectory::limit_reached and a message that
+    /// names the limit. They are looked at before each step, and between the attempts at one. The defaults end any run
+    /// within an hour or so.
+    long max_steps = 1'000'000'000;
+    long max_evaluations = 10'000'000'000;  ///< of right-hand sides
+    double seconds_limit = 3600;            ///< s, of the thread's own time; looked at every 10 ms or each step
     /// false: the same steps, but only the last sample is kept (what timings measure).
     bool record = true;
     /// The integration is repeated this often inside one call and the time divided: for runs near the clock's grain.
@@ -79,7 +81,7 @@ bool takes_tolerance(const Method& method);
 Settings with_defaults(const Problem& problem, const Method& method, Settings settings);
 
 /// Poses the scene and solves it. With neither step nor tolerance in `settings`: tolerance 1e-10 if the method takes
-/// one, else a step of T / 10^4. A step, tolerance, duration or count out of range gives Status::failed with a
+/// one, else a step of T / 10^4. A step, tolerance, duration, count or limit out of range gives Status::failed with a
 /// message, nothing is thrown for it; an invalid scene throws InputError.
 Trajectory solve(const Scene& scene, const Method& method, const Settings& settings = {});
 

@@ -47,6 +47,8 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
     if (!positive(settings.tolerance)) return failed("the tolerance is not finite and positive");
     if (settings.samples < 1) return failed("the number of samples is below 1");
     if (settings.max_steps < 1) return failed("the step limit is below 1");
+    if (settings.max_evaluations < 1) return failed("the limit of evaluations is below 1");
+    if (!(settings.seconds_limit > 0)) return failed("the limit of seconds is not positive");
     if (settings.repetitions < 1) return failed("the number of repetitions is below 1");
     if (settings.step && settings.tolerance) return failed("both a step and a tolerance: one of them");
     if (settings.step && !takes_step(method)) return failed(fmt::format("{} takes no step", method.name));

@@ -30,6 +30,7 @@ class SolverRun {
         trajectory_.seconds = stopwatch.seconds() / runs;
         trajectory_.steps = session_.steps();
         trajectory_.rhs_evaluations = session_.rhs_evaluations();
+        if constexpr (requires { session_.counts(); }) trajectory_.counts = session_.counts();
         if (!settings_.record && going) record(problem_, session_.sample(), bound_, trajectory_);
         return std::move(trajectory_);
     }
@@ -64,7 +65,7 @@ class SolverRun {
             }
             int still = 0;
             while (session_.time() < segment.end) {
-                if (!budget.take()) {
+                if (!budget.take(session_.rhs_evaluations())) {
                     budget.stop(trajectory_);
                     return false;
                 }

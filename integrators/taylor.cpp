@@ -198,7 +198,7 @@ Trajectory march_series(const Problem& problem, const Settings& settings, const 
             Series series(problem, segment, options...);
             series.start(y.data());
             while (t < segment.end) {
-                if (!budget.take()) {
+                if (!budget.take(expansions)) {
                     budget.stop(trajectory);
                     return false;
                 }

@@ -27,8 +27,8 @@ struct Case {
 std::string words_of(const Plan& plan, const Case& c);
 
 /// The untimed run, which takes the steps of the timed one and looks at every sample. Sets all of the result but its
-/// timings; `seconds_min` is the time of this run.
-void measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c);
+/// timings; `seconds_min` is the time of this run. Returns the run.
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c);
 
 /// The row of a case beyond the setting at which its curve was cut.
 void cut_curve(const Case& at, Case& beyond);

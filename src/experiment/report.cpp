@@ -275,6 +275,8 @@ std::vector<std::string> write_study_report(const Plan& plan, const StudyResult&
                     named.title.empty() ? plan.experiment.about : named.title,
                     (std::filesystem::path(directory) / name).string(), name);
     }
+    if (!result.page.empty())
+        write_atomically((std::filesystem::path(directory) / (experiment + ".md")).string(), result.page);
     std::vector<std::string> remarks = draw_all(result.figures, directory);
     record_provenance(directory, experiment, command_line, quick);
     return remarks;

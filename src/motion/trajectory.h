@@ -43,7 +43,7 @@ struct Trajectory {
     long rhs_evaluations = 0;
     SolverCounts counts;
     double seconds = 0;          ///< wall clock of the integration alone, set-up left out
-    bool limit_reached = false;  ///< `failed` because of Settings::max_steps or seconds_limit
+    bool limit_reached = false;  ///< `failed` because of one of Settings' limits
     double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
 };
 

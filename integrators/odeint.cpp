@@ -104,7 +104,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "odeint_euler",
      .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
@@ -195,6 +195,9 @@ const Method family[] = {
      .solve = solve_rosenbrock4,
      .growth = rosenbrock4_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, solve_euler_float32, solve_rk4_float32, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr, nullptr>();
 
 }  // namespace
 

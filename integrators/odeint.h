@@ -7,6 +7,7 @@
 #include <complex>
 #include <limits>
 
+#include "integrators/kernels/binary32.h"
 #include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
 #include "integrators/odeint_algebra.h"
@@ -16,11 +17,12 @@ namespace polhode {
 /// An attempt that is not finite is tried again with this fraction of the step.
 inline constexpr double not_finite_shrinkage = 0.1;
 
-/// The state on one segment, and the count of right-hand sides since restart().
+/// The state on one segment, and the count of right-hand sides since restart(). In the scalar of the system.
 template <class SystemType>
 class OdeintState {
   public:
     static constexpr std::size_t dimension = SystemType::dimension;
+    using Scalar = typename ScalarOf<SystemType>::type;
 
     explicit OdeintState(const Problem& problem)
         : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
@@ -41,7 +43,7 @@ class OdeintState {
   protected:
     const Problem* problem_;
     SystemType system_;
-    OdeintArray<dimension> y_;
+    OdeintArray<dimension, Scalar> y_;
     long evaluations_ = 0;
 };
 
@@ -51,8 +53,8 @@ struct OdeintRightHandSide {
     const SystemType* system;
     long* evaluations;
 
-    template <std::size_t N>
-    void operator()(const OdeintArray<N>& y, OdeintArray<N>& dydt, double t) const {
+    template <class State>
+    void operator()(const State& y, State& dydt, double t) const {
         ++*evaluations;
         system->derivative(t, y.data(), dydt.data());
     }
@@ -63,6 +65,7 @@ template <class SystemType, template <std::size_t> class Scheme>
 class OdeintFixedStepper : public OdeintState<SystemType> {
     using Base = OdeintState<SystemType>;
     static constexpr std::size_t N = SystemType::dimension;
+    using Scalar = typename Base::Scalar;
 
   public:
     explicit OdeintFixedStepper(const Problem& problem) : Base(problem) { restart(); }
@@ -75,7 +78,8 @@ class OdeintFixedStepper : public OdeintState<SystemType> {
         forget();
     }
     void step(double t, double h) {
-        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, t, h);
+        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
+                        Scalar(h));
     }
 
   protected:
@@ -88,10 +92,10 @@ class OdeintFixedStepper : public OdeintState<SystemType> {
     Scheme<N> scheme_;
 };
 
-/// march() of one of Odeint's steppers, whose state is OdeintArray<N>.
-template <template <std::size_t> class Scheme>
+/// march() of one of Odeint's steppers, whose state is OdeintArray<N, S>.
+template <template <std::size_t> class Scheme, class S = double>
 Trajectory march_odeint(const Problem& problem, const Settings& settings) {
-    return with_system(
+    return with_system_in<S>(
         problem, [&]<class SystemType>() { return march<OdeintFixedStepper<SystemType, Scheme>>(problem, settings); });
 }
 
@@ -135,6 +139,10 @@ inline void linear_rate(std::complex<double> z, const double* y, double* rate) {
 /// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
 /// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
 Trajectory solve_rk4(const Problem& problem, const Settings& settings);
+
+/// Boost's euler and runge_kutta4 in binary32.
+Trajectory solve_euler_float32(const Problem& problem, const Settings& settings);
+Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings);
 
 /// Boost's adams_bashforth_moulton on the problem. Compiled alone, likewise.
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);

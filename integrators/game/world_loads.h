@@ -22,7 +22,7 @@ class WorldLoads {
     /// `attitude()` gives the quaternion of A, which only springs and a user's torque ask for.
     template <class Attitude>
     Vector3<S> torque_W(double t, const Matrix3<S>& A, const Attitude& attitude, const Vector3<S>& w,
-                             const Vector3<S>& x, const Vector3<S>& v) const {
+                        const Vector3<S>& x, const Vector3<S>& v) const {
         const Forcing<S>& f = *forcing_;
         Vector3<S> sum;
         for (int b = 0; b < 3; ++b)
@@ -61,8 +61,8 @@ class WorldLoads {
     }
 
     /// L += r x J, and v += J / m where the body is not held.
-    static void strike(const Problem& problem, const Segment& segment, const Matrix3<S>& A,
-                       const Vector3<S>& x, Vector3<S>& L, Vector3<S>& v) {
+    static void strike(const Problem& problem, const Segment& segment, const Matrix3<S>& A, const Vector3<S>& x,
+                       Vector3<S>& L, Vector3<S>& v) {
         const bool held = problem.body.pivoted;
         for (const PosedImpulse<double>& impulse : segment.impulses) {
             const Vector3<S> vector = cast<S>(impulse.vector), point = cast<S>(impulse.point);

@@ -26,9 +26,8 @@ std::vector<std::vector<const StabilityScene*>> stiff_families(const StabilityFi
             return *a->member.parameter < *b->member.parameter;
         });
         const StabilityScene &first = *group.front(), &last = *group.back();
-        const bool one_duration = std::all_of(group.begin(), group.end(), [&](const StabilityScene* scene) {
-            return scene->duration == first.duration;
-        });
+        const bool one_duration = std::all_of(
+            group.begin(), group.end(), [&](const StabilityScene* scene) { return scene->duration == first.duration; });
         return group.size() < 3 || !one_duration || last.fastest_rate < 1e3 * first.fastest_rate;
     });
     return groups;

@@ -28,7 +28,10 @@ StudyResult run_stability(const Plan& plan, const RunOptions& options) {
         {"counts", "What tolerance-driven methods did", counts_table(found)},
         {"float32", "Binary32 against binary64", float32_table(found)},
     };
-    result.page = stability_page(plan, found, result.tables);
+    const std::vector<StiffnessCost> costs = stiffness_costs(plan, found);
+    result.tables.push_back({"stiffness", "What stiffness costs at equal tolerance", stiffness_table(costs)});
+    result.figures = stiffness_figures(plan, costs);
+    result.page = stability_page(plan, found, costs, result.tables);
     return result;
 }
 

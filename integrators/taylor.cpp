@@ -5,13 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <string>
 #include <type_traits>
-#include <utility>
 
 #include "integrators/kernels/rotation_series.h"
 #include "integrators/kernels/turn.h"
-#include "integrators/march.h"
+#include "integrators/solver_run.h"
 #include "integrators/truth/series.h"
 
 namespace polhode {
@@ -62,8 +63,8 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
 template <int order, class Wide>
 class UnrolledSeries {
   public:
-    UnrolledSeries(const Problem& problem, const Segment& segment, double rate_scale)
-        : series_(problem.principal_inertia), rate_scale_(rate_scale) {
+    UnrolledSeries(const Problem& problem, const Segment& segment)
+        : series_(problem.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
             expand_ = &expand_avx512, move_ = &move_avx512;
@@ -166,83 +167,89 @@ class RecordedSeries {
     std::array<CompensatedSum, dimension> sum_{};
 };
 
-/// Steps of the series' own choosing, cut only at events and at the end; samples are looked up in the polynomial, so
-/// the steps do not depend on them.
-template <class Series, class SystemType, class... Options>
-Trajectory march_series(const Problem& problem, const Settings& settings, const Options&... options) {
-    Trajectory trajectory;
-    const double T = problem.scene.duration, bound = energy_bound(problem);
-    const double tolerance = std::max(*settings.tolerance, least_tolerance);
-    const long N = settings.samples;
-    Budget budget(settings);
-    long expansions = 0;
-    std::array<double, SystemType::dimension> y{};
-    const auto run = [&](bool recording) {
-        expansions = 0;
-        initial_state<SystemType>(problem, y.data());
-        Pace pace(settings, T, budget.steps());
-        long k = 0;
-        const auto keep = [&](double t) {
-            return record(problem, sample_of<SystemType>(problem, t, y.data()), bound, trajectory);
-        };
-        for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-            const Segment& segment = problem.segments[i];
-            enter<SystemType>(problem, segment, y.data());
-            const bool closes = i + 1 < problem.segments.size() && problem.segments[i + 1].begin == segment.end;
-            double t = segment.begin;
-            if (recording && sample_time(T, k, N) == t && (i + 1 == problem.segments.size() || segment.end > t)) {
-                if (!keep(t)) return false;
-                ++k;
-            }
-            if (!(segment.end > t)) continue;
-            Series series(problem, segment, options...);
-            series.start(y.data());
-            while (t < segment.end) {
-                if (!budget.take()) {
-                    budget.stop(trajectory);
-                    return false;
-                }
-                series.expand();
-                ++expansions;
-                double h = series.step(tolerance), next = t + h;
-                if (std::isnan(h)) {
-                    trajectory.status = Status::diverged;
-                    trajectory.message = "not finite at t = " + std::to_string(t);
-                    return false;
-                }
-                if (!(next > t)) {
-                    trajectory.status = Status::tolerance_not_met;
-                    trajectory.message = "step size below the spacing of numbers at t = " + std::to_string(t);
-                    return false;
-                }
-                // a remainder of a few rounding errors joins the step
-                if (next >= segment.end - 1e-14 * (segment.end - t)) next = segment.end;
-                h = next - t;
-                for (; recording && k <= N && sample_time(T, k, N) <= next; ++k) {
-                    const double at = sample_time(T, k, N);
-                    if (closes && at == segment.end) break;  // the next segment shows it
-                    series.look(at - t, y.data());
-                    if (!keep(at)) return false;
-                }
-                series.advance(h);
-                t = next;
-                if (!pace.keeps(budget.steps(), t)) {
-                    trajectory.status = Status::tolerance_not_met, trajectory.message = Pace::message(t);
-                    return false;
-                }
-            }
-            series.state(y.data());
-        }
-        return true;
+/// One run on a series: steps of its own choosing, cut only at events and at the end; samples are looked up in the
+/// polynomial, so the steps do not depend on them. The problem must outlive the session.
+template <class Series, class SystemType>
+class TaylorSession {
+  public:
+    TaylorSession(const Problem& problem, double tolerance) : problem_(&problem), tolerance_(tolerance) {}
+
+    /// Back to t = 0, all counts to zero.
+    void restart() {
+        series_.reset();
+        initial_state<SystemType>(*problem_, y_.data());
+        t_ = 0, steps_ = 0;
+    }
+    /// An event: impulses, then the loads of this segment.
+    int enter(const Segment& segment) {
+        settle();
+        polhode::enter<SystemType>(*problem_, segment, y_.data());
+        series_.reset();
+        begin_ = t_ = segment.begin, end_ = segment.end;
+        if (end_ > t_) series_.emplace(*problem_, segment).start(y_.data());
+        return 0;
+    }
+    /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
+    int step() {
+        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        ++steps_;
+        series_->expand();
+        const double h = series_->step(tolerance_);
+        if (std::isnan(h)) return not_finite;
+        const double next = t_ + h;
+        if (!(next > t_)) return too_short;
+        // a remainder of a few rounding errors joins the step
+        t_ = next >= end_ - 1e-14 * (end_ - t_) ? end_ : next;
+        return 0;
+    }
+
+    double time() const { return t_; }
+    Sample sample() {
+        settle();
+        return sample_of<SystemType>(*problem_, t_, y_.data());
+    }
+    /// The motion at a time within the last step.
+    std::optional<Sample> sample_inside(double at) {
+        series_->look(at - begin_, y_.data());
+        return sample_of<SystemType>(*problem_, at, y_.data());
+    }
+    int inside_flag() const { return 0; }
+
+    struct Failure {
+        Status status;
+        std::string message;
     };
-    const Stopwatch stopwatch;
-    for (int repetition = 0; repetition < settings.repetitions; ++repetition)
-        if (!run(settings.record && repetition + 1 == settings.repetitions)) break;
-    trajectory.seconds = stopwatch.seconds() / settings.repetitions;
-    trajectory.steps = budget.steps() / settings.repetitions;
-    trajectory.rhs_evaluations = expansions;
-    if (!settings.record && trajectory.status == Status::ok)
-        record(problem, sample_of<SystemType>(problem, T, y.data()), bound, trajectory);
+    Failure failure(int flag) const {
+        if (flag == not_finite) return {Status::diverged, "not finite at t = " + std::to_string(t_)};
+        return {Status::tolerance_not_met, "step size below the spacing of numbers at t = " + std::to_string(t_)};
+    }
+
+    /// Since restart().
+    long steps() const { return steps_; }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    static constexpr int not_finite = -1, too_short = -2;
+
+    // the series stays where the last step began until the next one or the end of its segment: samples lie between
+    void settle() {
+        if (!series_) return;
+        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        series_->state(y_.data());
+    }
+
+    const Problem* problem_;
+    double tolerance_;
+    double begin_ = 0, t_ = 0, end_ = 0;  ///< s: of the last step, now, of the segment
+    long steps_ = 0;
+    std::array<double, SystemType::dimension> y_{};
+    std::optional<Series> series_;
+};
+
+template <class Series, class SystemType>
+Trajectory solve_by(const Problem& problem, const Settings& settings) {
+    TaylorSession<Series, SystemType> session(problem, std::max(*settings.tolerance, least_tolerance));
+    Trajectory trajectory = SolverRun(problem, settings, session).solve();
     if (*settings.tolerance < least_tolerance && trajectory.status == Status::ok) {
         trajectory.status = Status::tolerance_not_met;
         trajectory.message = "a tolerance below 1e-16 is beyond binary64: steps were taken for 1e-16";
@@ -260,12 +267,11 @@ Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
             if (is_unrolled(problem)) {
-                const double scale = problem.scales.angular_velocity;
                 if (instruction_set() == InstructionSet::avx512)
-                    return march_series<UnrolledSeries<order, Lanes8>, SystemType>(problem, settings, scale);
-                return march_series<UnrolledSeries<order, LanePair>, SystemType>(problem, settings, scale);
+                    return solve_by<UnrolledSeries<order, Lanes8>, SystemType>(problem, settings);
+                return solve_by<UnrolledSeries<order, LanePair>, SystemType>(problem, settings);
             }
-        return march_series<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
+        return solve_by<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
     });
 }
 

@@ -1,4 +1,7 @@
 // Taylor series in binary64: orders 12 to 24, steps from the coefficients, dense output from the polynomial.
+//
+// Where rounding is all that is left to gain, the state and its first two coefficients are kept in extended precision:
+// of a step's increment h y_1 + h^2 y_2 + .. only the rest, some thousandths of it, is then rounded to 53 bits.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,12 +17,19 @@
 #include "integrators/kernels/turn.h"
 #include "integrators/solver_run.h"
 #include "integrators/truth/series.h"
+#include "motion/dual.h"
 
 namespace polhode {
 namespace {
 
 // the smallest tolerance that means anything: beyond it round-off of the state is all that is left
 constexpr double least_tolerance = 1e-16;
+// below it a step's truncation is less than its rounding
+constexpr double careful_below = 3e-15;
+constexpr int careful_order = 24;
+// with care steps are taken for this share of the tolerance: truncation errors are alike in every step and add up,
+// where rounding errors are not
+constexpr double careful_share = 0.01;
 
 // x^(1/p) to a few parts in 10^4, which is all that a step's length needs, in a tenth of std::pow's time: x = m 2^e
 // with m in [sqrt(1/2), sqrt(2)); log2 m by the series of artanh((m - 1)/(m + 1)), 2^y by Taylor's about y = 0.
@@ -59,11 +69,11 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-/// Rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
+/// The coefficients of rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
 template <int order, class Wide>
-class UnrolledSeries {
+class UnrolledCoefficients {
   public:
-    UnrolledSeries(const Problem& problem, const Segment& segment)
+    UnrolledCoefficients(const Problem& problem, const Segment& segment)
         : series_(problem.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
@@ -71,24 +81,20 @@ class UnrolledSeries {
         else if (instruction_set() == InstructionSet::avx2)
             expand_ = &expand_avx2, move_ = &move_avx2;
     }
-    void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
-    void expand() { expand_(series_, state_); }
+    void expand(const PackedRotation& state) { expand_(series_, state); }
+    void expand(const double* y) { expand_(series_, PackedRotation(y)); }
     double step(double tolerance) const {
         Sizes sizes;
         sizes.note(series_.squared_rate(order), series_.squared_rate(order - 1), rate_scale_);
         sizes.note(series_.squared_attitude(order), series_.squared_attitude(order - 1), 1);
         return step_of(sizes, tolerance, order);
     }
-    void advance(double h) { move_(series_, h, state_, lost_); }
-    void look(double h, double* y) const {
-        PackedRotation state = state_, lost = lost_;
-        move_(series_, h, state, lost);
-        state.unpack(y);
-    }
-    void state(double* y) const { state_.unpack(y); }
+    void move(double h, PackedRotation& state, PackedRotation& lost) const { move_(series_, h, state, lost); }
+    /// The sum of y_k h^k from k = 3 on.
+    void tail(double h, double* sum) const { series_.tail(h, sum); }
 
   private:
-    using Series = RotationSeries<order, Wide>;
+    using Series = RotationSeries<order, Wide, order == careful_order>;
 
     static void expand_plain(Series& series, const PackedRotation& state) { series.expand(state); }
     static void move_plain(const Series& series, double h, PackedRotation& state, PackedRotation& lost) {
@@ -111,41 +117,30 @@ class UnrolledSeries {
     void (*expand_)(Series&, const PackedRotation&) = &expand_plain;
     void (*move_)(const Series&, double, PackedRotation&, PackedRotation&) = &move_plain;
     double rate_scale_;
-    PackedRotation state_, lost_;
 };
 
-/// Any of the systems, its recurrences recorded from the one right-hand side.
+/// Those of any of the systems, their recurrences recorded from the one right-hand side.
 template <int order, class SystemType>
-class RecordedSeries {
+class RecordedCoefficients {
   public:
     static constexpr int dimension = SystemType::dimension;
 
-    RecordedSeries(const Problem& problem, const Segment& segment)
+    RecordedCoefficients(const Problem& problem, const Segment& segment)
         : series_(truth::record<double>(Form{system_on<SystemType>(problem, segment)}, dimension), order) {
         component_scales<SystemType>(problem, scales_.data());
     }
-    void start(const double* y) {
-        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
-    }
-    void expand() {
-        std::array<double, dimension> y{};
-        state(y.data());
-        series_.expand(y.data());
-    }
+    void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
         Sizes sizes;
         for (int i = 0; i < dimension; ++i)
             sizes.note(squared(series_.coefficient(i, order)), squared(series_.coefficient(i, order - 1)), scales_[i]);
         return step_of(sizes, tolerance, order);
     }
-    void advance(double h) {
-        for (int i = 0; i < dimension; ++i) sum_[i].add(increment(i, h));
-    }
-    void look(double h, double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + increment(i, h));
-    }
-    void state(double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+    /// The sum of y_k h^k from k = 1 on, component i.
+    double increment(int i, double h) const { return sum(i, h, 1) * h; }
+    /// That from k = 3 on.
+    void tail(double h, double* sums) const {
+        for (int i = 0; i < dimension; ++i) sums[i] = sum(i, h, 3) * (h * h * h);
     }
 
   private:
@@ -156,15 +151,112 @@ class RecordedSeries {
         }
     };
     static double squared(double x) { return x * x; }
-    double increment(int i, double h) const {
+    // y_from + y_from+1 h + ..
+    double sum(int i, double h, int from) const {
         double sum = series_.coefficient(i, order);
-        for (int k = order - 1; k >= 1; --k) sum = sum * h + series_.coefficient(i, k);
-        return sum * h;
+        for (int k = order - 1; k >= from; --k) sum = sum * h + series_.coefficient(i, k);
+        return sum;
     }
 
     truth::Series<double> series_;
     std::array<double, dimension> scales_{};
+};
+
+/// A rotation and its series about it, summed with compensation.
+template <int order, class Wide>
+class UnrolledSeries {
+  public:
+    UnrolledSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
+    void expand() { coefficients_.expand(state_); }
+    double step(double tolerance) const { return coefficients_.step(tolerance); }
+    void advance(double h) { coefficients_.move(h, state_, lost_); }
+    void look(double h, double* y) const {
+        PackedRotation state = state_, lost = lost_;
+        coefficients_.move(h, state, lost);
+        state.unpack(y);
+    }
+    void state(double* y) const { state_.unpack(y); }
+
+  private:
+    UnrolledCoefficients<order, Wide> coefficients_;
+    PackedRotation state_, lost_;
+};
+
+/// Any of the systems' likewise.
+template <int order, class SystemType>
+class RecordedSeries {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    RecordedSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    void start(const double* y) {
+        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
+    }
+    void expand() {
+        std::array<double, dimension> y{};
+        state(y.data());
+        coefficients_.expand(y.data());
+    }
+    double step(double tolerance) const { return coefficients_.step(tolerance); }
+    void advance(double h) {
+        for (int i = 0; i < dimension; ++i) sum_[i].add(coefficients_.increment(i, h));
+    }
+    void look(double h, double* y) const {
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + coefficients_.increment(i, h));
+    }
+    void state(double* y) const {
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+    }
+
+  private:
+    RecordedCoefficients<order, SystemType> coefficients_;
     std::array<CompensatedSum, dimension> sum_{};
+};
+
+/// Coefficients of either kind about a state in extended precision.
+template <class Coefficients, class SystemType>
+class ExtendedSeries {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    ExtendedSeries(const Problem& problem, const Segment& segment)
+        : coefficients_(problem, segment), system_(system_on<SystemType>(problem, segment)) {}
+    void start(const double* y) { std::copy_n(y, dimension, state_.begin()); }
+    void expand() {
+        std::array<double, dimension> y{};
+        state(y.data());
+        coefficients_.expand(y.data());
+        // y' = f(y) and y'' = f'(y) y'
+        system_.derivative(0, state_.data(), first_.data());
+        std::array<Dual<1, Extended, double>, dimension> along{}, rate{};
+        for (int i = 0; i < dimension; ++i) along[i].value = state_[i], along[i].slope[0] = first_[i];
+        system_.derivative(0, along.data(), rate.data());
+        for (int i = 0; i < dimension; ++i) second_[i] = rate[i].slope[0] / 2;
+    }
+    double step(double tolerance) const { return coefficients_.step(careful_share * tolerance); }
+    void advance(double h) { state_ = after(h); }
+    void look(double h, double* y) const { round(after(h), y); }
+    void state(double* y) const { round(state_, y); }
+
+  private:
+    using Extended = long double;
+    using State = std::array<Extended, dimension>;
+
+    State after(double h) const {
+        std::array<double, dimension> tail{};
+        coefficients_.tail(h, tail.data());
+        State y{};
+        for (int i = 0; i < dimension; ++i) y[i] = state_[i] + ((first_[i] + second_[i] * h) * h + tail[i]);
+        return y;
+    }
+    static void round(const State& state, double* y) {
+        for (int i = 0; i < dimension; ++i) y[i] = static_cast<double>(state[i]);
+    }
+
+    Coefficients coefficients_;
+    SystemType system_;
+    State state_{}, first_{}, second_{};  ///< y, and its first two coefficients
 };
 
 /// One run on a series: steps of its own choosing, cut only at events and at the end; samples are looked up in the
@@ -262,27 +354,42 @@ bool is_unrolled(const Problem& problem) {
                        [](const Segment& s) { return RotationSeries<2, LanePair>::serves(s.forcing); });
 }
 
+template <int order, class SystemType, class Wide>
+Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
+    if constexpr (order == careful_order) {
+        using Coefficients = UnrolledCoefficients<order, Wide>;
+        return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
+    } else {
+        return solve_by<UnrolledSeries<order, Wide>, SystemType>(problem, settings);
+    }
+}
+
 template <int order>
 Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
             if (is_unrolled(problem)) {
                 if (instruction_set() == InstructionSet::avx512)
-                    return solve_by<UnrolledSeries<order, Lanes8>, SystemType>(problem, settings);
-                return solve_by<UnrolledSeries<order, LanePair>, SystemType>(problem, settings);
+                    return solve_unrolled<order, SystemType, Lanes8>(problem, settings);
+                return solve_unrolled<order, SystemType, LanePair>(problem, settings);
             }
-        return solve_by<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
+        if constexpr (order == careful_order) {
+            using Coefficients = RecordedCoefficients<order, SystemType>;
+            return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
+        } else {
+            return solve_by<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
+        }
     });
 }
 
 // p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
 Trajectory solve(const Problem& problem, const Settings& settings) {
     if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Taylor coefficients");
+    if (*settings.tolerance < careful_below) return solve_at_order<careful_order>(problem, settings);
     const double order = 1 - std::log(*settings.tolerance) / 2;
     if (order <= 12) return solve_at_order<12>(problem, settings);
     if (order <= 16) return solve_at_order<16>(problem, settings);
-    if (order <= 20) return solve_at_order<20>(problem, settings);
-    return solve_at_order<24>(problem, settings);
+    return solve_at_order<20>(problem, settings);
 }
 
 constexpr Method list[] = {
@@ -290,7 +397,9 @@ constexpr Method list[] = {
      .documentation =
          "Taylor series in binary64, of order 12, 16, 20 or 24 by the tolerance, the step from the last "
          "two coefficients "
-         "(Jorba & Zou), samples from the polynomial, the state summed with compensation. Rotations have "
+         "(Jorba & Zou), samples from the polynomial, the state summed with compensation; at tolerances below 3e-15 "
+         "the "
+         "state and the first two terms of each step in extended precision. Rotations have "
          "recurrences of "
          "their own, eight lanes at a time, by AVX-512 or AVX2 where the processor has them with the same bits as "
          "elsewhere; all else "

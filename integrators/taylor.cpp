@@ -90,7 +90,7 @@ class UnrolledCoefficients {
         return step_of(sizes, tolerance, order);
     }
     void move(double h, PackedRotation& state, PackedRotation& lost) const { move_(series_, h, state, lost); }
-    /// The sum of y_k h^k from k = 3 on.
+    /// The sum of y_k h^(k - 3) from k = 3 on.
     void tail(double h, double* sum) const { series_.tail(h, sum); }
 
   private:
@@ -138,9 +138,9 @@ class RecordedCoefficients {
     }
     /// The sum of y_k h^k from k = 1 on, component i.
     double increment(int i, double h) const { return sum(i, h, 1) * h; }
-    /// That from k = 3 on.
+    /// The sum of y_k h^(k - 3) from k = 3 on.
     void tail(double h, double* sums) const {
-        for (int i = 0; i < dimension; ++i) sums[i] = sum(i, h, 3) * (h * h * h);
+        for (int i = 0; i < dimension; ++i) sums[i] = sum(i, h, 3);
     }
 
   private:
@@ -246,8 +246,9 @@ class ExtendedSeries {
     State after(double h) const {
         std::array<double, dimension> tail{};
         coefficients_.tail(h, tail.data());
+        const Extended step = h;
         State y{};
-        for (int i = 0; i < dimension; ++i) y[i] = state_[i] + ((first_[i] + second_[i] * h) * h + tail[i]);
+        for (int i = 0; i < dimension; ++i) y[i] = state_[i] + (first_[i] + (second_[i] + tail[i] * step) * step) * step;
         return y;
     }
     static void round(const State& state, double* y) {

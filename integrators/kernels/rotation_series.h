@@ -180,12 +180,12 @@ class RotationSeries {
         add_compensated(du, &state.lane[4], &lost.lane[4]);
     }
 
-    /// The sum of y_k h^k from k = 3 on: w, then q.
+    /// The sum of y_k h^(k - 3) from k = 3 on: w, then q.
     POLHODE_INLINE void tail(double h, double* sum) const {
         const double hh = h * h;
         Wide even = qu_[order], odd = qu_[order - 1];
         for (int k = order - 2; k >= 4; k -= 2) add_scaled(qu_[k], hh, even), add_scaled(qu_[k - 1], hh, odd);
-        const Lanes4 dq = (low(odd) + low(even) * h) * (hh * h), du = (high(odd) + high(even) * h) * (hh * h);
+        const Lanes4 dq = low(odd) + low(even) * h, du = high(odd) + high(even) * h;
         sum[0] = du[2], sum[1] = du[0], sum[2] = du[1];
         for (int i = 0; i < 4; ++i) sum[3 + i] = dq[i];
     }

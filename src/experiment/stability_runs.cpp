@@ -291,7 +291,9 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
     std::vector<Pending> pending;
     for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
         const PlannedScene& planned = plan.scenes[s];
-        found.scenes.push_back({planned.label, family_of(planned.label), planned.scene.duration, 0, {}, {}, false, 0});
+        StabilityScene scene;
+        scene.label = planned.label, scene.member = family_of(planned.label), scene.duration = planned.scene.duration;
+        found.scenes.push_back(std::move(scene));
         for (const PlannedCurve& curve : plan.curves) {
             StabilityFinding finding;
             finding.method = curve.method, finding.kind = curve.kind;

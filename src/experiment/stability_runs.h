@@ -36,8 +36,8 @@ struct StabilityScene {
     /// a thousandth.
     bool is_linear = false;
     Floors floors;
+    std::optional<double> kappa;  ///< of the attitude at T, where it was needed and is known
     bool has_truth = false;
-    double spent = 0;  ///< s, on truth and conditioning, now
 };
 
 /// Of one method on one scene, with one kind of setting. Steps in s; empty where there is none.

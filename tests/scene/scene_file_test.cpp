@@ -168,9 +168,10 @@ TEST(FindScene, KnowsNamesAndPathsAndNearMisses) {
     EXPECT_EQ(find_scene("extreme/drag_1e6").name, "extreme/drag_1e6");
     EXPECT_EQ(message_of("spring_1e6", find_scene),
               "spring_1e6: is neither a built-in scene nor a file; did you mean extreme/spring_1e6?");
-    EXPECT_EQ(message_of("extreme/gimbal_lok_0", find_scene).find(
-                  "extreme/gimbal_lok_0: is neither a built-in scene nor a file; did you mean extreme/gimbal_lock_0"),
-              0u);
+    EXPECT_EQ(
+        message_of("extreme/gimbal_lok_0", find_scene)
+            .find("extreme/gimbal_lok_0: is neither a built-in scene nor a file; did you mean extreme/gimbal_lock_0"),
+        0u);
     EXPECT_NE(message_of("extremes/drag_1", find_scene).find("cannot be opened"), std::string::npos);
 }
 

@@ -1,11 +1,12 @@
 // Every scene of the catalogue: it reads, says where it comes from, can be written and read again, is posed, and its
 // motion keeps what the exact motion keeps.
+#include "catalogue.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "catalogue.h"
 #include "integrators/method.h"
 #include "motion/conserved.h"
 #include "scene/scene_file.h"

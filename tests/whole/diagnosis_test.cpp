@@ -205,8 +205,8 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
     }
 }
 
-// Every plain scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's method
-// does update the quaternion to first order.
+// Every plain scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's
+// method does update the quaternion to first order.
 class SoundMethod : public testing::TestWithParam<const char*> {};
 
 TEST_P(SoundMethod, IsToldNothing) {

@@ -75,12 +75,14 @@ std::vector<double> sizes_of_eigenvalues(const Problem& problem, const Vector3<d
 
 class Extreme : public testing::TestWithParam<std::string> {};
 
-// As far as 60 rad, so that all of them are done in seconds: the truth to 25 digits, and auto at its default tolerance
-// within what the motion makes of that.
+// Where the truth is a series only the beginning, so that all of them are done in seconds: the truth to 25 digits, and
+// auto at its default tolerance within what the motion makes of that.
 TEST_P(Extreme, HasATruthThatAutoFinds) {
     Scene scene = find_scene(GetParam());
-    const double turn = pose(scene).scales.angular_velocity * scene.duration;
-    if (truth_method(pose(scene)) != "closed form" && turn > 60) scene.duration *= 60 / turn;
+    const Problem whole = pose(scene);
+    const double turn = whole.scales.angular_velocity * scene.duration;
+    if (truth_method(whole) == "Taylor series" && whole.segments.size() == 1)
+        scene.duration *= std::min(0.2, 40 / turn);
     const Problem problem = pose(scene);
     const Reference truth = fresh_truth(scene, 10);
     ASSERT_TRUE(truth.available) << truth.message;
@@ -346,7 +348,7 @@ TEST(ExtremeScenes, SleepingTopsFallAsFarAsTheyMust) {
 TEST(ExtremeScenes, GimbalLockIsPassedAtItsDistance) {
     for (const auto& [distance, scene, problem] : members("gimbal_lock")) {
         const Vector3<double> x = rotate(attitude(truth_at(scene, {pi / 2})[1]), Vector3<double>(1, 0, 0));
-        EXPECT_NEAR(std::hypot(x[0], x[1]), std::sin(distance), 2e-16);
+        EXPECT_NEAR(std::hypot(x[0], x[1]), std::sin(distance), 5e-16);
         EXPECT_LT(x[2], -0.999);
     }
 }

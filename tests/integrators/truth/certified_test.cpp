@@ -147,8 +147,8 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
-// Each plain scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies inside
-// it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
+// Each plain scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies
+// inside it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 13;

@@ -86,7 +86,7 @@ class GyroscopicUpdate {
         w_ = w_ + R * (inertia_.inverse * (transposed(R) * kick));
         place_at_pivot();
     }
-    void step(double t, double step) {
+    [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step) / parts;
         Matrix3<S> R = rotation_matrix(q_);
         const Vector3<S> torque = loads_.torque_W(

@@ -1,6 +1,9 @@
 // ARKODE's Runge-Kutta methods, explicit and diagonally implicit.
+#include <vector>
+
 #include "integrators/arkode_session.h"
 #include "integrators/auto.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/sundials_run.h"
 
 namespace polhode {
@@ -56,6 +59,36 @@ Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
                                                  : "explicit, order 8, for the motion is not stiff");
 }
 
+/// ARKODE's own table in one piece of memory.
+struct LinearTable {
+    std::vector<double> A, b;
+
+    explicit LinearTable(ARKodeButcherTable table) {
+        if (!table) throw std::bad_alloc();
+        for (int i = 0; i < table->stages; ++i) {
+            A.insert(A.end(), table->A[i], table->A[i] + table->stages);
+            b.push_back(table->b[i]);
+        }
+        ARKodeButcherTable_Free(table);
+    }
+};
+
+template <bool implicit, int order>
+double growth(std::complex<double> z) {
+    static const LinearTable table = [] {
+        if constexpr (implicit) {
+            constexpr int of_order[] = {ARKSTEP_DEFAULT_DIRK_3, ARKSTEP_DEFAULT_DIRK_4, ARKSTEP_DEFAULT_DIRK_5};
+            return LinearTable(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(of_order[order - 3])));
+        } else {
+            constexpr int of_order[] = {ARKSTEP_DEFAULT_ERK_2, ARKSTEP_DEFAULT_ERK_3, ARKSTEP_DEFAULT_ERK_4,
+                                        ARKSTEP_DEFAULT_ERK_5, ARKSTEP_DEFAULT_ERK_6, ARKSTEP_DEFAULT_ERK_8,
+                                        ARKSTEP_DEFAULT_ERK_8};
+            return LinearTable(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(of_order[order - 2])));
+        }
+    }();
+    return runge_kutta_growth(table.A, table.b, z);
+}
+
 constexpr std::string_view arkode_source =
     "Reynolds, Gardner, Woodward & Chinomona 2023, ARKODE: A flexible IVP solver infrastructure for one-step methods, "
     "ACM Trans. Math. Softw. 49, 19; SUNDIALS 6.4";
@@ -79,7 +112,8 @@ constexpr Method method(std::string_view name, std::string_view documentation) {
             .conserves = "nothing",
             .control = Control::fixed_step_or_tolerance,
             .order = order,
-            .solve = solve_by<implicit, order>};
+            .solve = solve_by<implicit, order>,
+            .growth = growth<implicit, order>};
 }
 
 constexpr Method list[] = {

@@ -1,14 +1,13 @@
 // Which method `auto` stands for.
 #include "integrators/auto.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
+#include "integrators/eigenvalues.h"
 #include "integrators/exact.h"
 #include "integrators/method.h"
-#include "motion/dual.h"
 
 namespace polhode {
 namespace {
@@ -20,37 +19,13 @@ bool damps(const Problem& problem) {
     });
 }
 
-// The state that a sample is of: the way back from sample_of().
-template <class SystemType>
-void state_of(const Problem& problem, const Sample& sample, double* y) {
-    const Vector3<double> w = rotate_back(problem.q_BP, sample.angular_velocity_B);
-    const Quaternion<double> q = sample.q * problem.q_BP;
-    if constexpr (SystemType::dimension == 3) {
-        const Quaternion<double> turned = conjugate(problem.initial_q) * q;
-        y[0] = dot(problem.axis, w), y[1] = turned.w, y[2] = dot(problem.axis, vector_part(turned));
-    } else {
-        put(y, 0, w), put(y, 3, q);
-    }
-    if constexpr (SystemType::dimension == 13) put(y, 7, sample.position_W), put(y, 10, sample.velocity_W);
-}
-
 // The largest |lambda| of the eigenvalues that decay. Those of a motion that only turns lie on the imaginary axis, and
 // rounding sets them beside it.
-double decay_rate(const Eigen::MatrixXd& J) {
+double decay_rate(const Problem& problem, const Sample& sample) {
     double rate = 0;
-    for (const std::complex<double>& lambda : J.eigenvalues())
+    for (const std::complex<double>& lambda : eigenvalues(problem, sample))
         if (lambda.real() < -1e-3 * std::abs(lambda)) rate = std::max(rate, std::abs(lambda));
     return rate;
-}
-
-template <class SystemType>
-double decay_rate_at(const Problem& problem, const Sample& sample) {
-    constexpr int N = SystemType::dimension;
-    double y[N], J[N * N];
-    state_of<SystemType>(problem, sample, y);
-    jacobian(system_on<SystemType>(problem, problem.segments[segment_at(problem, sample.t)]), sample.t, y, J);
-    const Eigen::MatrixXd matrix = Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>(J);
-    return matrix.allFinite() ? decay_rate(matrix) : 0;
 }
 
 }  // namespace
@@ -64,18 +39,15 @@ Stiffness stiffness(const Problem& problem) {
     if (trajectory.status != Status::ok) return {};
     Stiffness found;
     const std::vector<Sample>& samples = trajectory.samples;
-    with_system(problem, [&]<class SystemType>() {
-        for (std::size_t k = 0; k < samples.size(); ++k) {
-            // the trapezoidal rule
-            const double before = k > 0 ? samples[k].t - samples[k - 1].t : 0;
-            const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
-            const Vector3<double>& w = samples[k].angular_velocity_B;
-            found.decays += (before + after) / 2 * decay_rate_at<SystemType>(problem, samples[k]);
-            // a spin that is gone by the next sample has turned the body by far less than it would have
-            found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
-        }
-        return Trajectory{};
-    });
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        // the trapezoidal rule
+        const double before = k > 0 ? samples[k].t - samples[k - 1].t : 0;
+        const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
+        const Vector3<double>& w = samples[k].angular_velocity_B;
+        found.decays += (before + after) / 2 * decay_rate(problem, samples[k]);
+        // a spin that is gone by the next sample has turned the body by far less than it would have
+        found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
+    }
     return found;
 }
 

@@ -7,21 +7,27 @@
 // either frame's derivative. (It is the sign of the rates' second derivative that tells the frames apart.)
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 
 namespace polhode {
 namespace {
 
-class Buss : public MomentumState {
-  public:
-    explicit Buss(const Problem& problem) : MomentumState(problem) {}
+template <class S>
+class Buss : public MomentumStateOf<S> {
+    using Base = MomentumStateOf<S>;
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W;
 
-    void step(double t, double h) {
-        const Quaternion<double> q = attitude_.value();
-        const Matrix3<double> R = rotation_matrix(q), back = transposed(R);
-        const Vector3<double> L = momentum_.value(), y = back * L, w = rates(y);
+  public:
+    explicit Buss(const Problem& problem) : Base(problem) {}
+
+    void step(double t, double step) {
+        const S h = S(step);
+        const Quaternion<S> q = attitude_.value();
+        const Matrix3<S> R = rotation_matrix(q), back = transposed(R);
+        const Vector3<S> L = momentum_.value(), y = back * L, w = rates(y);
         const bool torque_acts = loaded();
-        Vector3<double> torque, acceleration = rates(cross(y, w));
+        Vector3<S> torque, acceleration = rates(cross(y, w));
         if (torque_acts) {
             torque = torque_W(t, R, q, w, {}, {});
             acceleration = rates(cross(y, w) + back * torque);
@@ -30,15 +36,23 @@ class Buss : public MomentumState {
         attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
         if (!torque_acts) return;
         // the mean of both ends' torques; that at the end by the rates of the momentum foreseen
-        const Quaternion<double> q_later = attitude_.value();
-        const Matrix3<double> R_later = rotation_matrix(q_later);
-        const Vector3<double> w_later = rates(transposed(R_later) * (L + h * torque));
+        const Quaternion<S> q_later = attitude_.value();
+        const Matrix3<S> R_later = rotation_matrix(q_later);
+        const Vector3<S> w_later = rates(transposed(R_later) * (L + h * torque));
         momentum_.add((h / 2) * (torque + torque_W(t + h, R_later, q_later, w_later, {}, {})));
         ++evaluations_;
     }
 };
 
-const Method family[] = {
+// a = -c v - s theta, theta+ = theta + v + a/2, v+ = v + (a - c (v + a) - s theta+) / 2; the cross product is of second
+// order in the angle.
+double buss_pendulum_growth(double c, double s) {
+    const double theta_of_theta = 1 - s / 2, theta_of_v = 1 - c / 2;
+    return spectral_radius(theta_of_theta, theta_of_v, (-s + c * s - s * theta_of_theta) / 2,
+                           1 + (-c - c * (1 - c) - s * theta_of_v) / 2);
+}
+
+constexpr Method in_binary64[] = {
     {.name = "buss",
      .documentation =
          "The augmented second-order method of Buss: one turn by a rate corrected with the angular acceleration and "
@@ -49,8 +63,11 @@ const Method family[] = {
      .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<Buss>},
+     .solve = march_rotation<Buss<double>>,
+     .pendulum_growth = buss_pendulum_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, march_rotation<Buss<float>>>();
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 
 #include "integrators/compensated_state.h"
 #include "integrators/kernels/dormand_prince.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/tolerance.h"
 
 namespace polhode {
@@ -130,6 +131,10 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     });
 }
 
+double growth(std::complex<double> z) {
+    return runge_kutta_growth({&dop853.a[0][0], dop853_stages * dop853_stages}, dop853.b, z);
+}
+
 const Method family[] = {
     {.name = "dop853",
      .documentation =
@@ -141,7 +146,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::tolerance,
      .order = 0,
-     .solve = solve_dop853},
+     .solve = solve_dop853,
+     .growth = growth},
 };
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/binary32.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/turn.h"
 #include "integrators/march.h"
 #include "motion/dual.h"
@@ -17,8 +19,9 @@ namespace {
 template <class SystemType>
 class ImplicitMidpoint {
     static constexpr int N = SystemType::dimension;
-    using Column = Eigen::Matrix<double, N, 1>;
-    using Square = Eigen::Matrix<double, N, N, Eigen::RowMajor>;
+    using S = typename ScalarOf<SystemType>::type;
+    using Column = Eigen::Matrix<S, N, 1>;
+    using Square = Eigen::Matrix<S, N, N, Eigen::RowMajor>;
 
   public:
     explicit ImplicitMidpoint(const Problem& problem)
@@ -36,7 +39,8 @@ class ImplicitMidpoint {
         system_ = system_on<SystemType>(*problem_, segment);
         forget();
     }
-    void step(double t, double h) {
+    void step(double t, double step) {
+        const S h = S(step);
         Column k = guess(t, h);
         if (stiff_ || !iterate(t, h, k)) {
             stiff_ = true;
@@ -48,7 +52,7 @@ class ImplicitMidpoint {
         }
         before_last_ = last_, last_ = k, steps_known_ = h == last_h_ ? steps_known_ + 1 : 1, last_h_ = h;
         for (int i = 0; i < N; ++i) {
-            CompensatedSum sum{y_[i], lost_[i]};
+            CompensatedSumOf<S> sum{y_[i], lost_[i]};
             sum.add(h * k[i]);
             y_[i] = sum.value, lost_[i] = sum.lost;
         }
@@ -65,46 +69,47 @@ class ImplicitMidpoint {
   private:
     const Problem* problem_;
     SystemType system_;
-    alignas(32) double y_[N];
-    double lost_[N] = {}, scales_[N] = {};
+    alignas(32) S y_[N];
+    S lost_[N] = {};
+    double scales_[N] = {};
     Column last_ = Column::Zero(), before_last_ = Column::Zero();  ///< k of the steps before
-    double last_h_ = 0;
+    S last_h_ = 0;
     int steps_known_ = 0;
     bool stiff_ = false;  ///< the iteration that needs no Jacobian does not contract
     long evaluations_ = 0;
     bool failed_ = false;
 
     void forget() {
-        for (double& lost : lost_) lost = 0;
+        for (S& lost : lost_) lost = 0;
         steps_known_ = 0, last_h_ = 0, stiff_ = false;
     }
     Column slope(double t, const Column& z) {
-        alignas(32) double from[N], to[N];
+        alignas(32) S from[N], to[N];
         Eigen::Map<Column>(from, N) = z;
         system_.derivative(t, from, to);
         ++evaluations_;
         return Eigen::Map<const Column>(to);
     }
     // what the step before or the two before it let expect
-    Column guess(double t, double h) {
+    Column guess(double t, S h) {
         if (h == last_h_ && steps_known_ > 1) return 2 * last_ - before_last_;
         return slope(t, Eigen::Map<const Column>(y_));
     }
     // the change h dk, largest in units of the components' scales
-    double size(double h, const Column& change) const {
+    double size(S h, const Column& change) const {
         double worst = 0;
-        for (int i = 0; i < N; ++i) worst = std::max(worst, std::abs(h * change[i]) / scales_[i]);
+        for (int i = 0; i < N; ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
         return worst;
     }
-    static constexpr double rounding = 0x1p-54, near = 0x1p-46;
+    static constexpr double rounding = std::numeric_limits<S>::epsilon() / 4, near = 256 * rounding;
 
     // k <- f(y + h k/2), to round-off: false where that does not contract well
-    bool iterate(double t, double h, Column& k) {
+    bool iterate(double t, S h, Column& k) {
         constexpr int most = 30;
         const Column y = Eigen::Map<const Column>(y_);
         double before = INFINITY;
         for (int i = 0; i < most; ++i) {
-            const Column next = slope(t + h / 2, y + (0.5 * h) * k);
+            const Column next = slope(t + h / 2, y + (S(0.5) * h) * k);
             const double moved = size(h, next - k);
             k = next;
             if (moved <= rounding) return true;
@@ -114,21 +119,21 @@ class ImplicitMidpoint {
         return false;
     }
     // Newton's method for k - f(y + h k/2) = 0 with the Jacobian at the guess, formed anew where it contracts slowly
-    bool newton(double t, double h, Column& k) {
+    bool newton(double t, S h, Column& k) {
         constexpr int most = 60;
         const Column y = Eigen::Map<const Column>(y_);
         Eigen::PartialPivLU<Square> factors;
         const auto factorise = [&] {
-            alignas(32) double middle[N];
-            Eigen::Map<Column>(middle, N) = y + (0.5 * h) * k;
+            alignas(32) S middle[N];
+            Eigen::Map<Column>(middle, N) = y + (S(0.5) * h) * k;
             Square J;
             jacobian(system_, t + h / 2, middle, J.data());
-            factors.compute(Square::Identity() - (0.5 * h) * J);
+            factors.compute(Square::Identity() - (S(0.5) * h) * J);
         };
         factorise();
         double before = INFINITY;
         for (int i = 0; i < most; ++i) {
-            const Column change = factors.solve(k - slope(t + h / 2, y + (0.5 * h) * k));
+            const Column change = factors.solve(k - slope(t + h / 2, y + (S(0.5) * h) * k));
             k -= change;
             const double moved = size(h, change);
             if (!(moved < INFINITY)) return false;
@@ -140,12 +145,13 @@ class ImplicitMidpoint {
     }
 };
 
+template <class S>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return with_system(problem,
-                       [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
+    return with_system_in<S>(
+        problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
 }
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "implicit_midpoint",
      .documentation =
          "The implicit midpoint rule on the first-order system, solved to round-off: by simple iteration, and by "
@@ -157,8 +163,11 @@ const Method family[] = {
                   "a free body; all to round-off",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = solve},
+     .solve = solve<double>,
+     .growth = midpoint_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, solve<float>>();
 
 }  // namespace
 

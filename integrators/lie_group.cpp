@@ -2,6 +2,7 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 
 namespace polhode {
@@ -103,7 +104,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<MuntheKaas>},
+     .solve = solve<MuntheKaas>,
+     .growth = classical_growth},
     {.name = "commutator_free4",
      .documentation =
          "A Runge-Kutta method on the rotation group by products of exponentials alone, five a step, without "
@@ -113,7 +115,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<CommutatorFree>},
+     .solve = solve<CommutatorFree>,
+     .growth = classical_growth},
 };
 
 }  // namespace

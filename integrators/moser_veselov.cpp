@@ -1,19 +1,20 @@
 // The discrete Moser-Veselov motion with modified moments of inertia.
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/splitting.h"
 
 namespace polhode {
 namespace {
 
-template <int order>
+template <int order, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
     if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
     bool loaded = problem.needs.dimension == 13 && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
     if (loaded && composition(order).empty())
         return unsupported("no composition of kicks of this order: under loads moser_veselov8 is the highest");
-    return march_momentum<Splitting<DiscreteMoserVeselov<order / 2>, true>>(problem, settings, order);
+    return march_momentum<Splitting<DiscreteMoserVeselov<order / 2, S>, true, S>>(problem, settings, order);
 }
 
 constexpr std::string_view source =
@@ -30,10 +31,12 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
             .conserves = kept,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<order>};
+            .solve = solve<order>,
+            // to first order in the angle the free motion is theta + h theta'; order 10 takes no loads
+            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>};
 }
 
-constexpr Method family[] = {
+constexpr Method in_binary64[] = {
     moser_veselov<2>("moser_veselov2",
                      "The discrete Moser-Veselov motion of a free body, integrable like the motion itself: three "
                      "quadratic equations a step, solved to round-off. Loads act as half kicks before and after it. "
@@ -51,6 +54,8 @@ constexpr Method family[] = {
                       "moser_veselov2 with moments of inertia modified by four terms of Hairer & Vilmart's series: the "
                       "same equations, order 10. Free bodies only."),
 };
+
+constexpr auto family = with_binary32<in_binary64, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 

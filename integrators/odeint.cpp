@@ -13,6 +13,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <limits>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/odeint_pair.h"
 
 namespace polhode {
@@ -85,6 +86,17 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     bool has_rate_ = false;
 };
 
+/// R(z) is what one step of length 1 from y = 1 on y' = z y reaches.
+template <template <std::size_t> class Scheme>
+double stepper_growth(std::complex<double> z) {
+    Scheme<2> scheme;
+    State<2> y;
+    y[0] = 1;
+    scheme.do_step([z](const State<2>& at, State<2>& rate, double) { linear_rate(z, at.data(), rate.data()); }, y, 0.0,
+                   1.0);
+    return magnitude({y[0], y[1]});
+}
+
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
@@ -92,14 +104,15 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "odeint_euler",
      .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = march_odeint<Euler>},
+     .solve = march_odeint<Euler>,
+     .growth = stepper_growth<Euler>},
     {.name = "odeint_rk4",
      .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
                       "right-hand sides a step.",
@@ -107,7 +120,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve_rk4},
+     .solve = solve_rk4,
+     .growth = classical_growth},
     {.name = "odeint_cash_karp54",
      .documentation =
          "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), the fifth order carried on. "
@@ -117,7 +131,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 5,
-     .solve = fixed_or_controlled<CashKarp54>},
+     .solve = fixed_or_controlled<CashKarp54>,
+     .growth = stepper_growth<CashKarp54>},
     {.name = "odeint_dopri5",
      .documentation =
          "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), the fifth order carried on. "
@@ -127,7 +142,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 5,
-     .solve = fixed_or_controlled<Dopri5>},
+     .solve = fixed_or_controlled<Dopri5>,
+     .growth = stepper_growth<Dopri5>},
     {.name = "odeint_fehlberg78",
      .documentation =
          "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), the eighth order carried on. "
@@ -137,7 +153,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 8,
-     .solve = fixed_or_controlled<Fehlberg78>},
+     .solve = fixed_or_controlled<Fehlberg78>,
+     .growth = stepper_growth<Fehlberg78>},
     {.name = "odeint_adams_bashforth_moulton",
      .documentation =
          "Adams-Bashforth's formula of six steps as predictor, Adams-Moulton's of order 6 as corrector, each followed "
@@ -152,7 +169,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 6,
-     .solve = solve_adams_bashforth_moulton},
+     .solve = solve_adams_bashforth_moulton,
+     .growth = adams_bashforth_moulton_growth},
     {.name = "odeint_bulirsch_stoer",
      .documentation =
          "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "
@@ -174,8 +192,12 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 4,
-     .solve = solve_rosenbrock4},
+     .solve = solve_rosenbrock4,
+     .growth = rosenbrock4_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, solve_euler_float32, solve_rk4_float32, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr, nullptr>();
 
 }  // namespace
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 
+#include "integrators/kernels/binary32.h"
 #include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
 #include "integrators/odeint_algebra.h"
@@ -15,11 +17,12 @@ namespace polhode {
 /// An attempt that is not finite is tried again with this fraction of the step.
 inline constexpr double not_finite_shrinkage = 0.1;
 
-/// The state on one segment, and the count of right-hand sides since restart().
+/// The state on one segment, and the count of right-hand sides since restart(). In the scalar of the system.
 template <class SystemType>
 class OdeintState {
   public:
     static constexpr std::size_t dimension = SystemType::dimension;
+    using Scalar = typename ScalarOf<SystemType>::type;
 
     explicit OdeintState(const Problem& problem)
         : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
@@ -40,7 +43,7 @@ class OdeintState {
   protected:
     const Problem* problem_;
     SystemType system_;
-    OdeintArray<dimension> y_;
+    OdeintArray<dimension, Scalar> y_;
     long evaluations_ = 0;
 };
 
@@ -50,8 +53,8 @@ struct OdeintRightHandSide {
     const SystemType* system;
     long* evaluations;
 
-    template <std::size_t N>
-    void operator()(const OdeintArray<N>& y, OdeintArray<N>& dydt, double t) const {
+    template <class State>
+    void operator()(const State& y, State& dydt, double t) const {
         ++*evaluations;
         system->derivative(t, y.data(), dydt.data());
     }
@@ -62,6 +65,7 @@ template <class SystemType, template <std::size_t> class Scheme>
 class OdeintFixedStepper : public OdeintState<SystemType> {
     using Base = OdeintState<SystemType>;
     static constexpr std::size_t N = SystemType::dimension;
+    using Scalar = typename Base::Scalar;
 
   public:
     explicit OdeintFixedStepper(const Problem& problem) : Base(problem) { restart(); }
@@ -74,7 +78,8 @@ class OdeintFixedStepper : public OdeintState<SystemType> {
         forget();
     }
     void step(double t, double h) {
-        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, t, h);
+        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
+                        Scalar(h));
     }
 
   protected:
@@ -87,10 +92,10 @@ class OdeintFixedStepper : public OdeintState<SystemType> {
     Scheme<N> scheme_;
 };
 
-/// march() of one of Odeint's steppers, whose state is OdeintArray<N>.
-template <template <std::size_t> class Scheme>
+/// march() of one of Odeint's steppers, whose state is OdeintArray<N, S>.
+template <template <std::size_t> class Scheme, class S = double>
 Trajectory march_odeint(const Problem& problem, const Settings& settings) {
-    return with_system(
+    return with_system_in<S>(
         problem, [&]<class SystemType>() { return march<OdeintFixedStepper<SystemType, Scheme>>(problem, settings); });
 }
 
@@ -125,14 +130,28 @@ class ControlledOdeintState : public OdeintState<SystemType> {
     OdeintArray<N> scales_;
 };
 
+/// y' = z y of a complex number, by its real and imaginary part.
+inline void linear_rate(std::complex<double> z, const double* y, double* rate) {
+    rate[0] = z.real() * y[0] - z.imag() * y[1];
+    rate[1] = z.imag() * y[0] + z.real() * y[1];
+}
+
 /// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
 /// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
 Trajectory solve_rk4(const Problem& problem, const Settings& settings);
 
+/// Boost's euler and runge_kutta4 in binary32.
+Trajectory solve_euler_float32(const Problem& problem, const Settings& settings);
+Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings);
+
 /// Boost's adams_bashforth_moulton on the problem. Compiled alone, likewise.
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);
+/// Method::growth of it.
+double adams_bashforth_moulton_growth(std::complex<double> z);
 
 /// Boost's rosenbrock4 on the problem, fixed or controlled; in a file of its own, for it compiles only as C++17.
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);
+/// Method::growth of it.
+double rosenbrock4_growth(std::complex<double> z);
 
 }  // namespace polhode

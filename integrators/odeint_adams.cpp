@@ -2,6 +2,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/odeint.h"
 
 namespace polhode {
@@ -37,6 +38,21 @@ class AdamsStepper : public OdeintFixedStepper<SystemType, Adams6> {
 };
 
 }  // namespace
+
+// p = y_n + z sum b_j y_(n-j), y_(n+1) = y_n + z (b*_0 p + sum b*_(j+1) y_(n-j)): what is evaluated last is the
+// corrected value, at the begin of the next step.
+double adams_bashforth_moulton_growth(std::complex<double> z) {
+    constexpr std::size_t steps = 6;
+    const odeint::detail::adams_bashforth_coefficients<double, steps> predictor;
+    const odeint::detail::adams_moulton_coefficients<double, steps> corrector;
+    std::array<std::complex<double>, steps> c{};
+    for (std::size_t j = 0; j < steps; ++j) {
+        c[j] = z * corrector[0] * z * predictor[j];
+        if (j + 1 < steps) c[j] += z * corrector[j + 1];
+    }
+    c[0] += 1.0 + z * corrector[0];
+    return largest_root(c);
+}
 
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() { return march<AdamsStepper<SystemType>>(problem, settings); });

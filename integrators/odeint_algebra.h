@@ -12,11 +12,11 @@
 namespace polhode {
 
 /// N numbers, zero at first: Odeint's steppers copy their scratch space before they have written to it.
-template <std::size_t N>
-struct OdeintArray : std::array<double, N> {
+template <std::size_t N, class S = double>
+struct OdeintArray : std::array<S, N> {
     static constexpr std::size_t dimension = N;
 
-    OdeintArray() : std::array<double, N>{} {}
+    OdeintArray() : std::array<S, N>{} {}
 };
 
 /// Odeint's loops over arrays of a fixed size, with that norm.

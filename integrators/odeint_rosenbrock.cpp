@@ -1,3 +1,4 @@
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/odeint.h"
 #include "integrators/rosenbrock.h"
 #include "motion/dual.h"
@@ -76,6 +77,20 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
 };
 
 }  // namespace
+
+double rosenbrock4_growth(std::complex<double> z) {
+    const PlainSystem linear{2,
+                             [](void* context, double, const double* y, double* rate) {
+                                 linear_rate(*static_cast<const std::complex<double>*>(context), y, rate);
+                             },
+                             [](void* context, double, const double*, double* J) {
+                                 const auto& c = *static_cast<const std::complex<double>*>(context);
+                                 J[0] = J[3] = c.real(), J[1] = -c.imag(), J[2] = c.imag();
+                             }};
+    double y[2] = {1, 0};
+    Rosenbrock4(linear, 1, 1).step(&z, 0, y, 1);
+    return magnitude({y[0], y[1]});
+}
 
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings) {
     if (problem.needs.user_torque) return unsupported("a user's torque has no derivative for the Jacobian");

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "integrators/kernels/four_systems.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/radau_coefficients.h"
 #include "integrators/kernels/stages.h"
 #include "integrators/kernels/tolerance.h"
@@ -466,21 +467,24 @@ constexpr Method list[] = {
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 5,
-     .solve = solve_radau<3>},
+     .solve = solve_radau<3>,
+     .growth = radau_growth<3>},
     {.name = "radau9",
      .documentation = of_one_order,
      .source = source,
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 9,
-     .solve = solve_radau<5>},
+     .solve = solve_radau<5>,
+     .growth = radau_growth<5>},
     {.name = "radau13",
      .documentation = of_one_order,
      .source = source,
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
      .order = 13,
-     .solve = solve_radau<7>},
+     .solve = solve_radau<7>,
+     .growth = radau_growth<7>},
 };
 
 }  // namespace

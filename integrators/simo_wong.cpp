@@ -6,30 +6,37 @@
 #include <cmath>
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/kernels/momentum_state.h"
 #include "integrators/kernels/newton.h"
 
 namespace polhode {
 namespace {
 
-class SimoWong : public MomentumState {
-  public:
-    explicit SimoWong(const Problem& problem) : MomentumState(problem) {}
+template <class S>
+class SimoWong : public MomentumStateOf<S> {
+    using Base = MomentumStateOf<S>;
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W,
+        Base::failed_, Base::forcing, Base::inverse_moments_;
 
-    void step(double t, double h) {
-        const Quaternion<double> q = attitude_.value();
-        const Matrix3<double> R = rotation_matrix(q);
-        const Vector3<double> L = momentum_.value(), y = transposed(R) * L, w = rates(y);
+  public:
+    explicit SimoWong(const Problem& problem) : Base(problem) {}
+
+    void step(double t, double step) {
+        const S h = S(step);
+        const Quaternion<S> q = attitude_.value();
+        const Matrix3<S> R = rotation_matrix(q);
+        const Vector3<S> L = momentum_.value(), y = transposed(R) * L, w = rates(y);
         const bool torque_acts = loaded();
-        const Vector3<double> torque = torque_acts ? torque_W(t, R, q, w, {}, {}) : Vector3<double>();
+        const Vector3<S> torque = torque_acts ? torque_W(t, R, q, w, {}, {}) : Vector3<S>();
         ++evaluations_;
 
-        Vector3<double> torque_later, y_later;
-        const auto residual = [&](const Vector3<double>& theta) {
-            const Turn d = turn_by(theta);
-            const Quaternion<double> q_later = q * Quaternion<double>{1 + d.w, d.v[0], d.v[1], d.v[2]};
-            const Matrix3<double> R_later = rotation_matrix(q_later);
-            Vector3<double> L_later = L;
+        Vector3<S> torque_later, y_later;
+        const auto residual = [&](const Vector3<S>& theta) {
+            const TurnOf<S> d = turn_by(theta);
+            const Quaternion<S> q_later = q * Quaternion<S>{1 + d.w, d.v[0], d.v[1], d.v[2]};
+            const Matrix3<S> R_later = rotation_matrix(q_later);
+            Vector3<S> L_later = L;
             if (torque_acts) {
                 torque_later = torque_W(t + h, R_later, q_later, (2 / h) * theta - w, {}, {});
                 L_later = L + (h / 2) * (torque + torque_later);
@@ -39,31 +46,32 @@ class SimoWong : public MomentumState {
             return theta - (h / 2) * (w + rates(y_later));
         };
         // d y+ = y+ x dtheta to the lowest power of theta, and drag by the rates
-        const auto slope = [&](const Vector3<double>&) {
-            Matrix3<double> M = skew(y_later);
-            if (forcing_->has_damping)
-                for (int i = 0; i < 3; ++i) M[i] = M[i] - forcing_->damping[i];
+        const auto slope = [&](const Vector3<S>&) {
+            Matrix3<S> M = skew(y_later);
+            if (forcing().has_damping)
+                for (int i = 0; i < 3; ++i) M[i] = M[i] - forcing().damping[i];
             for (int i = 0; i < 3; ++i) {
-                M[i] = (-0.5 * h * inverse_moments_[i]) * M[i];
+                M[i] = (S(-0.5) * h * inverse_moments_[i]) * M[i];
                 M[i][i] += 1;
             }
             return M;
         };
         // what that leaves out, of torques that change fast with the attitude
-        const auto measured_slope = [&](const Vector3<double>& theta) {
-            constexpr double width = 1e-6;
-            Matrix3<double> M;
+        const auto measured_slope = [&](const Vector3<S>& theta) {
+            // about the cube root of the rounding, where its share and the formula's own are alike
+            constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
+            Matrix3<S> M;
             for (int j = 0; j < 3; ++j) {
-                Vector3<double> up = theta, down = theta;
+                Vector3<S> up = theta, down = theta;
                 up[j] += width, down[j] -= width;
-                const Vector3<double> difference = residual(up) - residual(down);
+                const Vector3<S> difference = residual(up) - residual(down);
                 for (int i = 0; i < 3; ++i) M[i][j] = difference[i] / (2 * width);
             }
             return M;
         };
-        const Vector3<double> guess = h * (w + (h / 2) * rates(cross(y, w) + transposed(R) * torque));
+        const Vector3<S> guess = h * (w + (h / 2) * rates(cross(y, w) + transposed(R) * torque));
         y_later = y;
-        Vector3<double> theta = guess;
+        Vector3<S> theta = guess;
         if (!solve_to_rounding(theta, residual, slope)) {
             theta = guess;
             if (!solve_to_rounding(theta, residual, measured_slope)) {
@@ -76,7 +84,7 @@ class SimoWong : public MomentumState {
     }
 };
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "simo_wong",
      .documentation =
          "The implicit algorithm of Simo & Wong in its trapezoidal form (their ALGO_C1): the momentum balance in world "
@@ -86,8 +94,11 @@ const Method family[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<SimoWong>},
+     .solve = march_rotation<SimoWong<double>>,
+     .growth = midpoint_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, march_rotation<SimoWong<float>>>();
 
 }  // namespace
 

@@ -3,13 +3,15 @@
 
 #include <span>
 
+#include "integrators/kernels/linear_growth.h"
+
 namespace polhode {
 namespace {
 
-template <class Flow, bool whole_when_free, int order>
+template <class Flow, bool whole_when_free, int order, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
     if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
-    return march_momentum<Splitting<Flow, whole_when_free>>(problem, settings, order);
+    return march_momentum<Splitting<Flow, whole_when_free, S>>(problem, settings, order);
 }
 
 constexpr std::string_view rotations_source =
@@ -33,7 +35,8 @@ constexpr Method rotations(std::string_view name, std::string_view documentation
             .conserves = rotations_keep,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<ThreeRotations, false, order>};
+            .solve = solve<ThreeRotations<>, false, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
 }
 template <int order>
 constexpr Method exact_flow(std::string_view name, std::string_view documentation) {
@@ -43,10 +46,11 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
             .conserves = exact_keeps,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<ExactFreeMotion, true, order>};
+            .solve = solve<ExactFreeMotion, true, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
 }
 
-constexpr Method family[] = {
+constexpr Method in_binary64[] = {
     rotations<2>(
         "splitting2",
         "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
@@ -75,6 +79,10 @@ constexpr Method family[] = {
                   "splitting_exact2 composed of seventeen stages after Kahan & Li (1997). Some go backwards: strong "
                   "drag grows in them. Order 8."),
 };
+
+constexpr auto family = with_binary32<in_binary64, solve<ThreeRotations<float>, false, 2, float>,
+                                      solve<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr>();
 
 }  // namespace
 

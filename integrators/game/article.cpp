@@ -11,7 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "integrators/march.h"
+#include "integrators/kernels/binary32.h"
+#include "integrators/kernels/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -25,34 +26,36 @@ enum class Form {
 };
 
 /// Rotation by `angle` (rad) about `axis`, of any length but zero.
-Quaternion<double> quaternion_angle_axis(double angle, const Vector3<double>& axis) {
-    const double scale = std::sin(angle / 2) / std::sqrt(dot(axis, axis));
+template <class S>
+Quaternion<S> quaternion_angle_axis(S angle, const Vector3<S>& axis) {
+    const S scale = std::sin(angle / 2) / std::sqrt(dot(axis, axis));
     return {std::cos(angle / 2), scale * axis[0], scale * axis[1], scale * axis[2]};
 }
 
-template <Form form>
+template <Form form, class S>
 class Article {
   public:
     explicit Article(const Problem& problem) : problem_(&problem) {
         const ExactBody<double>& body = problem.body;
         held_ = body.pivoted;
-        mass_ = body.mass;
-        inertia_B_ = body.inertia_B;
-        inverse_inertia_B_ = inverse(inertia_B_);
-        mass_center_B_ = problem.scene.body.center_of_mass;
+        mass_ = S(body.mass);
+        inertia_B_ = cast<S>(body.inertia_B);
+        inverse_inertia_B_ = cast<S>(inverse(body.inertia_B));
+        mass_center_B_ = cast<S>(problem.scene.body.center_of_mass);
         // a held body turns about its origin, with the inertia shifted there
-        turning_center_B_ = held_ ? Vector3<double>() : mass_center_B_;
+        turning_center_B_ = held_ ? Vector3<S>() : mass_center_B_;
         loads_.reserve(problem.scene.loads.size());
         restart();
     }
 
     void restart() {
         const ExactBody<double>& body = problem_->body;
-        orientation_ = body.q;
-        angular_velocity_ = in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B);
-        linear_velocity_ = held_ ? Vector3<double>() : body.velocity_W;
+        orientation_ = cast<S>(body.q);
+        angular_velocity_ = cast<S>(in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B));
+        linear_velocity_ = held_ ? Vector3<S>() : cast<S>(body.velocity_W);
         // the article's position is that of the body's origin
-        position_ = held_ ? Vector3<double>() : body.position_W - rotate(body.q, mass_center_B_);
+        position_ =
+            held_ ? Vector3<S>() : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
         steps_ = 0;
         turn_tensor();
     }
@@ -63,15 +66,16 @@ class Article {
         for (const Load& load : problem_->scene.loads) {
             const auto* impulse = std::get_if<Impulse>(&load);
             if (impulse && impulse->at == segment.begin) {
-                const Vector3<double> J = in_world(impulse->vector, impulse->frame);
-                apply_force(J, point_in_world(impulse->point, impulse->point_frame), 1);
+                const Vector3<S> J = in_world(cast<S>(impulse->vector), impulse->frame);
+                apply_force(J, point_in_world(cast<S>(impulse->point), impulse->point_frame), 1);
             } else if (!impulse && acts(window_of(load), segment.begin)) {
                 loads_.push_back(&load);
             }
         }
     }
 
-    void step(double t, double h) {
+    void step(double t, double step) {
+        const S h = S(step);
         turn_tensor();
         for (const Load* load : loads_) std::visit([&](const auto& l) { apply(l, t, h); }, *load);
         update_body_orientation(h);
@@ -81,19 +85,18 @@ class Article {
 
     Sample sample(double t) const {
         Sample s;
-        s.t = t, s.q = orientation_;
-        s.angular_velocity_B = in_body
-                                   ? angular_velocity_
-                                   : (1 / squared_norm(orientation_)) * rotate_back(orientation_, angular_velocity_);
-        s.position_W = position_ + rotate(orientation_, mass_center_B_);
-        s.velocity_W = linear_velocity_;
-        if (held_) pivoted_center(s.q, s.angular_velocity_B, mass_center_B_, s.position_W, s.velocity_W);
+        s.t = t, s.q = cast<double>(orientation_);
+        s.angular_velocity_B = cast<double>(angular_velocity_);
+        if (!in_body) s.angular_velocity_B = (1 / squared_norm(s.q)) * rotate_back(s.q, s.angular_velocity_B);
+        const Vector3<double>& mass_center_B = problem_->scene.body.center_of_mass;
+        s.position_W = cast<double>(position_) + rotate(s.q, mass_center_B);
+        s.velocity_W = cast<double>(linear_velocity_);
+        if (held_) pivoted_center(s.q, s.angular_velocity_B, mass_center_B, s.position_W, s.velocity_W);
         return s;
     }
 
     bool finite() const {
-        const Vector3<double> sum = angular_velocity_ + linear_velocity_ + position_;
-        return std::isfinite(dot(sum, sum)) && std::isfinite(squared_norm(orientation_));
+        return all_finite(angular_velocity_, linear_velocity_, position_) && all_finite(orientation_);
     }
     long rhs_evaluations() const { return steps_; }
 
@@ -105,85 +108,87 @@ class Article {
     // R I R^-1 and its inverse, by the general matrix inverse as in the article
     void turn_tensor() {
         if constexpr (in_body) return;
-        const Matrix3<double> orientation_matrix = rotation_matrix(orientation_);
+        const Matrix3<S> orientation_matrix = rotation_matrix(orientation_);
         world_inertia_ = orientation_matrix * inertia_B_ * inverse(orientation_matrix);
         inverse_world_inertia_ = inverse(world_inertia_);
     }
 
-    Vector3<double> in_world(const Vector3<double>& v, Frame frame) const {
+    Vector3<S> in_world(const Vector3<S>& v, Frame frame) const {
         return frame == Frame::world ? v : rotate(orientation_, v);
     }
-    Vector3<double> point_in_world(const Vector3<double>& point, Frame frame) const {
+    Vector3<S> point_in_world(const Vector3<S>& point, Frame frame) const {
         return frame == Frame::world ? point : position_ + rotate(orientation_, point);
     }
-    Vector3<double> angular_velocity_in_body() const {
+    Vector3<S> angular_velocity_in_body() const {
         return in_body ? angular_velocity_ : rotate_back(orientation_, angular_velocity_);
     }
-    Vector3<double> mass_center_velocity_W() const {
+    Vector3<S> mass_center_velocity_W() const {
         if (!held_) return linear_velocity_;
         return rotate(orientation_, cross(angular_velocity_in_body(), mass_center_B_));
     }
 
     // J = (I^-1 torque) h
-    void apply_torque(const Vector3<double>& torque_W, double h) {
+    void apply_torque(const Vector3<S>& torque_W, S h) {
         if constexpr (in_body)
             angular_velocity_ = angular_velocity_ + h * (inverse_inertia_B_ * rotate_back(orientation_, torque_W));
         else
             angular_velocity_ = angular_velocity_ + h * (inverse_world_inertia_ * torque_W);
     }
-    void apply_force(const Vector3<double>& force_W, const Vector3<double>& point_W, double h) {
-        const Vector3<double> offset = printed_offset ? turning_center_B_ : rotate(orientation_, turning_center_B_);
-        const Vector3<double> world_com = position_ + offset;
-        const Vector3<double> r = point_W - world_com;
+    void apply_force(const Vector3<S>& force_W, const Vector3<S>& point_W, S h) {
+        const Vector3<S> offset = printed_offset ? turning_center_B_ : rotate(orientation_, turning_center_B_);
+        const Vector3<S> world_com = position_ + offset;
+        const Vector3<S> r = point_W - world_com;
         apply_torque(cross(r, force_W), h);
         push(force_W, h);
     }
-    void push(const Vector3<double>& force_W, double h) {
+    void push(const Vector3<S>& force_W, S h) {
         if (!held_) linear_velocity_ = linear_velocity_ + (h / mass_) * force_W;
     }
     // a force at the centre of mass turns the body only where it is held elsewhere
-    void apply_at_mass_center(const Vector3<double>& force_W, double h) {
+    void apply_at_mass_center(const Vector3<S>& force_W, S h) {
         if (held_)
             apply_force(force_W, point_in_world(mass_center_B_, Frame::body), h);
         else
             push(force_W, h);
     }
 
-    void apply(const Gravity& load, double, double h) { apply_at_mass_center(mass_ * load.acceleration_W, h); }
-    void apply(const Torque& load, double, double h) { apply_torque(in_world(load.vector, load.frame), h); }
-    void apply(const Force& load, double, double h) {
-        apply_force(in_world(load.vector, load.frame), point_in_world(load.point, load.point_frame), h);
+    void apply(const Gravity& load, double, S h) { apply_at_mass_center(mass_ * cast<S>(load.acceleration_W), h); }
+    void apply(const Torque& load, double, S h) { apply_torque(in_world(cast<S>(load.vector), load.frame), h); }
+    void apply(const Force& load, double, S h) {
+        apply_force(in_world(cast<S>(load.vector), load.frame), point_in_world(cast<S>(load.point), load.point_frame),
+                    h);
     }
-    void apply(const Drag& load, double, double h) {
-        const Vector3<double> w = angular_velocity_in_body(), &c = load.rotational;
-        apply_torque(rotate(orientation_, Vector3<double>(-c[0] * w[0], -c[1] * w[1], -c[2] * w[2])), h);
-        if (load.translational != 0) apply_at_mass_center(-load.translational * mass_center_velocity_W(), h);
+    void apply(const Drag& load, double, S h) {
+        const Vector3<S> w = angular_velocity_in_body(), c = cast<S>(load.rotational);
+        apply_torque(rotate(orientation_, Vector3<S>(-c[0] * w[0], -c[1] * w[1], -c[2] * w[2])), h);
+        if (load.translational != 0) apply_at_mass_center(S(-load.translational) * mass_center_velocity_W(), h);
     }
-    void apply(const Spring& load, double, double h) {
-        const Quaternion<double> r = conjugate(normalized(load.rest_orientation)) * orientation_;
-        apply_torque(rotate(orientation_, (-2 * load.stiffness * r.w) * vector_part(r)), h);
+    void apply(const Spring& load, double, S h) {
+        const Quaternion<S> r = cast<S>(conjugate(normalized(load.rest_orientation))) * orientation_;
+        apply_torque(rotate(orientation_, (-2 * S(load.stiffness) * r.w) * vector_part(r)), h);
     }
-    void apply(const UserTorque& load, double t, double h) {
-        const LoadState state{t, orientation_, angular_velocity_in_body(),
-                              position_ + rotate(orientation_, mass_center_B_), mass_center_velocity_W()};
-        apply_torque(rotate(orientation_, load.torque_B(state)), h);
+    void apply(const UserTorque& load, double t, S h) {
+        const LoadState state{t, cast<double>(orientation_), cast<double>(angular_velocity_in_body()),
+                              cast<double>(position_ + rotate(orientation_, mass_center_B_)),
+                              cast<double>(mass_center_velocity_W())};
+        apply_torque(rotate(orientation_, cast<S>(load.torque_B(state))), h);
     }
     void apply(const Impulse&, double, double) {}
 
-    void update_body_orientation(double h) {
-        Vector3<double>& w = angular_velocity_;
+    void update_body_orientation(S h) {
+        Vector3<S>& w = angular_velocity_;
         if constexpr (printed_sign)
             w = w + h * (inverse_world_inertia_ * cross(w, world_inertia_ * w));
         else if constexpr (!in_body)
             w = w + h * (inverse_world_inertia_ * cross(world_inertia_ * w, w));
         else
             w = w + h * (inverse_inertia_B_ * cross(inertia_B_ * w, w));
-        const Vector3<double> world_com = position_ + rotate(orientation_, turning_center_B_);
-        const Vector3<double> com_to_position = position_ - world_com;
+        const Vector3<S> world_com = position_ + rotate(orientation_, turning_center_B_);
+        const Vector3<S> com_to_position = position_ - world_com;
         // without a rate there is no axis
-        const double rate = std::sqrt(dot(w, w));
+        const S rate = std::sqrt(dot(w, w));
         if (rate == 0) return;
-        const Quaternion<double> theta = quaternion_angle_axis(rate * h, w);
+        const Quaternion<S> theta = quaternion_angle_axis(rate * h, w);
         if constexpr (in_body) {
             orientation_ = orientation_ * theta;
             position_ = world_com - rotate(orientation_, turning_center_B_);
@@ -195,30 +200,30 @@ class Article {
 
     const Problem* problem_;
     bool held_ = false;
-    double mass_ = 1;
-    Matrix3<double> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
-    Vector3<double> mass_center_B_, turning_center_B_;  ///< from the body's origin
-    std::vector<const Load*> loads_;                    ///< those that act on this segment, in file order
+    S mass_ = 1;
+    Matrix3<S> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
+    Vector3<S> mass_center_B_, turning_center_B_;  ///< from the body's origin
+    std::vector<const Load*> loads_;               ///< those that act on this segment, in file order
 
-    Quaternion<double> orientation_;
-    Vector3<double> angular_velocity_;  ///< world axes; body axes in the body-frame form
-    Vector3<double> linear_velocity_;   ///< of the centre of mass
-    Vector3<double> position_;          ///< of the body's origin
+    Quaternion<S> orientation_;
+    Vector3<S> angular_velocity_;  ///< world axes; body axes in the body-frame form
+    Vector3<S> linear_velocity_;   ///< of the centre of mass
+    Vector3<S> position_;          ///< of the body's origin
     long steps_ = 0;
 };
 
-template <Form form>
+template <Form form, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
     if (problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>()))
         return unsupported("the article turns a body about its own origin: a pivot elsewhere has no place in it");
-    return march<Article<form>>(problem, settings);
+    return march<Article<form, S>>(problem, settings);
 }
 
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (apply_torque, "
     "update_body_orientation); mended after Euler's equations";
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "article_as_written",
      .documentation =
          "The article's update as it is printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
@@ -229,7 +234,8 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::as_written>},
+     .solve = solve<Form::as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_offset_as_written",
      .documentation =
          "The article's `apply_torque` as it is printed, x_com = position + center_of_mass with the offset left in "
@@ -242,7 +248,8 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::offset_as_written>},
+     .solve = solve<Form::offset_as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_sign_as_written",
      .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
                       "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
@@ -251,7 +258,8 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::sign_as_written>},
+     .solve = solve<Form::sign_as_written>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
@@ -261,7 +269,8 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::mended>},
+     .solve = solve<Form::mended>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "article_body_frame",
      .documentation =
          "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
@@ -271,8 +280,13 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<Form::body_frame>},
+     .solve = solve<Form::body_frame>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
+
+constexpr auto family =
+    with_binary32<in_binary64, solve<Form::as_written, float>, solve<Form::offset_as_written, float>,
+                  solve<Form::sign_as_written, float>, solve<Form::mended, float>, solve<Form::body_frame, float>>();
 
 }  // namespace
 

@@ -10,75 +10,81 @@
 #include "body/orientation.h"
 #include "integrators/game/explicit_step.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
 namespace {
 
-template <class Scheme>
+template <class Scheme, class S>
 class BaraffWitkin {
   public:
-    explicit BaraffWitkin(const Problem& problem) : problem_(&problem), loads_(problem), held_(problem.body.pivoted) {
+    explicit BaraffWitkin(const Problem& problem)
+        : problem_(&problem),
+          loads_(problem),
+          held_(problem.body.pivoted),
+          mass_(S(problem.body.mass)),
+          inverse_inertia_B_(cast<S>(problem.full_inertia.inverse)) {
         restart();
     }
     void restart() {
         const ExactBody<double>& body = problem_->body;
-        put(y_.data(), 0, body.position_W);
-        put(y_.data(), 3, body.q);
-        put(y_.data(), 7, body.mass * body.velocity_W);
-        put(y_.data(), 10, rotate(body.q, body.inertia_B * body.angular_velocity_B));
+        put(y_.data(), 0, cast<S>(body.position_W));
+        put(y_.data(), 3, cast<S>(body.q));
+        put(y_.data(), 7, cast<S>(body.mass * body.velocity_W));
+        put(y_.data(), 10, cast<S>(rotate(body.q, body.inertia_B * body.angular_velocity_B)));
         steps_ = 0;
     }
     void enter(const Segment& segment) {
         loads_.enter(segment);
         const Auxiliary now = auxiliary(y_);
-        Vector3<double> L = vector_at(y_.data(), 10), v = now.v;
-        WorldLoads::strike(*problem_, segment, now.R, now.x, L, v);
+        Vector3<S> L = vector_at(y_.data(), 10), v = now.v;
+        WorldLoads<S>::strike(*problem_, segment, now.R, now.x, L, v);
         if (segment.impulses.empty()) return;
-        put(y_.data(), 7, problem_->body.mass * v);
+        put(y_.data(), 7, mass_ * v);
         put(y_.data(), 10, L);
     }
     void step(double t, double h) {
-        Scheme::step([this](double at, const State& y) { return rate(at, y); }, t, y_, h);
+        Scheme::step([this](double at, const State& y) { return rate(at, y); }, t, y_, S(h));
         ++steps_;
     }
     Sample sample(double t) const {
         const Auxiliary now = auxiliary(y_);
         Sample s;
-        s.t = t, s.q = quaternion_at(y_.data(), 3);
-        s.angular_velocity_B = transposed(now.R) * now.w;
-        s.position_W = now.x, s.velocity_W = now.v;
+        s.t = t, s.q = cast<double>(quaternion_at(y_.data(), 3));
+        s.angular_velocity_B = cast<double>(transposed(now.R) * now.w);
+        s.position_W = cast<double>(now.x), s.velocity_W = cast<double>(now.v);
         return s;
     }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
-    using State = std::array<double, 13>;  ///< x, q, P, L
+    using State = std::array<S, 13>;  ///< x, q, P, L
 
     /// The course's auxiliary variables.
     struct Auxiliary {
-        Matrix3<double> R;
-        Quaternion<double> q;  ///< unit
-        Vector3<double> w, x, v;
+        Matrix3<S> R;
+        Quaternion<S> q;  ///< unit
+        Vector3<S> w, x, v;
     };
     Auxiliary auxiliary(const State& y) const {
         Auxiliary now;
         now.q = normalized(quaternion_at(y.data(), 3));
         now.R = rotation_matrix(now.q);
-        now.w = now.R * (problem_->full_inertia.inverse * (transposed(now.R) * vector_at(y.data(), 10)));
+        now.w = now.R * (inverse_inertia_B_ * (transposed(now.R) * vector_at(y.data(), 10)));
         if (held_) {
-            now.x = now.R * problem_->body.arm;
+            now.x = now.R * loads_.forcing().arm;
             now.v = cross(now.w, now.x);
         } else {
             now.x = vector_at(y.data(), 0);
-            now.v = (1 / problem_->body.mass) * vector_at(y.data(), 7);
+            now.v = (1 / mass_) * vector_at(y.data(), 7);
         }
         return now;
     }
     State rate(double t, const State& y) const {
         const Auxiliary now = auxiliary(y);
-        const Quaternion<double> spin{0, now.w[0] / 2, now.w[1] / 2, now.w[2] / 2};
+        const Quaternion<S> spin{0, now.w[0] / 2, now.w[1] / 2, now.w[2] / 2};
         State dy{};
         put(dy.data(), 3, spin * quaternion_at(y.data(), 3));
         put(dy.data(), 10,
@@ -86,21 +92,23 @@ class BaraffWitkin {
                 t, now.R, [&] { return now.q; }, now.w, now.x, now.v));
         if (!held_) {
             put(dy.data(), 0, now.v);
-            put(dy.data(), 7, problem_->body.mass * loads_.acceleration_W(now.R, now.v));
+            put(dy.data(), 7, mass_ * loads_.acceleration_W(now.R, now.v));
         }
         return dy;
     }
 
     const Problem* problem_;
-    WorldLoads loads_;
+    WorldLoads<S> loads_;
     bool held_;
+    S mass_;
+    Matrix3<S> inverse_inertia_B_;
     State y_{};
     long steps_ = 0;
 };
 
-template <class Scheme>
+template <class Scheme, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<BaraffWitkin<Scheme>>(pose(problem.scene, Formulation::full), settings);
+    return march<BaraffWitkin<Scheme, S>>(pose(problem.scene, Formulation::full), settings);
 }
 
 constexpr std::string_view source =
@@ -108,7 +116,7 @@ constexpr std::string_view source =
     "Pixar course of A. Witkin & D. Baraff)";
 constexpr std::string_view kept = "L in world axes exactly where no torque acts";
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "baraff_witkin_rk4",
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
@@ -118,7 +126,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<ClassicalRungeKutta>},
+     .solve = solve<ClassicalRungeKutta>,
+     .growth = classical_growth},
     {.name = "baraff_witkin_euler",
      .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
                       "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
@@ -127,8 +136,11 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<ExplicitEuler>},
+     .solve = solve<ExplicitEuler>,
+     .growth = explicit_euler_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
 
 }  // namespace
 

@@ -19,6 +19,7 @@
 #include "integrators/cvode_session.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/sundials_run.h"
 
 namespace polhode {
@@ -118,7 +119,7 @@ class EulerAnglesStepper {
     }
     void step(double t, double h) {
         if (failed_) return;
-        ChartedState rate{};
+        ChartedState<double> rate{};
         motion_.derivative(t, y_.data(), rate.data());
         const Vector3<double> angle_rate = vector_at(rate.data(), 3);
         watch_.angles(y_[4], angle_rate);
@@ -128,7 +129,7 @@ class EulerAnglesStepper {
             failed_ = true, failed_at_ = t;
             return;
         }
-        ExplicitEuler::step([&](double, const ChartedState&) { return rate; }, t, y_, h);
+        ExplicitEuler::step([&](double, const ChartedState<double>&) { return rate; }, t, y_, h);
         watch_.step(t + h, h);
     }
     Sample sample(double t) const { return sample_of<AngleMotion>(*problem_, t, y_.data()); }
@@ -147,7 +148,7 @@ class EulerAnglesStepper {
     const Problem* problem_;
     AngleMotion motion_;
     Watch watch_;
-    ChartedState y_{};
+    ChartedState<double> y_{};
     long steps_ = 0;
     bool failed_ = false;
     double failed_at_ = 0, turn_ = 0;
@@ -211,7 +212,8 @@ const Method family[] = {
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = euler_angles},
+     .solve = euler_angles,
+     .growth = explicit_euler_growth},
     {.name = "euler_angles_cvode",
      .documentation =
          "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "

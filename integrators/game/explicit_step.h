@@ -10,9 +10,9 @@ namespace polhode {
 struct ExplicitEuler {
     static constexpr int evaluations = 1;
 
-    template <std::size_t N, class F>
-    static void step(const F& f, double t, std::array<double, N>& y, double h) {
-        const std::array<double, N> k = f(t, y);
+    template <class S, std::size_t N, class F>
+    static void step(const F& f, double t, std::array<S, N>& y, S h) {
+        const std::array<S, N> k = f(t, y);
         for (std::size_t i = 0; i < N; ++i) y[i] += h * k[i];
     }
 };
@@ -21,17 +21,17 @@ struct ExplicitEuler {
 struct ClassicalRungeKutta {
     static constexpr int evaluations = 4;
 
-    template <std::size_t N, class F>
-    static void step(const F& f, double t, std::array<double, N>& y, double h) {
-        const auto moved = [&](double c, const std::array<double, N>& k) {
-            std::array<double, N> z = y;
+    template <class S, std::size_t N, class F>
+    static void step(const F& f, double t, std::array<S, N>& y, S h) {
+        const auto moved = [&](S c, const std::array<S, N>& k) {
+            std::array<S, N> z = y;
             for (std::size_t i = 0; i < N; ++i) z[i] += c * k[i];
             return z;
         };
-        const std::array<double, N> k1 = f(t, y);
-        const std::array<double, N> k2 = f(t + h / 2, moved(h / 2, k1));
-        const std::array<double, N> k3 = f(t + h / 2, moved(h / 2, k2));
-        const std::array<double, N> k4 = f(t + h, moved(h, k3));
+        const std::array<S, N> k1 = f(t, y);
+        const std::array<S, N> k2 = f(t + h / 2, moved(h / 2, k1));
+        const std::array<S, N> k3 = f(t + h / 2, moved(h / 2, k2));
+        const std::array<S, N> k4 = f(t + h, moved(h, k3));
         for (std::size_t i = 0; i < N; ++i) y[i] += h / 6 * ((k1[i] + k4[i]) + 2 * (k2[i] + k3[i]));
     }
 };

@@ -17,6 +17,7 @@
 
 #include "body/orientation.h"
 #include "integrators/game/world_loads.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -28,86 +29,91 @@ Quaternion<double> no_attitude() {
 }
 
 /// A += h skew(w) A, and the slide's re-orthogonalisation or none.
-template <bool mended>
+template <bool mended, class S>
 class TurnedMatrix {
   public:
-    void start(const Quaternion<double>& q) { A_ = rotation_matrix(q); }
-    void turn(const Vector3<double>& w, double h) { A_ = A_ + skew(h * w) * A_; }
+    void start(const Quaternion<S>& q) { A_ = rotation_matrix(q); }
+    void turn(const Vector3<S>& w, S h) { A_ = A_ + skew(h * w) * A_; }
     void mend() {
         if constexpr (mended) A_ = reorthogonalised(A_);
     }
-    const Matrix3<double>& matrix() const { return A_; }
+    const Matrix3<S>& matrix() const { return A_; }
     Quaternion<double> quaternion() const {
-        if constexpr (mended) return quaternion_from_rotation(A_);
-        const double det = determinant(A_);
-        return std::isfinite(det) && det > 0 ? quaternion_from_rotation(nearest_rotation(A_)) : no_attitude();
+        const Matrix3<double> A = cast<double>(A_);
+        if constexpr (mended) return quaternion_from_rotation(A);
+        const double det = determinant(A);
+        return std::isfinite(det) && det > 0 ? quaternion_from_rotation(nearest_rotation(A)) : no_attitude();
     }
-    double orthogonality_defect() const { return polhode::orthogonality_defect(A_); }
+    double orthogonality_defect() const { return polhode::orthogonality_defect(cast<double>(A_)); }
 
   private:
-    Matrix3<double> A_;
+    Matrix3<S> A_;
 };
 
 /// q += (h/2) (0, w) q, then to length 1.
+template <class S>
 class TurnedQuaternion {
   public:
-    void start(const Quaternion<double>& q) {
+    void start(const Quaternion<S>& q) {
         q_ = q;
         A_ = rotation_matrix(q_);
     }
-    void turn(const Vector3<double>& w, double h) {
-        const Vector3<double> half = (h / 2) * w;
-        const Quaternion<double> change = Quaternion<double>{0, half[0], half[1], half[2]} * q_;
+    void turn(const Vector3<S>& w, S h) {
+        const Vector3<S> half = (h / 2) * w;
+        const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q_;
         q_ = {q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z};
     }
     void mend() {
         q_ = normalized(q_);
         A_ = rotation_matrix(q_);
     }
-    const Matrix3<double>& matrix() const { return A_; }
-    Quaternion<double> quaternion() const { return q_; }
+    const Matrix3<S>& matrix() const { return A_; }
+    Quaternion<double> quaternion() const { return cast<double>(q_); }
 
   private:
-    Quaternion<double> q_;
-    Matrix3<double> A_;
+    Quaternion<S> q_;
+    Matrix3<S> A_;
 };
 
 /// Three vertices, at unit distance along the body's axes, each turned on from where it is: V = R(h w) V. A is read off
 /// them, re-orthogonalised; the vertices stay as they are.
+template <class S>
 class AccumulatedVertices {
   public:
-    void start(const Quaternion<double>& q) { A_ = vertices_ = rotation_matrix(q); }
-    void turn(const Vector3<double>& w, double h) {
+    void start(const Quaternion<S>& q) { A_ = vertices_ = rotation_matrix(q); }
+    void turn(const Vector3<S>& w, S h) {
         vertices_ = rotation_matrix(quaternion_from_rotation_vector(h * w)) * vertices_;
     }
     void mend() { A_ = reorthogonalised(vertices_); }
-    const Matrix3<double>& matrix() const { return A_; }
-    Quaternion<double> quaternion() const { return quaternion_from_rotation(A_); }
-    double orthogonality_defect() const { return polhode::orthogonality_defect(vertices_); }
+    const Matrix3<S>& matrix() const { return A_; }
+    Quaternion<double> quaternion() const { return quaternion_from_rotation(cast<double>(A_)); }
+    double orthogonality_defect() const { return polhode::orthogonality_defect(cast<double>(vertices_)); }
 
   private:
-    Matrix3<double> vertices_, A_;  ///< a vertex a column
+    Matrix3<S> vertices_, A_;  ///< a vertex a column
 };
 
 /// w = A I^-1 A^T L, the inverse in body axes worked out once.
+template <class S>
 class TransformedInertia {
   public:
-    explicit TransformedInertia(const Problem& problem) : inverse_B_(problem.full_inertia.inverse) {}
-    Vector3<double> angular_velocity(const Matrix3<double>& A, const Vector3<double>& L) const {
+    explicit TransformedInertia(const Problem& problem) : inverse_B_(cast<S>(problem.full_inertia.inverse)) {}
+    Vector3<S> angular_velocity(const Matrix3<S>& A, const Vector3<S>& L) const {
         return A * (inverse_B_ * (transposed(A) * L));
     }
 
   private:
-    Matrix3<double> inverse_B_;
+    Matrix3<S> inverse_B_;
 };
 
 /// w = I_W^-1 L with I_W = sum m_i (r_i^2 1 - r_i r_i^T) over the world points r_i = A r_i(0), anew at every step.
 ///
 /// The points are eight masses m/8 at (+-a, +-b, +-c) in principal axes: I_1 = m (b^2 + c^2) and cyclic, so that
 /// a^2 = (I_2 + I_3 - I_1) / (2 m) and cyclic gives the body's own tensor.
+template <class S>
 class ResummedInertia {
   public:
-    explicit ResummedInertia(const Problem& problem) : mass_(problem.body.mass / 8) {
+    explicit ResummedInertia(const Problem& problem) : mass_(S(problem.body.mass / 8)) {
         const Vector3<double>& I = problem.principal.moments;
         Vector3<double> half;
         for (int i = 0; i < 3; ++i) {
@@ -116,22 +122,22 @@ class ResummedInertia {
             half[i] = std::sqrt(std::max(I[j] + I[k] - I[i], 0.0) / (2 * problem.body.mass));
         }
         for (std::size_t n = 0; n < points_B_.size(); ++n)
-            points_B_[n] = rotate(problem.principal.q_BP,
-                                  Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
-                                                  (n & 4U) ? half[2] : -half[2]));
+            points_B_[n] = cast<S>(rotate(problem.principal.q_BP,
+                                          Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
+                                                          (n & 4U) ? half[2] : -half[2])));
     }
-    Vector3<double> angular_velocity(const Matrix3<double>& A, const Vector3<double>& L) const {
-        Matrix3<double> I_W;
-        for (const Vector3<double>& point : points_B_) I_W = I_W + parallel_axis(mass_, A * point);
+    Vector3<S> angular_velocity(const Matrix3<S>& A, const Vector3<S>& L) const {
+        Matrix3<S> I_W;
+        for (const Vector3<S>& point : points_B_) I_W = I_W + parallel_axis(mass_, A * point);
         return inverse(I_W) * L;
     }
 
   private:
-    double mass_;  ///< of one point
-    std::array<Vector3<double>, 8> points_B_;
+    S mass_;  ///< of one point
+    std::array<Vector3<S>, 8> points_B_;
 };
 
-template <class Attitude, class Inertia>
+template <class S, class Attitude, class Inertia>
 class Fleck {
   public:
     explicit Fleck(const Problem& problem)
@@ -140,23 +146,24 @@ class Fleck {
     }
     void restart() {
         const ExactBody<double>& body = problem_->body;
-        attitude_.start(body.q);
-        L_ = rotate(body.q, body.inertia_B * body.angular_velocity_B);
-        x_ = body.position_W, v_ = body.velocity_W;
+        attitude_.start(cast<S>(body.q));
+        L_ = cast<S>(rotate(body.q, body.inertia_B * body.angular_velocity_B));
+        x_ = cast<S>(body.position_W), v_ = cast<S>(body.velocity_W);
         find_angular_velocity();
         steps_ = 0;
     }
     void enter(const Segment& segment) {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
-        WorldLoads::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
+        WorldLoads<S>::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
         find_angular_velocity();
     }
-    void step(double t, double h) {
-        const Matrix3<double>& A = attitude_.matrix();
-        const Vector3<double> torque = loads_.torque_W(
-            t, A, [&] { return attitude_.quaternion(); }, w_, x_, v_);
-        const Vector3<double> acceleration = held_ ? Vector3<double>() : loads_.acceleration_W(A, v_);
+    void step(double t, double step) {
+        const S h = S(step);
+        const Matrix3<S>& A = attitude_.matrix();
+        const Vector3<S> torque = loads_.torque_W(
+            t, A, [&] { return cast<S>(attitude_.quaternion()); }, w_, x_, v_);
+        const Vector3<S> acceleration = held_ ? Vector3<S>() : loads_.acceleration_W(A, v_);
         x_ = x_ + h * v_;
         attitude_.turn(w_, h);
         v_ = v_ + h * acceleration;
@@ -168,15 +175,12 @@ class Fleck {
     Sample sample(double t) const {
         Sample s;
         s.t = t, s.q = attitude_.quaternion();
-        s.angular_velocity_B = rotate_back(s.q, w_);
-        s.position_W = x_, s.velocity_W = v_;
+        s.angular_velocity_B = rotate_back(s.q, cast<double>(w_));
+        s.position_W = cast<double>(x_), s.velocity_W = cast<double>(v_);
         if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
         return s;
     }
-    bool finite() const {
-        const Vector3<double> sum = L_ + w_ + x_ + v_;
-        return std::isfinite(dot(sum, sum)) && std::isfinite(determinant(attitude_.matrix()));
-    }
+    bool finite() const { return all_finite(L_, w_, x_, v_) && all_finite(attitude_.matrix()); }
     long rhs_evaluations() const { return steps_; }
     double orthogonality_defect() const requires requires(const Attitude& a) { a.orthogonality_defect(); }
     { return attitude_.orthogonality_defect(); }
@@ -185,24 +189,29 @@ class Fleck {
     void find_angular_velocity() {
         w_ = inertia_.angular_velocity(attitude_.matrix(), L_);
         if (held_) {
-            x_ = attitude_.matrix() * problem_->body.arm;
+            x_ = attitude_.matrix() * loads_.forcing().arm;
             v_ = cross(w_, x_);
         }
     }
 
     const Problem* problem_;
-    WorldLoads loads_;
+    WorldLoads<S> loads_;
     Inertia inertia_;
     bool held_;
     Attitude attitude_;
-    Vector3<double> L_, w_;  ///< world axes
-    Vector3<double> x_, v_;  ///< of the centre of mass
+    Vector3<S> L_, w_;  ///< world axes
+    Vector3<S> x_, v_;  ///< of the centre of mass
     long steps_ = 0;
 };
 
-template <class Attitude, class Inertia = TransformedInertia>
+template <class S>
+using MendedMatrix = TurnedMatrix<true, S>;
+template <class S>
+using DriftingMatrix = TurnedMatrix<false, S>;
+
+template <template <class> class Attitude, template <class> class Inertia = TransformedInertia, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<Fleck<Attitude, Inertia>>(pose(problem.scene, Formulation::full), settings);
+    return march<Fleck<S, Attitude<S>, Inertia<S>>>(pose(problem.scene, Formulation::full), settings);
 }
 
 constexpr std::string_view source =
@@ -211,7 +220,7 @@ constexpr std::string_view source =
     "Developer, June 1997";
 constexpr std::string_view kept = "L in world axes exactly where no torque acts";
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "fleck_matrix",
      .documentation =
          "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
@@ -223,7 +232,8 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<true>>},
+     .solve = solve<MendedMatrix>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_matrix_drifting",
      .documentation =
          "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
@@ -234,7 +244,8 @@ const Method family[] = {
      .conserves = "nothing",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<false>>},
+     .solve = solve<DriftingMatrix>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_quaternion",
      .documentation =
          "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
@@ -244,7 +255,8 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedQuaternion>},
+     .solve = solve<TurnedQuaternion>,
+     .growth = explicit_euler_growth},
     {.name = "accumulated_vertices",
      .documentation =
          "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
@@ -255,7 +267,8 @@ const Method family[] = {
      .conserves = kept,
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<AccumulatedVertices>},
+     .solve = solve<AccumulatedVertices>,
+     .growth = explicit_euler_growth},
     {.name = "fleck_resummed_inertia",
      .documentation =
          "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
@@ -266,8 +279,14 @@ const Method family[] = {
      .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
      .control = Control::fixed_step,
      .order = 1,
-     .solve = solve<TurnedMatrix<true>, ResummedInertia>},
+     .solve = solve<MendedMatrix, ResummedInertia>,
+     .growth = explicit_euler_growth},
 };
+
+constexpr auto family =
+    with_binary32<in_binary64, solve<MendedMatrix, TransformedInertia, float>,
+                  solve<DriftingMatrix, TransformedInertia, float>, solve<TurnedQuaternion, TransformedInertia, float>,
+                  solve<AccumulatedVertices, TransformedInertia, float>, solve<MendedMatrix, ResummedInertia, float>>();
 
 }  // namespace
 

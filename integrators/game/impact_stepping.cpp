@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
@@ -123,7 +124,8 @@ constexpr Method list[] = {
      .control = Control::fixed_step,
      .planes = true,
      .order = 1,
-     .solve = solve_steps<Detection::after_the_step>},
+     .solve = solve_steps<Detection::after_the_step>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "impact_halving",
      .documentation =
          "`impact_stepping` by the rule of game-physics lectures: a step that ends too deep in a plane is taken again "
@@ -137,7 +139,8 @@ constexpr Method list[] = {
      .control = Control::fixed_step,
      .planes = true,
      .order = 1,
-     .solve = solve_steps<Detection::by_halving>},
+     .solve = solve_steps<Detection::by_halving>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
 
 }  // namespace

@@ -9,81 +9,88 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 
 namespace polhode {
 namespace {
 
+template <class S>
 struct RotationVectorChart {
-    Quaternion<double> centre;
+    Quaternion<S> centre;
 
-    Quaternion<double> quaternion(const Vector3<double>& theta) const {
-        return centre * quaternion_from_rotation_vector(theta);
-    }
-    Vector3<double> rate(const Vector3<double>& theta, const Vector3<double>& w) const {
-        const double square = dot(theta, theta);
-        double factor = 0;
-        if (square < 0.01) {  // x/2 cot x/2 = 1 - x^2/12 - x^4/720 - x^6/30240 - x^8/1209600 - ..
-            factor = 1.0 / 12 + square * (1.0 / 720 + square * (1.0 / 30240 + square / 1209600));
+    Quaternion<S> quaternion(const Vector3<S>& theta) const { return centre * quaternion_from_rotation_vector(theta); }
+    Vector3<S> rate(const Vector3<S>& theta, const Vector3<S>& w) const {
+        const S square = dot(theta, theta);
+        S factor = 0;
+        if (square < S(0.01)) {  // x/2 cot x/2 = 1 - x^2/12 - x^4/720 - x^6/30240 - x^8/1209600 - ..
+            factor = S(1.0 / 12) + square * (S(1.0 / 720) + square * (S(1.0 / 30240) + square / 1209600));
         } else {
-            const double half = std::sqrt(square) / 2;
+            const S half = std::sqrt(square) / 2;
             factor = (1 - half / std::tan(half)) / square;
         }
-        const Vector3<double> across = cross(theta, w);
-        return w + (0.5 * across + factor * cross(theta, across));
+        const Vector3<S> across = cross(theta, w);
+        return w + (S(0.5) * across + factor * cross(theta, across));
     }
 };
 
+template <class S>
 class RotationVector {
   public:
     explicit RotationVector(const Problem& problem)
-        : problem_(&problem), motion_{system_on<FullMotion<double>>(problem, problem.segments.front()), {}} {
+        : problem_(&problem), motion_{system_on<Body>(problem, problem.segments.front()), {}} {
         restart();
     }
     void restart() {
         const ExactBody<double>& body = problem_->body;
-        motion_.chart.centre = body.q;
-        put(y_.data(), 0, body.angular_velocity_B);
-        put(y_.data(), 3, Vector3<double>());
-        put(y_.data(), 6, body.position_W);
-        put(y_.data(), 9, body.velocity_W);
+        motion_.chart.centre = cast<S>(body.q);
+        put(y_.data(), 0, cast<S>(body.angular_velocity_B));
+        put(y_.data(), 3, Vector3<S>());
+        put(y_.data(), 6, cast<S>(body.position_W));
+        put(y_.data(), 9, cast<S>(body.velocity_W));
         steps_ = 0;
     }
     void enter(const Segment& segment) {
         enter_charted(*problem_, segment, motion_.chart, y_.data());
-        motion_.body = system_on<FullMotion<double>>(*problem_, segment);
+        motion_.body = system_on<Body>(*problem_, segment);
     }
     void step(double t, double h) {
-        const auto rate = [this](double at, const ChartedState& y) {
-            ChartedState dy{};
+        const auto rate = [this](double at, const ChartedState<S>& y) {
+            ChartedState<S> dy{};
             motion_.derivative(at, y.data(), dy.data());
             return dy;
         };
-        ClassicalRungeKutta::step(rate, t, y_, h);
-        const Vector3<double> theta = vector_at(y_.data(), 3);
-        constexpr double quarter = std::numbers::pi / 2;
+        ClassicalRungeKutta::step(rate, t, y_, S(h));
+        const Vector3<S> theta = vector_at(y_.data(), 3);
+        constexpr S quarter = std::numbers::pi_v<S> / 2;
         if (dot(theta, theta) > quarter * quarter) {
             motion_.chart.centre = normalized(motion_.chart.quaternion(theta));
-            put(y_.data(), 3, Vector3<double>());
+            put(y_.data(), 3, Vector3<S>());
         }
         ++steps_;
     }
     Sample sample(double t) const { return sample_charted(*problem_, t, motion_.chart, y_.data()); }
-    bool finite() const { return all_finite(y_) && std::isfinite(squared_norm(motion_.chart.centre)); }
+    bool finite() const { return all_finite(y_) && all_finite(motion_.chart.centre); }
     long rhs_evaluations() const { return steps_ * ClassicalRungeKutta::evaluations; }
 
   private:
+    using Body = SystemIn<FullMotion<double>, S>;
+
     const Problem* problem_;
-    ChartedMotion<RotationVectorChart> motion_;
-    ChartedState y_{};
+    ChartedMotion<RotationVectorChart<S>, S> motion_;
+    ChartedState<S> y_{};
     long steps_ = 0;
 };
 
+template <class S>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<RotationVector>(pose(problem.scene, Formulation::full), settings);
+    if constexpr (!std::is_same_v<S, double>)
+        if (const std::string_view why = refused_by_binary32(problem); !why.empty())
+            return unsupported(std::string(why));
+    return march<RotationVector<S>>(pose(problem.scene, Formulation::full), settings);
 }
 
-const Method family[] = {
+constexpr Method in_binary64[] = {
     {.name = "rotation_vector",
      .documentation =
          "Axis and angle in one vector theta as the integrated attitude, with w in body axes, by the classical "
@@ -97,8 +104,11 @@ const Method family[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve},
+     .solve = solve<double>,
+     .growth = classical_growth},
 };
+
+constexpr auto family = with_binary32<in_binary64, solve<float>>();
 
 }  // namespace
 

@@ -20,13 +20,15 @@ namespace polhode {
 /// The kinetic energy y_1^2/2I_1 + y_2^2/2I_2 + y_3^2/2I_3 split into its three terms: each turns the body about one
 /// principal axis, in the symmetric order 1 2 3 2 1. (S. Reich 1994, Physica D 76, 375; R. I. McLachlan 1993, Phys.
 /// Rev. Lett. 71, 3043.) Order 2.
+template <class S = double>
 class ThreeRotations {
   public:
-    explicit ThreeRotations(const Problem& problem) : inverse_moments_(problem.principal_inertia.inverse_moments) {}
+    explicit ThreeRotations(const Problem& problem)
+        : inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {}
 
-    void prepare(const Vector3<double>&) {}
-    bool turn(const Vector3<double>& y, double h, Turn& d) const {
-        Vector3<double> now = y;
+    void prepare(const Vector3<S>&) {}
+    bool turn(const Vector3<S>& y, S h, TurnOf<S>& d) const {
+        Vector3<S> now = y;
         d = {};
         about<0>(h / 2, now, d);
         about<1>(h / 2, now, d);
@@ -37,21 +39,21 @@ class ThreeRotations {
     }
 
   private:
-    Vector3<double> inverse_moments_;
+    Vector3<S> inverse_moments_;
 
     // by half = h y_i / 2 I_i: d after the turn, and the other two components of y turned back
     template <int i>
-    void about(double h, Vector3<double>& y, Turn& d) const {
+    void about(S h, Vector3<S>& y, TurnOf<S>& d) const {
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
-        const double half = 0.5 * h * inverse_moments_[i] * y[i];
+        const S half = S(0.5) * h * inverse_moments_[i] * y[i];
         const SineCosine f(half * half);
-        const double c = f.cosine_less_one, s = half * f.sine_by_angle;
+        const S c = f.cosine_less_one, s = half * f.sine_by_angle;
         // of the whole angle: cos - 1 = -2 s^2, sin = 2 s cos(half)
-        const double sine = 2 * s + 2 * s * c, cosine_less_one = -2 * s * s;
-        const double yj = y[j], yk = y[k];
+        const S sine = 2 * s + 2 * s * c, cosine_less_one = -2 * s * s;
+        const S yj = y[j], yk = y[k];
         y[j] = yj + (cosine_less_one * yj + sine * yk);
         y[k] = yk + (cosine_less_one * yk - sine * yj);
-        Turn next;
+        TurnOf<S> next;
         next.w = d.w + (c + (d.w * c - d.v[i] * s));
         next.v[i] = d.v[i] + (s + (d.w * s + d.v[i] * c));
         next.v[j] = d.v[j] + (d.v[j] * c + d.v[k] * s);
@@ -176,32 +178,30 @@ class ExactFreeMotion {
 ///   m = (1 + |e|^2) h y / 2 + m x e,   1 + d = (1, e) / sqrt(1 + |e|^2)
 ///
 /// It keeps y . r y. Order 2 for r = 1/I; `terms` > 1 take r from ModifiedMoments, and the order is 2 `terms`.
-template <int terms>
+template <int terms, class S = double>
 class DiscreteMoserVeselov {
   public:
     explicit DiscreteMoserVeselov(const Problem& problem)
-        : inverse_moments_(problem.principal_inertia.inverse_moments) {}
+        : inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {}
 
-    void prepare(const Vector3<double>& y) {
+    void prepare(const Vector3<S>& y) {
         if constexpr (terms > 1) modified_ = ModifiedMoments<terms>(inverse_moments_, y);
     }
-    bool turn(const Vector3<double>& y, double h, Turn& d) const {
-        Vector3<double> r = inverse_moments_;
+    bool turn(const Vector3<S>& y, S h, TurnOf<S>& d) const {
+        Vector3<S> r = inverse_moments_;
         if constexpr (terms > 1) r = modified_.inverse_moments(inverse_moments_, h);
-        const auto scaled = [&r](const Vector3<double>& m) {
-            return Vector3<double>(r[0] * m[0], r[1] * m[1], r[2] * m[2]);
-        };
-        const Vector3<double> g = (0.5 * h) * y;
-        const auto right = [&](const Vector3<double>& m) {
-            const Vector3<double> e = scaled(m);
+        const auto scaled = [&r](const Vector3<S>& m) { return Vector3<S>(r[0] * m[0], r[1] * m[1], r[2] * m[2]); };
+        const Vector3<S> g = (S(0.5) * h) * y;
+        const auto right = [&](const Vector3<S>& m) {
+            const Vector3<S> e = scaled(m);
             return (1 + dot(e, e)) * g + cross(m, e);
         };
-        const auto slope = [&](const Vector3<double>& m) {
-            const Vector3<double> e = scaled(m);
-            const Vector3<double> pull(2 * r[0] * e[0], 2 * r[1] * e[1], 2 * r[2] * e[2]);
-            Matrix3<double> M;
+        const auto slope = [&](const Vector3<S>& m) {
+            const Vector3<S> e = scaled(m);
+            const Vector3<S> pull(2 * r[0] * e[0], 2 * r[1] * e[1], 2 * r[2] * e[2]);
+            Matrix3<S> M;
             for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) M[i][j] = (i == j ? 1.0 : 0.0) - g[i] * pull[j];
+                for (int j = 0; j < 3; ++j) M[i][j] = S(i == j) - g[i] * pull[j];
             // d(m x e) = dm x e + m x (r dm)
             for (int i = 0; i < 3; ++i) {
                 const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -210,18 +210,18 @@ class DiscreteMoserVeselov {
             }
             return M;
         };
-        Vector3<double> m = right(right(g));
+        Vector3<S> m = right(right(g));
         if (!solve_to_rounding(
-                m, [&](const Vector3<double>& x) { return x - right(x); }, slope))
+                m, [&](const Vector3<S>& x) { return x - right(x); }, slope))
             return false;
-        const Vector3<double> e = scaled(m);
-        const double square = dot(e, e), root = std::sqrt(1 + square), inverse_root = 1 / root;
+        const Vector3<S> e = scaled(m);
+        const S square = dot(e, e), root = std::sqrt(1 + square), inverse_root = 1 / root;
         d = {-square * inverse_root / (1 + root), inverse_root * e};
         return true;
     }
 
   private:
-    Vector3<double> inverse_moments_;
+    Vector3<S> inverse_moments_;
     ModifiedMoments<terms> modified_;
 };
 

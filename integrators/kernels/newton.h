@@ -2,44 +2,47 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "body/algebra.h"
 
 namespace polhode {
 
 /// M^-1 by its cofactors, one division.
+template <class S>
 class Inverse {
   public:
-    explicit Inverse(const Matrix3<double>& M)
+    explicit Inverse(const Matrix3<S>& M)
         : cofactors_{cross(M[1], M[2]), cross(M[2], M[0]), cross(M[0], M[1])},
           inverse_determinant_(1 / dot(M[0], cofactors_[0])) {}
 
-    Vector3<double> operator()(const Vector3<double>& v) const {
+    Vector3<S> operator()(const Vector3<S>& v) const {
         return inverse_determinant_ * (v[0] * cofactors_[0] + (v[1] * cofactors_[1] + v[2] * cofactors_[2]));
     }
 
   private:
-    Vector3<double> cofactors_[3];
-    double inverse_determinant_;
+    Vector3<S> cofactors_[3];
+    S inverse_determinant_;
 };
 
 /// Solves residual(x) = 0 from the guess x. `slope(x)` is its derivative, or near it: it is formed at the guess and
 /// again only where the iteration slows down. Ends where x moves by its rounding only, as a residual that is left
 /// unsolved the same way at every step would add up. False where that does not come about; x is then of no use.
-template <class Residual, class Slope>
-bool solve_to_rounding(Vector3<double>& x, const Residual& residual, const Slope& slope) {
+template <class S, class Residual, class Slope>
+bool solve_to_rounding(Vector3<S>& x, const Residual& residual, const Slope& slope) {
     constexpr int most = 60;
-    constexpr double rounding = 0x1p-53 * 0x1p-53, near = 0x1p-46 * 0x1p-46;  // of squares
-    Inverse inverted(slope(x));
-    double before = INFINITY;
+    constexpr S unit = std::numeric_limits<S>::epsilon() / 2;
+    constexpr S rounding = unit * unit, near = 128 * unit * (128 * unit);  // of squares
+    Inverse<S> inverted(slope(x));
+    S before = std::numeric_limits<S>::infinity();
     for (int i = 0; i < most; ++i) {
-        const Vector3<double> change = inverted(residual(x));
+        const Vector3<S> change = inverted(residual(x));
         x = x - change;
-        const double moved = dot(change, change), size = dot(x, x);
-        if (!(moved < INFINITY)) return false;
+        const S moved = dot(change, change), size = dot(x, x);
+        if (!std::isfinite(moved)) return false;
         if (moved <= rounding * size) return true;
-        if (moved >= 0.25 * before && moved <= near * size) return true;
-        if (moved > 0.01 * before) inverted = Inverse(slope(x));
+        if (moved >= S(0.25) * before && moved <= near * size) return true;
+        if (moved > S(0.01) * before) inverted = Inverse<S>(slope(x));
         before = moved;
     }
     return false;

@@ -18,68 +18,74 @@ namespace polhode {
 
 /// Flow: see free_flows.h. Where nothing acts, `whole_when_free` takes the step as one stage: of a flow that has the
 /// method's order by itself.
-template <class Flow, bool whole_when_free>
-class Splitting : public MomentumState {
+template <class Flow, bool whole_when_free, class S = double>
+class Splitting : public MomentumStateOf<S> {
+    using Base = MomentumStateOf<S>;
+    using Base::attitude_, Base::momentum_, Base::position_, Base::velocity_, Base::translates_, Base::failed_,
+        Base::evaluations_, Base::forcing, Base::loaded, Base::torque_W, Base::acceleration_W;
+
   public:
-    Splitting(const Problem& problem, const int& order)
-        : MomentumState(problem), flow_(problem), stages_(composition(order)) {}
+    Splitting(const Problem& problem, const int& order) : Base(problem), flow_(problem), stages_(composition(order)) {}
 
     void enter(const Segment& segment) {
-        MomentumState::enter(segment);
+        Base::enter(segment);
         R_ = rotation_matrix(attitude_.value());
         flow_.prepare(transposed(R_) * momentum_.value());
         if (!loaded()) return;
-        if (forcing_->has_damping) damping_ = RotationalDamping(moments_, forcing_->damping);
+        if (forcing().has_damping)
+            damping_ = RotationalDampingOf<S>(this->problem_->principal.moments, segment.forcing.damping);
         find_forces();
     }
-    void step(double, double h) {
+    void step(double, double step) {
+        const S h = S(step);
         if (!loaded() && whole_when_free) {
             drift(h);
             return;
         }
-        double before = 0;
-        for (const double g : stages_) {
-            if (loaded()) kick(0.5 * (before + g) * h);
+        S before = 0;
+        for (const double stage : stages_) {
+            const S g = S(stage);
+            if (loaded()) kick(S(0.5) * (before + g) * h);
             drift(g * h);
             if (failed_) return;
             if (loaded()) find_forces();
             before = g;
         }
-        if (loaded()) kick(0.5 * before * h);
+        if (loaded()) kick(S(0.5) * before * h);
     }
 
   private:
     Flow flow_;
     std::span<const double> stages_;
-    RotationalDamping damping_;
-    Matrix3<double> R_;              ///< of the attitude
-    Vector3<double> torque_, push_;  ///< world axes, at the attitude and place: torque without drag, acceleration
+    RotationalDampingOf<S> damping_;
+    Matrix3<S> R_;              ///< of the attitude
+    Vector3<S> torque_, push_;  ///< world axes, at the attitude and place: torque without drag, acceleration
 
     // the rates enter the torque by drag alone, which a kick follows by itself
     void find_forces() {
-        const Vector3<double> p = translates_ ? position_.value() : Vector3<double>();
+        const Vector3<S> p = translates_ ? position_.value() : Vector3<S>();
         torque_ = torque_W(0, R_, attitude_.value(), {}, p, {});
         if (translates_) push_ = acceleration_W(R_, {});
     }
-    void kick(double h) {
-        if (forcing_->has_damping) {
-            const Matrix3<double> back = transposed(R_);
+    void kick(S h) {
+        if (forcing().has_damping) {
+            const Matrix3<S> back = transposed(R_);
             momentum_.add(R_ * damping_.change(h, back * momentum_.value(), back * torque_));
         } else {
             momentum_.add(h * torque_);
         }
         if (!translates_) return;
-        if (forcing_->has_translational_drag) {
-            velocity_.add(damped_change(velocity_.value(), push_, forcing_->specific_drag, h));
+        if (forcing().has_translational_drag) {
+            velocity_.add(damped_change(velocity_.value(), push_, forcing().specific_drag, h));
         } else {
             velocity_.add(h * push_);
         }
     }
-    void drift(double h) {
+    void drift(S h) {
         ++evaluations_;
-        const Vector3<double> y = transposed(R_) * momentum_.value();
+        const Vector3<S> y = transposed(R_) * momentum_.value();
         if (loaded()) flow_.prepare(y);
-        Turn d;
+        TurnOf<S> d;
         if (!flow_.turn(y, h, d)) {
             failed_ = true;
             return;

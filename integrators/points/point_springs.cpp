@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/kernels/linear_growth.h"
 #include "integrators/march.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/spring_network.h"
@@ -150,6 +151,18 @@ PointRun run(const Problem& problem, const Settings& settings, const PointOption
     return run;
 }
 
+// (theta, v, a): theta+ = theta + v + a/2, a+ = -s theta+ - c (v + a), v+ = v + (a + a+) / 2; by the powers of x in the
+// determinant of x - M.
+double verlet_pendulum_growth(double c, double s) {
+    const double M[3][3] = {{1, 1, 0.5}, {-s / 2, 1 - (s + c) / 2, 0.5 - (s / 2 + c) / 2}, {-s, -s - c, -s / 2 - c}};
+    const auto minor = [&](int i, int j) { return M[i][i] * M[j][j] - M[i][j] * M[j][i]; };
+    const double determinant = M[0][0] * minor(1, 2) - M[0][1] * (M[1][0] * M[2][2] - M[1][2] * M[2][0]) +
+                               M[0][2] * (M[1][0] * M[2][1] - M[1][1] * M[2][0]);
+    const std::complex<double> powers[] = {M[0][0] + M[1][1] + M[2][2], -(minor(0, 1) + minor(0, 2) + minor(1, 2)),
+                                           determinant};
+    return largest_root(powers);
+}
+
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (a rigid body as points at hard distances, here springs)";
 
@@ -165,7 +178,8 @@ constexpr Method list[] = {
      .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum, angular momentum of a free body to the scheme's order",
      .control = Control::fixed_step,
-     .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; }},
+     .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; },
+     .growth = classical_growth},
     {.name = "point_springs_verlet",
      .documentation =
          "The points and springs of `point_springs_rk4` by the velocity form of Verlet's scheme: one evaluation of the "
@@ -175,7 +189,8 @@ constexpr Method list[] = {
      .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
      .control = Control::fixed_step,
-     .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; }},
+     .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; },
+     .pendulum_growth = verlet_pendulum_growth},
 };
 
 }  // namespace

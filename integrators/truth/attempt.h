@@ -44,6 +44,11 @@ bool closed_form_serves(const Problem& problem);
 /// By closed form at any time; the beginning also by Taylor series.
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
+/// By Taylor series of Euler's equations and by closed form: for motions that hang on a component of w so small beside
+/// the others that momenta in world axes cannot hold it.
+Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
+                                          double local_digits);
+
 extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);

@@ -97,4 +97,27 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     return attempt;
 }
 
+Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
+                                          double local_digits) {
+    const Piece piece(problem.scene);
+    const TaylorSettings settings{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits, 1, 400'000};
+    auto formed = in_thread([&] {
+        Run<P> run;
+        for (const double t : sample_times) {
+            if (Allowance::is_spent()) {
+                run.fault = Allowance::fault;
+                break;
+            }
+            run.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+        }
+        return run;
+    });
+    const Run<P> series =
+        taylor<P, EulerForm<P>>(problem.scene, sample_times, problem.scales, problem.principal.moments, settings);
+    return compared(problem, sample_times, series, formed.get(),
+                    fmt::format("Taylor series in 100 digits: {} at order {} in {} steps, and closed form in 100 digits",
+                                EulerForm<P>::name, settings.order, series.steps),
+                    100);
+}
+
 }  // namespace polhode::truth

@@ -83,6 +83,14 @@ Truth computed(const Scene& scene, const std::vector<double>& times, int digits)
         local = digits + (local - attempt.agreed_digits) + 6;
     }
     if (!fault.empty()) return none("no truth: " + fault);
+    if (truth::closed_form_serves(problem)) {
+        Attempt attempt = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
+        most_agreed = std::max(most_agreed, attempt.agreed_digits);
+        if (attempt.fault.empty() && attempt.agreed_digits >= digits) {
+            attempt.truth.reference.available = true;
+            return attempt.truth;
+        }
+    }
     return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "app/polhode_picture.h"
+#include "integrators/linear_stability.h"
 #include "scene/message.h"
 #include "scene/scene_file.h"
 
@@ -65,6 +67,18 @@ int draw(const std::string& name, const std::string& path) {
     return 1;
 }
 
+// How far a step may reach by linear theory, or why there is none.
+std::string linear_stability(const Method& method) {
+    if (!method.growth && !method.pendulum_growth)
+        return takes_step(method) ? "no linear theory: a step of it is no linear map of the state"
+                                  : "no linear theory: it chooses its steps, and often its order, by itself";
+    const auto words = [](std::optional<double> length) {
+        return *length == 0 ? "never" : std::isinf(*length) ? "always" : fmt::format("up to {:.7g}", *length);
+    };
+    return fmt::format("in h |lambda|: for lambda < 0 {}, for imaginary lambda {}", words(real_interval(method)),
+                       words(imaginary_interval(method)));
+}
+
 }  // namespace
 
 std::string describe_method(const Method& method) {
@@ -76,6 +90,7 @@ std::string describe_method(const Method& method) {
     line("order", method.order > 0 ? std::to_string(method.order) : "variable, or none");
     if (!method.described_as.empty()) line("described as", method.described_as);
     line("conserves", method.conserves);
+    line("stable", linear_stability(method));
     line("source", method.source);
     return description;
 }

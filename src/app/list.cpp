@@ -100,6 +100,7 @@ const char* name_of(Control control) {
 
 // README's table of methods, the catalogue's of scenes; the others have no more than name and about
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
+    if (what == "scenes") return scene_index();
     Table table{{"name", "about"}, {}};
     if (what == "methods") {
         table.columns = {"method", "setting", "order", "conserves", "about"};
@@ -108,8 +109,6 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
                                   method->order > 0 ? Cell(long(method->order)) : Cell(),
                                   std::string(method->conserves), first_sentence(method->documentation)});
         }
-    } else if (what == "scenes") {
-        table = scene_index();
     } else {
         for (const Entry& entry : entries) table.rows.push_back({entry.name, entry.about});
     }

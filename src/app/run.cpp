@@ -79,8 +79,9 @@ bool run_study(const Plan& plan, const RunOptions& options, const std::string& l
         if (!done) write_output("", name + (before ? fmt::format("  {:.3g} s last time\n", *before) : "\n"));
         return true;
     }
-    // the first shard has it all
-    if (done || options.shard > 1) {
+    const Study& study = *find_study(plan.experiment.study);
+    // the first shard has all of one that cannot be cut
+    if (done || (options.shard > 1 && !study.resumable)) {
         if (!options.quiet)
             fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
         return true;
@@ -91,12 +92,16 @@ bool run_study(const Plan& plan, const RunOptions& options, const std::string& l
     {
         const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, patient);
         const auto start = std::chrono::steady_clock::now();
-        result = find_study(plan.experiment.study)->run(plan, options.quick);
+        result = study.run(plan, options);
         seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    if (study.resumable && sweep_interrupted()) {
+        fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
+        return false;
     }
     const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
     const std::vector<std::string> remarks = write_study_report(plan, result, options.directory, line, options.quick);
-    save_done(options.directory, key);
+    if (result.complete) save_done(options.directory, key);
     save_duration(options.directory, name, seconds);
     if (!options.quiet)
         fmt::print(stderr, "{}: {} tables, {} pictures in {}, {:.3g} s\n", name, result.tables.size(),

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "integrators/truth/reference.h"
 #include "motion/problem.h"
 #include "scene/message.h"
+#include "scene/scene_family.h"
 #include "scene/scene_file.h"
 #include "table/decimal.h"
+#include "table/table.h"
 
 namespace polhode {
 namespace {
@@ -47,13 +51,11 @@ std::string loads_of(const Scene& scene) {
     return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-}  // namespace
-
-Table scene_index() {
+Table rows_of(const std::vector<std::string>& names) {
     Table table{{"name", "about", "duration (s)", "principal moments (kg m^2)", "about point", "loads", "system posed",
                  "variables", "truth", "source"},
                 {}};
-    for (const std::string& name : builtin_scene_names()) {
+    for (const std::string& name : names) {
         const Scene scene = find_scene(name);
         const Problem problem = pose(scene);
         table.rows.push_back({name, scene.about, short_number(scene.duration), body_of(problem),
@@ -62,6 +64,27 @@ Table scene_index() {
                               std::string(truth_method(problem)), scene.source});
     }
     return table;
+}
+
+}  // namespace
+
+std::string scene_index() {
+    std::vector<std::string> plain;
+    std::map<std::string, std::set<std::string>> families;  // by folder
+    for (const std::string& name : builtin_scene_names()) {
+        const FamilyMember member = family_member(name);
+        if (member.folder.empty())
+            plain.push_back(name);
+        else
+            families[member.folder].insert(member.family);
+    }
+    std::string page = markdown(rows_of(plain));
+    for (const auto& [folder, names] : families) {
+        page += fmt::format("\n## {}\n", folder);
+        for (const std::string& family : names)
+            page += fmt::format("\n### {}\n\n{}", family, markdown(rows_of(scene_family(folder, family))));
+    }
+    return page;
 }
 
 }  // namespace polhode

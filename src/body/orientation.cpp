@@ -16,17 +16,25 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double lock = 1e-15;  // rad: nearer to gimbal lock the rounding of q decides
 
-double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
+template <class S>
+S length(const Vector3<S>& v) {
+    return std::hypot(v[0], v[1], v[2]);
+}
 
-Vector3<double> column(const Matrix3<double>& m, int j) { return {m[0][j], m[1][j], m[2][j]}; }
+template <class S>
+Vector3<S> column(const Matrix3<S>& m, int j) {
+    return {m[0][j], m[1][j], m[2][j]};
+}
 
-Vector3<double> unit(const Vector3<double>& v) {
-    const double l = length(v);
+template <class S>
+Vector3<S> unit(const Vector3<S>& v) {
+    const S l = length(v);
     return {v[0] / l, v[1] / l, v[2] / l};
 }
 
-Matrix3<double> from_columns(const Vector3<double>& x, const Vector3<double>& y, const Vector3<double>& z) {
-    Matrix3<double> m;
+template <class S>
+Matrix3<S> from_columns(const Vector3<S>& x, const Vector3<S>& y, const Vector3<S>& z) {
+    Matrix3<S> m;
     for (int i = 0; i < 3; ++i) m[i] = {x[i], y[i], z[i]};
     return m;
 }
@@ -69,12 +77,15 @@ double wrapped(double angle) {
 
 }  // namespace
 
-Quaternion<double> quaternion_from_rotation_vector(const Vector3<double>& v) {
-    const double angle = length(v);
+template <class S>
+Quaternion<S> quaternion_from_rotation_vector(const Vector3<S>& v) {
+    const S angle = length(v);
     // sin(x/2)/x: 1/2 where x is so small that x^2/24 is nothing
-    const double s = angle < 1e-8 ? 0.5 : std::sin(angle / 2) / angle;
+    const S s = angle < S(1e-8) ? S(0.5) : std::sin(angle / 2) / angle;
     return {std::cos(angle / 2), s * v[0], s * v[1], s * v[2]};
 }
+template Quaternion<double> quaternion_from_rotation_vector(const Vector3<double>&);
+template Quaternion<float> quaternion_from_rotation_vector(const Vector3<float>&);
 
 Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q) {
     const Vector3<double> u = q.w < 0 ? -vector_part(q) : vector_part(q);
@@ -145,10 +156,13 @@ Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
     return q.w < 0 ? Quaternion<double>{-q.w, -q.x, -q.y, -q.z} : q;
 }
 
-Matrix3<double> reorthogonalised(const Matrix3<double>& A) {
-    const Vector3<double> X = unit(column(A, 0)), Z = unit(cross(X, column(A, 1))), Y = unit(cross(Z, X));
+template <class S>
+Matrix3<S> reorthogonalised(const Matrix3<S>& A) {
+    const Vector3<S> X = unit(column(A, 0)), Z = unit(cross(X, column(A, 1))), Y = unit(cross(Z, X));
     return from_columns(X, Y, Z);
 }
+template Matrix3<double> reorthogonalised(const Matrix3<double>&);
+template Matrix3<float> reorthogonalised(const Matrix3<float>&);
 
 Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
     if (!finite(A)) throw std::invalid_argument("no rotation is nearest to a matrix that is not finite");

@@ -32,8 +32,9 @@ S determinant(const Matrix3<S>& m) {
 
 // Rotation vectors, axis and angle
 
-/// exp: a turn by |v| (rad) about v, right-handed. Any length; 1 for v = 0.
-Quaternion<double> quaternion_from_rotation_vector(const Vector3<double>& v);
+/// exp: a turn by |v| (rad) about v, right-handed. Any length; 1 for v = 0. S: double or float.
+template <class S = double>
+Quaternion<S> quaternion_from_rotation_vector(const Vector3<S>& v);
 
 /// log: the shortest, |v| in [0, pi]. Jumps from v to -v (1 - pi/|v|) where |v| would pass pi; at pi exactly (w = 0)
 /// the sign is that of q as given. Accurate to a few ulp of the whole vector at every angle, 0 and pi included.
@@ -69,8 +70,10 @@ Quaternion<double> quaternion_from_matrix(const Matrix3<double>& A);
 Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A);
 
 /// As on D. Fleck's slide: X = col1 / |col1|, Z = X x col2 / |..|, Y = Z x X / |..|. The first column keeps its
-/// direction, the third takes all of the blame. NaN where the first two columns are parallel or zero.
-Matrix3<double> reorthogonalised(const Matrix3<double>& A);
+/// direction, the third takes all of the blame. NaN where the first two columns are parallel or zero. S: double or
+/// float.
+template <class S = double>
+Matrix3<S> reorthogonalised(const Matrix3<S>& A);
 
 /// The rotation nearest to A in the Frobenius norm: the orthogonal factor of its polar decomposition, by Newton's
 /// iteration with scaling (N. J. Higham 1986, SIAM J. Sci. Stat. Comput. 7, 1160). Throws std::invalid_argument unless

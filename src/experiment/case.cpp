@@ -75,14 +75,14 @@ std::string words_of(const Plan& plan, const Case& c) {
     return words;
 }
 
-void measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference,
-                    std::optional<double> kappa, Case& c) {
-    if (!choose_settings(experiment, c)) return;
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
+                          std::optional<double> kappa) {
+    if (!choose_settings(experiment, c)) return {};
     Result result = blank(c);
     Settings settings = c.settings;
     // looking sideways for samples costs more than the run that is limited
     settings.seconds_limit *= 4;
-    const Trajectory trajectory = solve(problem, *c.curve->method, settings);
+    Trajectory trajectory = solve(problem, *c.curve->method, settings);
     result.status = trajectory.status, result.message = trajectory.message;
     result.cut = trajectory.limit_reached;
     if (trajectory.step > 0) result.step_taken = trajectory.step;
@@ -110,6 +110,7 @@ void measure_errors(const Experiment& experiment, const Problem& problem, const 
     if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
     result.seconds_min = trajectory.seconds;
     c.result = std::move(result);
+    return trajectory;
 }
 
 void cut_curve(const Case& at, Case& beyond) {

@@ -58,6 +58,15 @@ void save_case(const std::string& directory, const std::string& key, const std::
     write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
 }
 
+std::optional<Table> load_rows(const std::string& directory, const std::string& key) {
+    return load_table(path_of(directory, key, ".rows.csv"));
+}
+
+void save_rows(const std::string& directory, const std::string& key, const Table& rows) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    write_atomically(path_of(directory, key, ".rows.csv").string(), csv(rows));
+}
+
 void save_done(const std::string& directory, const std::string& key) {
     std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
     write_atomically(path_of(directory, key, ".done").string(), "done\n");

@@ -29,8 +29,8 @@ std::optional<double> apex(const Scene& scene, const Samples& samples, double fr
 
 }  // namespace
 
-StudyResult run_collisions(const Plan& plan, bool quick) {
-    const long samples = quick ? 50 : 100;
+StudyResult run_collisions(const Plan& plan, const RunOptions& options) {
+    const long samples = options.quick ? 50 : 100;
     NamedTable table{"",
                      "",
                      {{"scene", "method", "setting_kind", "setting", "status", "impacts", "impacts_true",

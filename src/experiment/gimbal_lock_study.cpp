@@ -67,7 +67,7 @@ std::pair<double, double> attitude_errors(const Trajectory& trajectory, const Tr
 
 }  // namespace
 
-StudyResult run_gimbal_lock(const Plan&, bool quick) {
+StudyResult run_gimbal_lock(const Plan&, const RunOptions& options) {
     const Entry entries[] = {{"euler_angles", solve_euler_angles, true, 1e-3, 0},
                              {"euler_angles", solve_euler_angles, true, 1e-5, 1},
                              {"fleck_quaternion", solve_fleck_quaternion, true, 1e-3, 2},
@@ -89,7 +89,7 @@ StudyResult run_gimbal_lock(const Plan&, bool quick) {
         error_curve.label = std::string(entry.method) + (entry.by_step ? ", h = " : ", R = ") + text_of(entry.setting);
         error_curve.color = entry.color;
         cost_curve.label = error_curve.label, cost_curve.color = entry.color;
-        for (int decade = 0; decade <= 8; decade += quick ? 2 : 1) {
+        for (int decade = 0; decade <= 8; decade += options.quick ? 2 : 1) {
             const double distance = std::pow(10.0, -decade);
             const Scene scene = passing_at(distance);
             const Trajectory truth = exactly(scene);

@@ -34,10 +34,10 @@ Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high,
 
 }  // namespace
 
-StudyResult run_inertia_shortcuts(const Plan& plan, bool quick) {
+StudyResult run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
     // error over the first so many radians of turning
     const std::vector<double> turned = {0.1, 1, 10, 100};
-    const long samples = quick ? 500 : 4000;
+    const long samples = options.quick ? 500 : 4000;
     StudyResult result;
     NamedTable table{
         "",

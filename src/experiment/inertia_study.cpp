@@ -60,7 +60,7 @@ Properties scaled_to_mass(const Mesh& mesh) { return uniform_body(mesh_extent<do
 
 }  // namespace
 
-StudyResult run_inertia(const Plan& plan, bool quick) {
+StudyResult run_inertia(const Plan& plan, const RunOptions& options) {
     const std::pair<const char*, Shape> shapes[] = {{"box", Box{{0.3, 0.2, 0.1}}},
                                                     {"sphere", SolidSphere{0.25}},
                                                     {"torus", Torus{0.3, 0.1}},
@@ -75,11 +75,11 @@ StudyResult run_inertia(const Plan& plan, bool quick) {
             ways.push_back({shape_name, way, static_cast<long>(pieces), std::move(work), truth});
         };
         add("closed_form", 1, [shape] { return of_mass<double>(shape, mass); });
-        for (int n = 4; n <= (quick ? 32 : 128); n *= 2) {
+        for (int n = 4; n <= (options.quick ? 32 : 128); n *= 2) {
             const std::size_t count = grid_points(shape, mass, n).size();
             add("grid", count, [shape, n] { return summed(grid_points(shape, mass, n)); });
         }
-        for (long n = 64; n <= (quick ? 4096 : 1048576); n *= 4)
+        for (long n = 64; n <= (options.quick ? 4096 : 1048576); n *= 4)
             add("monte_carlo", static_cast<std::size_t>(n),
                 [shape, n] { return summed(random_points(shape, mass, n, 1)); });
         const auto surface = [&](Mesh mesh) {
@@ -88,15 +88,15 @@ StudyResult run_inertia(const Plan& plan, bool quick) {
         };
         if (const auto* box = std::get_if<Box>(&shape)) surface(tessellated(*box));
         if (const auto* sphere = std::get_if<SolidSphere>(&shape))
-            for (int level = 0; level <= (quick ? 4 : 6); ++level) surface(tessellated(*sphere, level));
+            for (int level = 0; level <= (options.quick ? 4 : 6); ++level) surface(tessellated(*sphere, level));
         if (const auto* torus = std::get_if<Torus>(&shape))
-            for (int n = 8; n <= (quick ? 64 : 256); n *= 2) surface(tessellated(*torus, n));
+            for (int n = 8; n <= (options.quick ? 64 : 256); n *= 2) surface(tessellated(*torus, n));
     }
 
     // in turn, so that what disturbs the machine disturbs all alike
     std::vector<std::vector<double>> seconds(ways.size());
     double kept = 0;
-    for (int round = 0; round < std::min(plan.experiment.repeats, quick ? 3 : 1000); ++round)
+    for (int round = 0; round < std::min(plan.experiment.repeats, options.quick ? 3 : 1000); ++round)
         for (std::size_t i = 0; i < ways.size(); ++i) seconds[i].push_back(seconds_of(ways[i].work, kept));
     if (!std::isfinite(kept)) throw std::runtime_error("a sum over a body is not finite");
 

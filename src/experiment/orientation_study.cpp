@@ -382,15 +382,15 @@ NamedTable inertia(int rounds) {
 
 }  // namespace
 
-StudyResult run_orientation(const Plan& plan, bool quick) {
+StudyResult run_orientation(const Plan& plan, const RunOptions& options) {
     StudyResult result;
     result.tables = {interpolation(),
                      keys(),
                      angle_order(),
                      matrix_order(),
                      reflection(),
-                     vertices(quick),
-                     inertia(std::min(plan.experiment.repeats, quick ? 3 : 1000))};
+                     vertices(options.quick),
+                     inertia(std::min(plan.experiment.repeats, options.quick ? 3 : 1000))};
 
     const Table& drift = result.tables[5].table;
     NamedFigure figure{"orientation_vertices", {"Vertices turned on from where they are", 2, {}, ""}};

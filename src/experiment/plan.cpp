@@ -281,6 +281,8 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         }
         bases.push_back({scene.name, scene, write_scene(scene)});
     }
+    const Study* study = e.kind == Kind::study ? find_study(e.study) : nullptr;
+    const bool chooses_steps = study && study->chooses_steps;
     std::vector<std::string> method_names;
     for (const Method* method : methods()) method_names.emplace_back(method->name);
     for (const std::string& name : resolved(e.methods, method_names, file, "methods", false)) {
@@ -296,7 +298,10 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
             for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
                 plan.curves.push_back({method, color, kind, settings, formulation, false});
         };
-        if (takes_step(*method)) add(SettingKind::step, calibrated ? e.evaluations_per_revolution : e.steps);
+        if (takes_step(*method))
+            add(SettingKind::step, calibrated      ? e.evaluations_per_revolution
+                                   : chooses_steps ? std::vector{std::nan("")}
+                                                   : e.steps);
         if (takes_tolerance(*method))
             add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
         if (method->control == Control::none) add(SettingKind::none, {std::nan("")});

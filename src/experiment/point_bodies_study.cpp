@@ -230,11 +230,11 @@ Table counts_table(const Bench& bench, bool quick) {
 
 }  // namespace
 
-StudyResult run_point_bodies(const Plan& plan, bool quick) {
+StudyResult run_point_bodies(const Plan& plan, const RunOptions& options) {
     StudyResult result;
     Figure figure{"A rigid body made of points: attitude error", 2, {}, ""};
     for (const PlannedScene& planned : plan.scenes) {
-        const Bench bench(planned, quick);
+        const Bench bench(planned, options.quick);
         Curves by_stiffness, by_time;
         const std::string suffix = plan.scenes.size() > 1 ? "_" + planned.label : "";
         const auto add = [&](const char* name, const char* title, Table table) {
@@ -245,13 +245,13 @@ StudyResult run_point_bodies(const Plan& plan, bool quick) {
         add("",
             "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
             "damping ratio that of the slowest vibration",
-            stiffness_table(bench, quick, by_stiffness));
+            stiffness_table(bench, options.quick, by_stiffness));
         add("stability", "explicit steps around the limit that the fastest vibration sets (h w = 2.83, 2)",
-            stability_table(bench, quick));
+            stability_table(bench, options.quick));
         add("hard", "hard distances by IDA and by position-based dynamics, beside the rigid body's own equations",
-            hard_table(bench, quick, by_time));
+            hard_table(bench, options.quick, by_time));
         add("counts", "n^3 points of the same mass properties on springs and at hard distances",
-            counts_table(bench, quick));
+            counts_table(bench, options.quick));
         figure.panels.push_back({planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true,
                                  true, by_stiffness.curves});
         // colours go on where those of the other panel end: curves of one label share one entry

@@ -95,10 +95,16 @@ void write_table(const Table& full, const Table& short_form, const std::string& 
     write_atomically(path + ".tex", latex(short_form, caption, "tab:" + name));
 }
 
+// A scene's name may hold a slash: in the name of a file it would be a directory.
+std::string file_name(std::string name) {
+    std::replace(name.begin(), name.end(), '/', '_');
+    return name;
+}
+
 std::vector<std::string> draw_all(const std::vector<NamedFigure>& figures, const std::string& directory) {
     std::vector<std::string> remarks;
     for (const NamedFigure& named : figures) {
-        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / named.name).string());
+        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / file_name(named.name)).string());
         if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
     }
     return remarks;
@@ -270,11 +276,13 @@ std::vector<std::string> write_study_report(const Plan& plan, const StudyResult&
     const std::string& experiment = plan.experiment.name;
     std::filesystem::create_directories(directory);
     for (const NamedTable& named : result.tables) {
-        const std::string name = named.name.empty() ? experiment : experiment + "_" + named.name;
+        const std::string name = named.name.empty() ? experiment : experiment + "_" + file_name(named.name);
         write_table(named.table, named.for_people.empty() ? named.table : select(named.table, named.for_people),
                     named.title.empty() ? plan.experiment.about : named.title,
                     (std::filesystem::path(directory) / name).string(), name);
     }
+    if (!result.page.empty())
+        write_atomically((std::filesystem::path(directory) / (experiment + ".md")).string(), result.page);
     std::vector<std::string> remarks = draw_all(result.figures, directory);
     record_provenance(directory, experiment, command_line, quick);
     return remarks;

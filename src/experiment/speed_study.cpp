@@ -119,7 +119,7 @@ class SceneSpeeds {
                 if (cut)
                     cut_curve(*cut, cases_.back());
                 else
-                    measure_errors(plan_.experiment, problem_, truth, {}, cases_.back());
+                    measure_errors(plan_.experiment, problem_, truth, cases_.back());
                 if (cases_.back().result->cut && !cut) cut = &cut_.emplace_back(cases_.back());
             }
         }
@@ -250,7 +250,7 @@ void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool qu
 
 }  // namespace
 
-StudyResult run_speed(const Plan& plan, bool quick) {
+StudyResult run_speed(const Plan& plan, const RunOptions& options) {
     StudyResult result;
     NamedTable margins{"margins",
                        "Factors in time at equal error, asked for and reached",
@@ -281,7 +281,7 @@ StudyResult run_speed(const Plan& plan, bool quick) {
         const SceneSpeeds speeds(plan, scene, all);
         add_margins(margins.table, scene, speeds);
         add_smallest(smallest.table, plan, scene, speeds);
-        add_long(lasting.table, plan, scene, quick);
+        add_long(lasting.table, plan, scene, options.quick);
     }
     NamedTable runs{"", "", {result_columns(), {}}};
     for (const Result& row : all) runs.table.rows.push_back(row_of(plan.experiment.name, row));

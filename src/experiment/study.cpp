@@ -7,13 +7,14 @@
 
 namespace polhode {
 
-StudyResult run_gimbal_lock(const Plan& plan, bool quick);
-StudyResult run_collisions(const Plan& plan, bool quick);
-StudyResult run_inertia(const Plan& plan, bool quick);
-StudyResult run_inertia_shortcuts(const Plan& plan, bool quick);
-StudyResult run_orientation(const Plan& plan, bool quick);
-StudyResult run_point_bodies(const Plan& plan, bool quick);
-StudyResult run_speed(const Plan& plan, bool quick);
+StudyResult run_gimbal_lock(const Plan& plan, const RunOptions& options);
+StudyResult run_collisions(const Plan& plan, const RunOptions& options);
+StudyResult run_inertia(const Plan& plan, const RunOptions& options);
+StudyResult run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
+StudyResult run_orientation(const Plan& plan, const RunOptions& options);
+StudyResult run_point_bodies(const Plan& plan, const RunOptions& options);
+StudyResult run_speed(const Plan& plan, const RunOptions& options);
+StudyResult run_stability(const Plan& plan, const RunOptions& options);
 
 double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth) {
     Wide difference = 0, size = 0;
@@ -37,6 +38,11 @@ std::span<const Study> studies() {
         {"speed",
          {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
          run_speed},
+        {"stability",
+         {"scenes", "vary", "methods", "settings", "samples", "seconds_per_run", "max_steps", "max_evaluations"},
+         run_stability,
+         true,
+         true},
     };
     return list;
 }

@@ -9,6 +9,7 @@
 #include "body/wide.h"
 #include "experiment/experiment.h"
 #include "experiment/report.h"
+#include "experiment/sweep.h"
 #include "table/table.h"
 
 namespace polhode {
@@ -24,14 +25,19 @@ struct NamedTable {
 struct StudyResult {
     std::vector<NamedTable> tables;
     std::vector<NamedFigure> figures{};
+    std::string page{};    ///< Markdown for EXPERIMENT.md in place of the table's, if not empty
+    bool complete = true;  ///< false: interrupted, filtered or a shard; run again to go on
 };
 
-/// Called with the plan of an experiment file whose "kind" is the study's name. `quick`: a tenth of the work. Failures
-/// of methods are rows.
+/// Called with the plan of an experiment file whose "kind" is the study's name. Of the options `quick` asks for a tenth
+/// of the work; a study that is `resumable` keeps what it has finished in the directory, obeys filter, shard and jobs
+/// and stops when a sweep would; for any other one folder, filter and shard mean nothing. Failures of methods are rows.
 struct Study {
     std::string_view name;
     std::vector<std::string_view> reads;  ///< keys of the experiment file that it uses beside name, about and kind
-    StudyResult (*run)(const Plan& plan, bool quick);
+    StudyResult (*run)(const Plan& plan, const RunOptions& options);
+    bool resumable = false;
+    bool chooses_steps = false;  ///< it finds the steps of fixed-step methods itself: the plan has one without a number
 };
 
 /// Of an inertia tensor: Frobenius norm of the difference over that of the true one, in 128 bits.

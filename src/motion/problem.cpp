@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "motion/needs.h"
+#include "motion/rounded.h"
 #include "motion/translation.h"
 
 namespace polhode {
@@ -21,31 +22,6 @@ ExactBody<double> rounded(const ExactBody<Wide>& b) {
     r.angular_velocity_B = cast<double>(b.angular_velocity_B);
     r.position_W = cast<double>(b.position_W);
     r.velocity_W = cast<double>(b.velocity_W);
-    return r;
-}
-
-Forcing<double> rounded(const Forcing<Wide>& f) {
-    Forcing<double> r;
-    r.has_torque = f.has_torque;
-    r.has_world_torque = f.has_world_torque;
-    r.has_damping = f.has_damping;
-    r.has_translational_drag = f.has_translational_drag;
-    r.has_body_force = f.has_body_force;
-    r.torque = cast<double>(f.torque);
-    r.torque_W = cast<double>(f.torque_W);
-    r.damping = cast<double>(f.damping);
-    for (const auto& load : f.body_points)
-        r.body_points.push_back({cast<double>(load.arm), cast<double>(load.force_W)});
-    for (int b = 0; b < 3; ++b) r.field.moment[b] = cast<double>(f.field.moment[b]);
-    r.field.present = f.field.present;
-    for (const auto& load : f.world_points)
-        r.world_points.push_back({cast<double>(load.point_W), cast<double>(load.force), load.frame});
-    for (const auto& spring : f.springs) r.springs.push_back({double(spring.stiffness), cast<double>(spring.rest)});
-    r.acceleration_W = cast<double>(f.acceleration_W);
-    r.specific_force = cast<double>(f.specific_force);
-    r.specific_drag = double(f.specific_drag);
-    r.pivoted = f.pivoted;
-    r.arm = cast<double>(f.arm);
     return r;
 }
 
@@ -95,7 +71,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
         Segment segment;
         segment.begin = times[i], segment.end = times[i + 1];
         forcings.push_back(forcing_at(scene, exact, segment.begin, q_BP));
-        segment.forcing = rounded(forcings.back());
+        segment.forcing = rounded<double>(forcings.back());
         segment.impulses = rounded(impulses_at(scene, exact, segment.begin, q_BP));
         for (const Load& load : scene.loads)
             if (const auto* user = std::get_if<UserTorque>(&load); user && acts(user->window, segment.begin))

@@ -1,4 +1,5 @@
-// The texts that are built into the program: every experiments/scenes/NAME.json and experiments/NAME.json.
+// The texts that are built into the program: every experiments/scenes/NAME.json (NAME may be FOLDER/NAME) and
+// experiments/NAME.json.
 #pragma once
 
 #include <span>

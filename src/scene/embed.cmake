@@ -1,12 +1,19 @@
-# polhode_embed(OUT FUNCTION FILE..): writes a source file that defines
+# polhode_embed(OUT FUNCTION DIRECTORY FILE..): writes a source file that defines
 #   std::span<const BuiltinText> FUNCTION()
-# with one entry a file, named after it without its extension. The files' contents are dependencies of the configure
-# step, so that an edited scene is in the next build.
-function(polhode_embed out function)
+# with one entry a file, named by its path in DIRECTORY without the extension .json, sorted by name. The files' contents
+# are dependencies of the configure step, so that an edited scene is in the next build.
+function(polhode_embed out function directory)
+  set(names "")
+  foreach(path IN LISTS ARGN)
+    file(RELATIVE_PATH name "${directory}" "${path}")
+    string(REGEX REPLACE "\\.json$" "" name "${name}")
+    list(APPEND names "${name}")
+  endforeach()
+  list(SORT names)
   set(entries "")
   set(count 0)
-  foreach(path IN LISTS ARGN)
-    get_filename_component(name "${path}" NAME_WLE)
+  foreach(name IN LISTS names)
+    set(path "${directory}/${name}.json")
     file(READ "${path}" text)
     string(LENGTH "${text}" length)
     # 65536 is what compilers promise for a string literal

@@ -147,6 +147,22 @@ bool is_file(const std::string& path) {
     return ::stat(path.c_str(), &status) == 0;
 }
 
+// Whether it begins with a folder of built-in scenes.
+bool in_builtin_folder(std::string_view name) {
+    const std::size_t slash = name.find('/');
+    if (slash == name.npos) return false;
+    for (const BuiltinText& scene : builtin_scenes())
+        if (scene.name.starts_with(name.substr(0, slash + 1))) return true;
+    return false;
+}
+
+// The built-in scenes meant by a name that is none: first the one that is called so in a folder.
+std::string scenes_meant(const std::string& name) {
+    for (const BuiltinText& scene : builtin_scenes())
+        if (scene.name.ends_with("/" + name)) return fmt::format("did you mean {}?", scene.name);
+    return did_you_mean(name, builtin_scene_names());
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& file, const std::string& directory) {
@@ -165,9 +181,10 @@ Scene read_scene(const std::string& path) {
 Scene find_scene(const std::string& name_or_path) {
     if (const std::string_view text = builtin_scene_text(name_or_path); !text.empty())
         return parse_scene(text, name_or_path);
-    const bool path_like = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".json");
+    const bool path_like = name_or_path.ends_with(".json") ||
+                           (name_or_path.find('/') != std::string::npos && !in_builtin_folder(name_or_path));
     if (path_like || is_file(name_or_path)) return read_scene(name_or_path);
-    const std::string meant = did_you_mean(name_or_path, builtin_scene_names());
+    const std::string meant = scenes_meant(name_or_path);
     throw InputError(name_or_path, "", "is neither a built-in scene nor a file",
                      meant.empty() ? "built-in scenes: " + listed(builtin_scene_names()) : meant);
 }

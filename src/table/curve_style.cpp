@@ -1,5 +1,6 @@
 #include "table/curve_style.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -17,6 +18,10 @@ constexpr std::array<int, 6> filled_markers = {7, 5, 9, 13, 11, 15};
 
 constexpr std::array<const char*, 5> dashes = {"solid", "(12,6)", "(3,4)", "(12,5,3,5)", "(22,6)"};
 
+/// Lightness L* falls from 96 to 11 by 8 and more a step; neighbours differ in blue against yellow as well.
+constexpr std::array<const char*, shade_count> shades = {"#f4f4dc", "#b9e2e6", "#e8b04a", "#6ea3d8",
+                                                         "#b8702a", "#46669e", "#7d2a1e", "#1d1a33"};
+
 std::size_t wrapped_index(int index, std::size_t size) {
     const int n = static_cast<int>(size);
     return static_cast<std::size_t>((index % n + n) % n);
@@ -33,5 +38,9 @@ int marker_of(const Curve& curve) {
 }
 
 std::string dash_of(const Curve& curve) { return dashes[wrapped_index(curve.dash, dashes.size())]; }
+
+std::string color_of_shade(int shade) {
+    return shades[static_cast<std::size_t>(std::clamp(shade, 0, shade_count - 1))];
+}
 
 }  // namespace polhode

@@ -17,4 +17,7 @@ int marker_of(const Curve& curve);
 /// A dash type.
 std::string dash_of(const Curve& curve);
 
+/// "#rrggbb" of a shade of MapClass; beyond the last the last, below the first the first.
+std::string color_of_shade(int shade);
+
 }  // namespace polhode

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Curve {
                          ///< in the legend
     std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and
                                ///< so are magnitudes beyond 1e300, which no axis can show)
+    bool line = true;          ///< false: markers only, at every point
 };
 
 /// A line to read the curves by, thin, grey and dashed, with its name beside it where the curves leave room. It does
@@ -29,11 +31,33 @@ struct Guide {
     std::vector<double> x, y;  ///< a single y and no x: a level across the frame
 };
 
+/// So many shades: 0 the lightest, for what is best, each darker than the one before in print without colour as well.
+constexpr int shade_count = 8;
+
+struct MapClass {
+    std::string label;  ///< in the legend, one entry over all panels
+    int shade = 0;
+};
+
+/// What came of each pair of two parameters: cells filled by class, beneath the panel's curves and guides.
+struct OutcomeMap {
+    std::vector<double> x, y;       ///< the cells' centres, ascending; their edges lie half-way, on the axis' scale
+    std::vector<int> cells;         ///< row by row, cells[j * x.size() + i]: a place in `classes`; -1: left blank
+    std::vector<MapClass> classes;  ///< all are in the legend, whether they occur or not
+};
+
+struct Limits {
+    double low = 0, high = 1;
+};
+
 struct Panel {
     std::string title, x_label, y_label;  ///< labels with units: "time (s)"
     bool log_x = true, log_y = true;
     std::vector<Curve> curves;
     std::vector<Guide> guides{};
+    std::optional<OutcomeMap> map{};  ///< the axes end where it ends
+    /// Where the axes end, whatever is drawn; what lies beyond is cut off.
+    std::optional<Limits> x_limits{}, y_limits{};
 };
 
 /// All text shows literally.
@@ -42,6 +66,9 @@ struct Figure {
     int columns = 1;  ///< panels in a row
     std::vector<Panel> panels;
     std::string note;  ///< lines below: what the reader must know (why a curve was cut, an unoptimised library)
+    /// All panels have the same axes, over what any of them shows: they stand close, and only those at the left and at
+    /// the bottom have labels.
+    bool shared_axes = false;
 };
 
 /// The gnuplot script that draws the figure to `path` (to standard output if empty) by `terminal` ("svg" or "pdf"; else

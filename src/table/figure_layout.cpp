@@ -5,6 +5,8 @@
 #include <set>
 #include <sstream>
 
+#include "table/curve_style.h"
+
 namespace polhode {
 
 namespace {
@@ -12,20 +14,31 @@ namespace {
 // room around a panel's frame: tic labels and axis labels left and below, title above
 constexpr double room_left = 46, room_right = 12, room_above = 20, room_below = 32;
 
+// between panels with shared axes
+constexpr double gap = 10;
+
 double panel_width(std::size_t columns) { return columns == 1 ? 260 : columns == 2 ? 254 : columns == 3 ? 200 : 180; }
+
+// four panels make the width of a page
+double shared_plot_width(std::size_t columns) { return columns <= 2 ? 180 : columns == 3 ? 140 : 105; }
 
 std::vector<LegendEntry> legend_entries(const Figure& figure) {
     std::vector<LegendEntry> entries;
     std::set<std::string> seen;
     bool cut = false;
     for (const Panel& panel : figure.panels) {
+        if (!panel.map) continue;
+        for (const MapClass& c : panel.map->classes)
+            if (seen.insert(c.label).second) entries.push_back({c.label, nullptr, color_of_shade(c.shade)});
+    }
+    for (const Panel& panel : figure.panels) {
         for (const Curve& curve : panel.curves) {
             cut = cut || curve.cut;
             if (curve.label.empty() || !seen.insert(curve.label).second) continue;
-            entries.push_back({curve.label, &curve});
+            entries.push_back({curve.label, &curve, ""});
         }
     }
-    if (cut) entries.push_back({"curve cut short", nullptr});
+    if (cut) entries.push_back({"curve cut short", nullptr, ""});
     return entries;
 }
 
@@ -72,18 +85,20 @@ FigureLayout layout_of(const Figure& figure) {
     const std::size_t panels = std::max<std::size_t>(1, figure.panels.size());
     const std::size_t columns = std::min(panels, static_cast<std::size_t>(std::max(1, figure.columns)));
     const std::size_t rows = (panels + columns - 1) / columns;
-    const double cell_width = panel_width(columns);
-    const double plot_height = std::round(0.72 * (cell_width - room_left - room_right));
-    const double cell_height = room_above + plot_height + room_below;
     const double top = figure.title.empty() ? 2 : 18;
-    layout.width = cell_width * static_cast<double>(columns);
+    const bool shared = figure.shared_axes;
+    const double plot_width = shared ? shared_plot_width(columns) : panel_width(columns) - room_left - room_right;
+    const double plot_height = std::round(0.72 * plot_width);
+    const double across = shared ? gap : room_left + room_right, down = room_above + (shared ? 0 : room_below);
+    layout.width = static_cast<double>(columns) * (plot_width + across) + (shared ? room_left + room_right - gap : 0);
     for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-        const double left = cell_width * static_cast<double>(i % columns) + room_left;
-        const std::size_t row = i / columns;
-        const double upper = top + cell_height * static_cast<double>(row) + room_above;
-        layout.plots.push_back({left, upper, left + cell_width - room_left - room_right, upper + plot_height});
+        const double left = room_left + static_cast<double>(i % columns) * (plot_width + across);
+        const double upper = top + room_above + static_cast<double>(i / columns) * (plot_height + down);
+        layout.plots.push_back({left, upper, left + plot_width, upper + plot_height});
+        layout.labels_x.push_back(!shared || i + columns >= figure.panels.size());
+        layout.labels_y.push_back(!shared || i % columns == 0);
     }
-    double bottom = top + cell_height * static_cast<double>(rows) + 4;
+    double bottom = top + static_cast<double>(rows) * (plot_height + down) + (shared ? room_below : 0) + 4;
     layout.legend = legend_entries(figure);
     bottom += place_legend(layout.legend, bottom, layout.width);
     layout.note_lines = wrapped(figure.note, layout.width - 16, text_size);

@@ -14,13 +14,16 @@ struct Rectangle {
 
 struct LegendEntry {
     std::string label;
-    const Curve* curve = nullptr;  ///< the first of that label; null for the sign of a cut curve
+    const Curve* curve = nullptr;  ///< the first of that label; null for the sign of a cut curve and for a class
+    std::string fill;              ///< colour of a class' cells
     double x = 0, y = 0;           ///< left end of the sample, middle of the line of text
 };
 
 struct FigureLayout {
     double width = 0, height = 0;
     std::vector<Rectangle> plots;  ///< the frame of each panel, without labels and title
+    /// Whether a panel's axis is labelled; with shared axes the outer ones' only.
+    std::vector<bool> labels_x, labels_y;
     std::vector<LegendEntry> legend;
     std::vector<std::string> note_lines;
     double first_note_line = 0;  ///< middle of the first line

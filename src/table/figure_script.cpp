@@ -30,6 +30,97 @@ std::vector<Point> drawable_points(const Panel& panel, const Curve& curve) {
     return points;
 }
 
+struct Extent {
+    Point low, high;
+};
+
+void widen(std::optional<Extent>& extent, const std::optional<Extent>& by) {
+    if (!extent || !by) {
+        if (by) extent = by;
+        return;
+    }
+    extent->low = {std::min(extent->low.x, by->low.x), std::min(extent->low.y, by->low.y)};
+    extent->high = {std::max(extent->high.x, by->high.x), std::max(extent->high.y, by->high.y)};
+}
+
+/// The n + 1 edges of cells about ascending centres; none if an axis cannot show them.
+std::vector<double> edges_of(const std::vector<double>& centres, bool logarithmic) {
+    if (centres.empty()) return {};
+    const auto to = [&](double v) { return logarithmic ? std::log10(v) : v; };
+    const auto back = [&](double v) { return logarithmic ? std::pow(10.0, v) : v; };
+    const std::size_t n = centres.size();
+    const double first = n > 1 ? to(centres[1]) - to(centres[0]) : 1;
+    const double last = n > 1 ? to(centres[n - 1]) - to(centres[n - 2]) : 1;
+    std::vector<double> edges{back(to(centres[0]) - first / 2)};
+    for (std::size_t i = 1; i < n; ++i) edges.push_back(back((to(centres[i - 1]) + to(centres[i])) / 2));
+    edges.push_back(back(to(centres[n - 1]) + last / 2));
+    for (std::size_t i = 0; i <= n; ++i)
+        if (!drawable(edges[i], logarithmic) || (i > 0 && !(edges[i] > edges[i - 1]))) return {};
+    return edges;
+}
+
+/// A map's cells of one class as few polygons: a row's run of cells stands on one of the row below that it overlaps.
+std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, const std::vector<double>& x,
+                                            const std::vector<double>& y) {
+    struct Run {
+        std::size_t row, begin, end;
+    };
+    const std::size_t nx = map.x.size();
+    std::vector<std::vector<Run>> stacks;
+    std::vector<std::size_t> open;  // those that end at the row's lower edge
+    for (std::size_t j = 0; j < map.y.size(); ++j) {
+        std::vector<std::size_t> reached;
+        for (std::size_t i = 0, end = 0; i < nx; i = end) {
+            const bool inside = map.cells[j * nx + i] == cell;
+            for (end = i + 1; end < nx && (map.cells[j * nx + end] == cell) == inside;) ++end;
+            if (!inside) continue;
+            const auto below = std::find_if(open.begin(), open.end(), [&](std::size_t k) {
+                return stacks[k].back().row + 1 == j && stacks[k].back().begin < end && i < stacks[k].back().end;
+            });
+            if (below == open.end()) stacks.emplace_back();
+            const std::size_t stack = below == open.end() ? stacks.size() - 1 : *below;
+            stacks[stack].push_back({j, i, end});
+            reached.push_back(stack);
+        }
+        open = std::move(reached);
+    }
+    std::vector<std::vector<Point>> polygons;
+    for (const std::vector<Run>& stack : stacks) {
+        std::vector<Point>& polygon = polygons.emplace_back();
+        for (const Run& run : stack) {
+            polygon.push_back({x[run.begin], y[run.row]});
+            polygon.push_back({x[run.begin], y[run.row + 1]});
+        }
+        for (auto run = stack.rbegin(); run != stack.rend(); ++run) {
+            polygon.push_back({x[run->end], y[run->row + 1]});
+            polygon.push_back({x[run->end], y[run->row]});
+        }
+        // points inside a straight edge tell nothing
+        for (std::size_t k = 1; k + 1 < polygon.size();) {
+            const Point &before = polygon[k - 1], &here = polygon[k], &after = polygon[k + 1];
+            const bool straight = before.x == here.x && here.x == after.x;
+            if (straight || (here.x == before.x && here.y == before.y))
+                polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
+            else
+                ++k;
+        }
+    }
+    return polygons;
+}
+
+/// What the panel shows, guides apart: its map, or its curves' points. None if nothing.
+std::optional<Extent> extent_of(const Panel& panel) {
+    std::optional<Extent> extent;
+    if (panel.map) {
+        const std::vector<double> x = edges_of(panel.map->x, panel.log_x), y = edges_of(panel.map->y, panel.log_y);
+        if (!x.empty() && !y.empty()) extent = Extent{{x.front(), y.front()}, {x.back(), y.back()}};
+    } else {
+        for (const Curve& curve : panel.curves)
+            for (const Point& point : drawable_points(panel, curve)) widen(extent, Extent{point, point});
+    }
+    return extent;
+}
+
 /// Writes the script of one figure; sizes in points, times `unit` in the terminal's own.
 class Script {
   public:
@@ -38,7 +129,10 @@ class Script {
         text = terminal_.opening(layout_.width, layout_.height, text_size, path);
         line("set multiplot");
         line("unset key");
-        for (std::size_t i = 0; i < figure.panels.size(); ++i) panel(i);
+        std::optional<Extent> all;
+        if (figure.shared_axes)
+            for (const Panel& panel : figure.panels) widen(all, extent_of(panel));
+        for (std::size_t i = 0; i < figure.panels.size(); ++i) panel(i, all ? all : extent_of(figure.panels[i]));
         page();
         line("unset multiplot");
         line("unset output");
@@ -68,21 +162,22 @@ class Script {
         line(fmt::format("set bmargin at screen {:.5f}", 1 - plot.bottom / layout_.height));
     }
 
-    void axis(char name, const Axis& axis) {
+    void axis(char name, const Axis& axis, bool labelled, bool outward) {
         line(fmt::format("{} logscale {}", axis.logarithmic ? "set" : "unset", name));
         line(fmt::format("set {}range [{}:{}]", name, shortest_decimal(axis.low), shortest_decimal(axis.high)));
         std::string tics;
         for (const Tic& tic : axis.tics) {
-            tics += fmt::format("{}\"{}\" {} {}", tics.empty() ? "" : ", ", tic.label, tic.position,
+            tics += fmt::format("{}\"{}\" {} {}", tics.empty() ? "" : ", ", labelled ? tic.label : "", tic.position,
                                 tic.label.empty() ? 1 : 0);
         }
-        line(fmt::format("set {}tics nomirror scale 0.6,0.3 offset {} ({})", name, name == 'x' ? "0,0.2" : "0.4,0",
-                         tics));
+        line(fmt::format("set {}tics {} nomirror scale 0.6,0.3 offset {} ({})", name, outward ? "out" : "in",
+                         name == 'x' ? "0,0.2" : "0.4,0", tics));
     }
 
-    void panel(std::size_t index) {
+    void panel(std::size_t index, const std::optional<Extent>& extent) {
         const Panel& panel = figure_.panels[index];
         const Rectangle& plot = layout_.plots[index];
+        const bool label_x = layout_.labels_x[index], label_y = layout_.labels_y[index];
         frame(plot);
         line(fmt::format("set border 15 linewidth {:g} linecolor \"#404040\"", line_width(0.5)));
         const double middle = (plot.left + plot.right) / 2;
@@ -92,41 +187,71 @@ class Script {
                              on_page(x, y), style, font(size)));
         };
         label(panel.title, middle, plot.top - 8, "", title_size);
-        label(panel.x_label, middle, plot.bottom + 21, "", text_size);
-        label(panel.y_label, plot.left - 38, (plot.top + plot.bottom) / 2, "rotate by 90", text_size);
+        if (label_x) label(panel.x_label, middle, plot.bottom + 21, "", text_size);
+        if (label_y) label(panel.y_label, plot.left - 38, (plot.top + plot.bottom) / 2, "rotate by 90", text_size);
 
         std::vector<std::vector<Point>> curves;
-        std::optional<Point> low, high;
-        for (const Curve& curve : panel.curves) {
-            curves.push_back(drawable_points(panel, curve));
-            for (const Point& point : curves.back()) {
-                low = low ? Point{std::min(low->x, point.x), std::min(low->y, point.y)} : point;
-                high = high ? Point{std::max(high->x, point.x), std::max(high->y, point.y)} : point;
-            }
-        }
-        if (low) {
+        for (const Curve& curve : panel.curves) curves.push_back(drawable_points(panel, curve));
+        if (extent) {
             // room for markers and the arrows of cut curves; a time axis without them ends where its data end
             const bool cut =
                 std::any_of(panel.curves.begin(), panel.curves.end(), [](const Curve& c) { return c.cut; });
-            const double x_labels = (plot.right - plot.left) / (panel.log_x ? 24 : 32);
-            const double y_labels = (plot.bottom - plot.top) / 16;
+            const bool map = panel.map.has_value();
+            const auto axis_of = [&](bool logarithmic, double low, double high, double labels, double padding,
+                                     const std::optional<Limits>& limits) {
+                if (limits) low = limits->low, high = limits->high;
+                return make_axis(logarithmic, low, high, static_cast<int>(labels), map || limits ? 0 : padding);
+            };
             const Axis x =
-                make_axis(panel.log_x, low->x, high->x, static_cast<int>(x_labels), panel.log_x || cut ? 0.07 : 0);
-            const Axis y = make_axis(panel.log_y, low->y, high->y, static_cast<int>(y_labels), 0.08);
-            axis('x', x);
-            axis('y', y);
-            factor(x, plot.right, plot.bottom + 21);
-            factor(y, plot.left + 6, plot.top - 6);
-            line(fmt::format("set grid xtics ytics linewidth {:g} dashtype solid linecolor \"#dddddd\"",
-                             line_width(0.4)));
-            const std::string guides = guides_of(panel, curves, plot, x, y);
-            curves_of(panel, curves, guides, plot, x, y);
+                axis_of(panel.log_x, extent->low.x, extent->high.x, (plot.right - plot.left) / (panel.log_x ? 24 : 32),
+                        panel.log_x || cut ? 0.07 : 0, panel.x_limits);
+            const Axis y = axis_of(panel.log_y, extent->low.y, extent->high.y, (plot.bottom - plot.top) / 16, 0.08,
+                                   panel.y_limits);
+            // tics inward would cross the cells
+            axis('x', x, label_x, map);
+            axis('y', y, label_y, map);
+            if (label_x) factor(x, plot.right, plot.bottom + 21);
+            if (label_y) factor(y, plot.left + 6, plot.top - 6);
+            if (map)
+                line("unset grid");
+            else
+                line(fmt::format("set grid xtics ytics linewidth {:g} dashtype solid linecolor \"#dddddd\"",
+                                 line_width(0.4)));
+            std::string beneath = cells_of(panel);
+            beneath += guides_of(panel, curves, plot, x, y);
+            curves_of(panel, curves, beneath, plot, x, y);
         } else {
             label("no point to draw", middle, (plot.top + plot.bottom) / 2, "textcolor \"#808080\"", text_size);
             nothing();
         }
         line("unset label");
         line("unset arrow");
+    }
+
+    /// Data of the map's cells, and the elements that fill them, each with a comma after it. A hairline of their own
+    /// colour closes the seams that viewers leave between neighbours.
+    std::string cells_of(const Panel& panel) {
+        if (!panel.map) return "";
+        const OutcomeMap& map = *panel.map;
+        const std::vector<double> x = edges_of(map.x, panel.log_x), y = edges_of(map.y, panel.log_y);
+        if (x.empty() || y.empty() || map.cells.size() != map.x.size() * map.y.size()) return "";
+        std::string elements;
+        for (std::size_t c = 0; c < map.classes.size(); ++c) {
+            std::string data;
+            for (const std::vector<Point>& polygon : polygons_of(map, static_cast<int>(c), x, y)) {
+                if (!data.empty()) data += '\n';
+                for (const Point& point : polygon)
+                    data += shortest_decimal(point.x) + ' ' + shortest_decimal(point.y) + '\n';
+            }
+            if (data.empty()) continue;
+            text += fmt::format("$cells{} << END\n{}END\n", c, data);
+            const std::string color = color_of_shade(map.classes[c].shade);
+            elements += fmt::format(
+                "$cells{} using 1:2 with filledcurves closed fillcolor \"{}\" fillstyle solid 1 border linecolor "
+                "\"{}\" linewidth {:g}, \\\n  ",
+                c, color, color, line_width(0.2));
+        }
+        return elements;
     }
 
     /// The power of ten that an axis' labels leave out, ending at x.
@@ -204,8 +329,8 @@ class Script {
     // a curve of one point is to be seen as well
     static constexpr double lone = 2;
 
-    /// `guides`: the elements beneath, each with the comma after it.
-    void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& guides,
+    /// `beneath`: the elements beneath, each with the comma after it.
+    void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& beneath,
                    const Rectangle& plot, const Axis& x, const Axis& y) {
         std::string elements;
         const auto element = [&](const std::string& what) { elements += (elements.empty() ? "" : ", \\\n  ") + what; };
@@ -215,14 +340,20 @@ class Script {
             if (points.empty()) continue;
             data(i, points);
             const std::size_t marked = points.size() - (curve.cut ? 1 : 0);
-            element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} dashtype {} linecolor \"{}\"", i,
-                                line_width(0.9), dash_of(curve), color_of(curve)));
-            if (curve.points && marked > 0) {
-                element(
-                    fmt::format("$curve{} using 1:2 every {}::0::{} with points pointtype {} pointsize {} "
-                                "linecolor \"{}\"",
-                                i, (points.size() + 39) / 40, marked - 1, marker_of(curve),
-                                (marked == 1 ? lone : 1) * point_size(marker_of(curve)), color_of(curve)));
+            if (curve.line) {
+                // cells may be as dark as the curve
+                if (panel.map)
+                    element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} linecolor \"#ffffff\"", i,
+                                        line_width(2.2)));
+                element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} dashtype {} linecolor \"{}\"", i,
+                                    line_width(0.9), dash_of(curve), color_of(curve)));
+            }
+            if ((curve.points || !curve.line) && marked > 0) {
+                element(fmt::format(
+                    "$curve{} using 1:2 every {}::0::{} with points pointtype {} pointsize {} "
+                    "linecolor \"{}\"",
+                    i, curve.line ? (points.size() + 39) / 40 : 1, marked - 1, marker_of(curve),
+                    (marked == 1 && curve.line ? lone : 1) * point_size(marker_of(curve)), color_of(curve)));
             }
             if (!curve.cut) continue;
             const std::string last = fmt::format("$curve{} using 1:2 every ::{} with points", i, points.size() - 1);
@@ -232,7 +363,8 @@ class Script {
                                 marker_of(curve) - 1, point_size(marker_of(curve)), line_width(0.8), color_of(curve)));
             onward_arrow(points, plot, x, y, color_of(curve));
         }
-        line("plot " + guides + elements);
+        if (elements.empty()) elements = "NaN notitle";
+        line("plot " + beneath + elements);
     }
 
     /// From the last point on in the curve's last direction as drawn, within the frame. A single point has none.
@@ -273,7 +405,10 @@ class Script {
         for (std::size_t i = 0; i < layout_.legend.size(); ++i) {
             const LegendEntry& entry = layout_.legend[i];
             legend_sign(entry);
-            if (entry.curve != nullptr) lines += (lines.empty() ? "" : ", \\\n  ") + legend_line(i, entry);
+            const std::string element = !entry.fill.empty()                           ? legend_cell(i, entry)
+                                        : entry.curve != nullptr && entry.curve->line ? legend_line(i, entry)
+                                                                                      : "";
+            if (!element.empty()) lines += (lines.empty() ? "" : ", \\\n  ") + element;
             label(entry.label, entry.x + legend_sample + 4, entry.y, "left", text_size);
         }
         for (std::size_t i = 0; i < layout_.note_lines.size(); ++i) {
@@ -294,7 +429,22 @@ class Script {
                            line_width(0.9), dash_of(*entry.curve), color_of(*entry.curve));
     }
 
+    /// The same of a class: a filled cell with a thin frame, for the lightest is nearly white.
+    std::string legend_cell(std::size_t index, const LegendEntry& entry) {
+        line(fmt::format("$legend{} << END", index));
+        line(fmt::format("{:.5f} {:.5f} {:.5f} {:.5f}", (entry.x + 6) / layout_.width,
+                         (entry.x + legend_sample) / layout_.width, 1 - (entry.y + 3.2) / layout_.height,
+                         1 - (entry.y - 3.2) / layout_.height));
+        line("END");
+        return fmt::format(
+            "$legend{} using 1:3:1:2:3:4 with boxxyerror fillcolor \"{}\" fillstyle solid 1 border linecolor "
+            "\"#404040\" "
+            "linewidth {:g} notitle",
+            index, entry.fill, line_width(0.3));
+    }
+
     void legend_sign(const LegendEntry& entry) {
+        if (!entry.fill.empty()) return;
         const double middle = entry.x + legend_sample / 2;
         const auto marker = [&](int type, const std::string& color) {
             line(fmt::format("set label \"\" at {} point pointtype {} pointsize {} linewidth {:g} linecolor \"{}\"",
@@ -306,7 +456,7 @@ class Script {
             arrow(on_page(middle + 2.5, entry.y), on_page(entry.x + legend_sample, entry.y), grey);
             return;
         }
-        if (entry.curve->points) marker(marker_of(*entry.curve), color_of(*entry.curve));
+        if (entry.curve->points || !entry.curve->line) marker(marker_of(*entry.curve), color_of(*entry.curve));
     }
 
     const Figure& figure_;

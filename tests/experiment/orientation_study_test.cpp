@@ -26,7 +26,7 @@ class OrientationStudy : public ::testing::Test {
     static void SetUpTestSuite() {
         Plan plan;
         plan.experiment.repeats = 1;
-        result = new StudyResult(find_study("orientation")->run(plan, true));
+        result = new StudyResult(find_study("orientation")->run(plan, {.quick = true}));
     }
     static void TearDownTestSuite() { delete result; }
     static inline StudyResult* result = nullptr;
@@ -134,7 +134,7 @@ TEST_F(OrientationStudy, SummedInertiaIsTheTransformedOne) {
 }
 
 TEST(GimbalLockStudy, CostsAnglesStepsAndQuaternionsNothing) {
-    const StudyResult result = find_study("gimbal_lock")->run({}, true);
+    const StudyResult result = find_study("gimbal_lock")->run({}, {.quick = true});
     const Table& t = table_of(result, "");
     require_rectangular(t);
     double steps = 0, smallest = 1;

@@ -29,7 +29,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
         "settings": {"tolerances": [1e-6, 1e-8, 1e-10, 1e-12]}, "samples": 10, "repeats": 3})",
                                              "x.json");
     const Plan plan = make_plan(experiment, "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, true);
+    const StudyResult result = find_study("speed")->run(plan, {.quick = true});
     const Table &runs = named(result, ""), &margins = named(result, "margins"), &smallest = named(result, "smallest");
 
     ASSERT_EQ(runs.rows.size(), 9U);
@@ -70,7 +70,7 @@ TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
         "methods": ["taylor", "odeint_dopri5"], "settings": {"tolerances": [0.1]}, "samples": 10, "repeats": 1})",
                                                  "x.json"),
                                 "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, true);
+    const StudyResult result = find_study("speed")->run(plan, {.quick = true});
     const Table& margins = named(result, "margins");
     const auto& last = margins.rows.back();
     EXPECT_EQ(text(margins, last, "peer"), "no library reaches it");

@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include "table/curve_style.h"
 #include "table/figure_layout.h"
@@ -159,6 +160,132 @@ TEST(GnuplotScript, NamesAGuideWhereTheCurvesLeaveRoom) {
     }
 }
 
+OutcomeMap small_map() {
+    // a hole, an island, a band that leans, two blank cells
+    return {{1e-3, 1e-2, 1e-1, 1},
+            {1, 10, 100},
+            {0, 0, 0, 1,   //
+             0, 1, 0, -1,  //
+             0, 0, 0, -1},
+            {{"good", 0}, {"bad", 7}, {"absent", 3}}};
+}
+
+Figure map_figure() {
+    Figure figure{"Maps", 2, {}, ""};
+    for (const char* title : {"first", "second", "third"}) {
+        figure.panels.push_back({title, "step (s)", "rate (1/s)", true, true, {curve("theory", 3)}});
+        figure.panels.back().map = small_map();
+    }
+    figure.shared_axes = true;
+    return figure;
+}
+
+/// Each data block of that name: points, and an empty line between polygons.
+std::vector<std::string> blocks(const std::string& script, const std::string& name) {
+    std::vector<std::string> found;
+    const std::string head = "\n$" + name + " << END\n";
+    for (std::size_t i = script.find(head); i != std::string::npos; i = script.find(head, i + 1)) {
+        const std::size_t begin = i + head.size();
+        found.push_back(script.substr(begin, script.find("END", begin) - begin));
+    }
+    return found;
+}
+
+// the shoelace formula, in squares of a decade
+double area(const std::string& polygons) {
+    double sum = 0;
+    std::istringstream lines(polygons);
+    std::vector<std::pair<double, double>> points;
+    const auto close = [&] {
+        double twice = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto &a = points[i], &b = points[(i + 1) % points.size()];
+            twice += a.first * b.second - b.first * a.second;
+        }
+        sum += std::abs(twice) / 2;
+        points.clear();
+    };
+    for (std::string line; std::getline(lines, line);) {
+        double x = 0, y = 0;
+        if (std::istringstream(line) >> x >> y)
+            points.emplace_back(std::log10(x), std::log10(y));
+        else
+            close();
+    }
+    close();
+    return sum;
+}
+
+// cells a decade wide and high: the area of a class is the number of its cells
+TEST(GnuplotScript, FillsEachCellOfAMapOnce) {
+    const std::string script = gnuplot_script(map_figure(), "svg", "");
+    for (const auto& [name, cells] : {std::pair("cells0", 8), std::pair("cells1", 2)}) {
+        const std::vector<std::string> found = blocks(script, name);
+        ASSERT_EQ(found.size(), 3u);
+        EXPECT_NEAR(area(found[0]), cells, 1e-12) << found[0];
+        EXPECT_EQ(found[0], found[2]);
+    }
+    EXPECT_EQ(count(script, "$cells2"), 0u);
+    for (const char* label : {"\"good\"", "\"bad\"", "\"absent\"", "\"theory\""}) EXPECT_EQ(count(script, label), 1u);
+}
+
+TEST(GnuplotScript, LeavesOutAMapThatCannotBe) {
+    for (const double edge : {0.0, -1.0, 1e-3, std::nan(""), infinity}) {
+        Figure figure = map_figure();
+        figure.panels.resize(1);
+        figure.panels[0].map->x[1] = edge;
+        EXPECT_EQ(count(gnuplot_script(figure, "pdf", ""), "$cells"), 0u) << edge;
+    }
+    Figure figure = map_figure();
+    figure.panels[0].map->cells.pop_back();
+    EXPECT_EQ(blocks(gnuplot_script(figure, "pdf", ""), "cells0").size(), 2u);
+}
+
+TEST(GnuplotScript, LabelsSharedAxesOnceARowAndColumn) {
+    const std::string script = gnuplot_script(map_figure(), "svg", "");
+    EXPECT_EQ(count(script, "\"step (s)\""), 2u);    // the third panel is below the first alone
+    EXPECT_EQ(count(script, "\"rate (1/s)\""), 2u);  // two rows
+    Figure figure = small_figure();
+    figure.shared_axes = true;
+    figure.panels[2].curves[0].x.push_back(1e3), figure.panels[2].curves[0].y.push_back(1e3);
+    std::set<std::string> ranges;
+    const std::string other = gnuplot_script(figure, "svg", "");
+    const std::regex range("set xrange (.*)");
+    for (std::sregex_iterator i(other.begin(), other.end(), range), end; i != end; ++i) ranges.insert((*i)[1]);
+    ranges.erase("[0:1]");  // the page
+    EXPECT_EQ(ranges.size(), 1u);
+}
+
+TEST(GnuplotScript, KeepsToTheLimitsOfAPanel) {
+    Figure figure = small_figure();
+    figure.panels.resize(1);
+    figure.panels[0].log_x = false;
+    figure.panels[0].x_limits = Limits{-3, 0.05};
+    figure.panels[0].curves[1].line = false;
+    const std::string script = gnuplot_script(figure, "svg", "");
+    EXPECT_EQ(count(script, "set xrange [-3:0.05]"), 1u) << script;
+    EXPECT_EQ(count(script, "$curve1 using 1:2 with lines"), 0u);
+    EXPECT_EQ(count(script, "$curve1 using 1:2 every 1::0::2 with points"), 1u);
+    EXPECT_EQ(count(script, "$legend0"), 2u);  // of the curve with a line alone
+    EXPECT_EQ(count(script, "$legend1"), 0u);
+}
+
+// CIE 1976 L*
+double lightness(const std::string& color) {
+    const auto linear = [&](std::size_t at) {
+        const double c = std::stoi(color.substr(at, 2), nullptr, 16) / 255.0;
+        return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    };
+    return 116 * std::cbrt(0.2126 * linear(1) + 0.7152 * linear(3) + 0.0722 * linear(5)) - 16;
+}
+
+TEST(CurveStyle, ShadesDarkenByASteadyStep) {
+    for (int i = 1; i < shade_count; ++i)
+        EXPECT_GT(lightness(color_of_shade(i - 1)) - lightness(color_of_shade(i)), 8) << i;
+    EXPECT_EQ(color_of_shade(-1), color_of_shade(0));
+    EXPECT_EQ(color_of_shade(shade_count), color_of_shade(shade_count - 1));
+}
+
 TEST(CurveStyle, TellsFortyEightCurvesApart) {
     std::set<std::pair<std::string, int>> styles;
     std::set<std::string> colors;
@@ -177,8 +304,9 @@ TEST(CurveStyle, TellsFortyEightCurvesApart) {
 
 TEST(FigureLayout, KeepsEverythingApart) {
     for (const int panels : {1, 3, 8}) {
-        for (const int columns : {1, 2, 3}) {
-            Figure figure{"title", columns, std::vector<Panel>(static_cast<std::size_t>(panels)), "some words of note"};
+        for (const int columns : {1, 2, 3, -4}) {
+            Figure figure{"title", std::abs(columns), std::vector<Panel>(static_cast<std::size_t>(panels)),
+                          "some words of note", columns < 0};
             for (int i = 0; i < 12; ++i) figure.panels[0].curves.push_back(curve("method_" + std::to_string(i), i));
             const FigureLayout layout = layout_of(figure);
             double lowest = 0;
@@ -212,6 +340,20 @@ TEST_F(Draw, WritesTheSameBytesTwice) {
     EXPECT_EQ(content(path("a.svg")), content(path("b.svg")));
     EXPECT_EQ(content(path("a.pdf")), content(path("b.pdf")));
     EXPECT_EQ(content(path("a.pdf")).substr(0, 5), "%PDF-");
+    EXPECT_EQ(draw(map_figure(), path("c")), "");
+    EXPECT_EQ(draw(map_figure(), path("d")), "");
+    EXPECT_EQ(content(path("c.svg")), content(path("d.svg")));
+    EXPECT_EQ(content(path("c.pdf")), content(path("d.pdf")));
+}
+
+TEST_F(Draw, FillsAMapWithItsShades) {
+    ASSERT_EQ(draw(map_figure(), path("a")), "");
+    const std::string svg = content(path("a.svg"));
+    const auto filled = [&](const char* rgb) {
+        return std::regex_search(svg, std::regex(std::string("fill ?= ?'") + rgb));
+    };
+    EXPECT_TRUE(filled("rgb\\(244, *244, *220\\)"));
+    EXPECT_TRUE(filled("rgb\\( *29, *26, *51\\)"));
 }
 
 TEST_F(Draw, ShowsTextLiterally) {

@@ -1,0 +1,14 @@
+// The rates at which a motion answers to small changes: eigenvalues of the Jacobian of its right-hand side.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "motion/problem.h"
+
+namespace polhode {
+
+/// At a state of the motion, of the system as it was posed, 1/s, in no order; empty where the Jacobian is not finite.
+std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample);
+
+}  // namespace polhode

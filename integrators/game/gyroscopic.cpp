@@ -1,0 +1,229 @@
+// The updates of game engines, alike but for what they make of the gyroscopic term w x I w.
+//
+// A step of length h, semi-implicit Euler with q (body to world), w, x and v in world axes:
+//   1. loads at the old state:  w += h I_W^-1 tau,  v += h F / m,  I_W^-1 = R I^-1 R^T
+//   2. gyroscopic term, with w_B = R^T w taken to the body's axes and back:
+//        none                nothing
+//        explicit            w_B -= h I^-1 (w_B x I w_B)
+//        implicit            one Newton step from w_B for  I (w - w_B) + h w x I w = 0:
+//                            J = I + h (skew(w_B) I - skew(I w_B)),  w_B -= J^-1 (h w_B x I w_B)
+//        rescaled momentum   L = I w_B,  L' = L + h L x w_B,  w_B = I^-1 L' |L| / |L'|
+//   3. attitude by the new w:   q = exp(h w) q,  or  q += (h/2) (0, w) q  normalised;  x += h v
+// At a pivot w, tau and I are about it, and x, v follow from q, w.
+#include <cmath>
+#include <span>
+
+#include "body/mass_properties.h"
+#include "body/orientation.h"
+#include "integrators/game/world_loads.h"
+#include "integrators/kernels/binary32.h"
+
+namespace polhode {
+namespace {
+
+enum class Term { none, explicit_euler, one_newton_step, rescaled_momentum };
+enum class Turning { exponential, first_order };
+
+/// |v|, also where its square is out of range.
+template <class S>
+S length(const Vector3<S>& v) {
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+template <class S>
+struct BodyInertia {
+    Matrix3<S> tensor, inverse;
+
+    /// w_B after a time h of the gyroscopic term alone.
+    template <Term term>
+    Vector3<S> turned(const Vector3<S>& w, S h) const {
+        if constexpr (term == Term::none) return w;
+        const Vector3<S> L = tensor * w;
+        if constexpr (term == Term::explicit_euler) return w + h * (inverse * cross(L, w));
+        if constexpr (term == Term::one_newton_step) {
+            // J and the residual times I^-1: numbers near 1 whatever the units
+            Matrix3<S> J = skew(w) * tensor;
+            const Matrix3<S> skew_L = skew(L);
+            for (int i = 0; i < 3; ++i) J[i] = h * (J[i] - skew_L[i]);
+            J = inverse * J;
+            for (int i = 0; i < 3; ++i) J[i][i] += 1;
+            return w + polhode::inverse(J) * (h * (inverse * cross(L, w)));
+        }
+        if constexpr (term == Term::rescaled_momentum) {
+            const Vector3<S> turned = L + h * cross(L, w);
+            const S before = length(L), after = length(turned);
+            return after > 0 ? inverse * ((before / after) * turned) : w;
+        }
+    }
+};
+
+/// `parts`: so often the gyroscopic term and the attitude are taken, each time with an equal part of the loads' change.
+template <Term term, Turning turning, int parts, class S>
+class GyroscopicUpdate {
+  public:
+    explicit GyroscopicUpdate(const Problem& problem)
+        : problem_(&problem),
+          loads_(problem),
+          inertia_{cast<S>(problem.full_inertia.tensor), cast<S>(problem.full_inertia.inverse)},
+          held_(problem.body.pivoted) {
+        restart();
+    }
+    void restart() {
+        const ExactBody<double>& body = problem_->body;
+        q_ = cast<S>(body.q);
+        w_ = cast<S>(rotate(body.q, body.angular_velocity_B));
+        x_ = cast<S>(body.position_W), v_ = cast<S>(body.velocity_W);
+        place_at_pivot();
+        steps_ = 0;
+    }
+    void enter(const Segment& segment) {
+        loads_.enter(segment);
+        if (segment.impulses.empty()) return;
+        const Matrix3<S> R = rotation_matrix(q_);
+        Vector3<S> kick;
+        WorldLoads<S>::strike(*problem_, segment, R, x_, kick, v_);
+        w_ = w_ + R * (inertia_.inverse * (transposed(R) * kick));
+        place_at_pivot();
+    }
+    void step(double t, double step) {
+        const S h = S(step) / parts;
+        Matrix3<S> R = rotation_matrix(q_);
+        const Vector3<S> torque = loads_.torque_W(
+            t, R, [&] { return q_; }, w_, x_, v_);
+        const Vector3<S> acceleration = held_ ? Vector3<S>() : loads_.acceleration_W(R, v_);
+        for (int part = 0; part < parts; ++part) {
+            if (part > 0) R = rotation_matrix(q_);
+            const Matrix3<S> back = transposed(R);
+            w_ = w_ + h * (R * (inertia_.inverse * (back * torque)));
+            if constexpr (term != Term::none) w_ = R * inertia_.template turned<term>(back * w_, h);
+            turn(h);
+            v_ = v_ + h * acceleration;
+            x_ = x_ + h * v_;
+        }
+        place_at_pivot();
+        ++steps_;
+    }
+    Sample sample(double t) const {
+        Sample s;
+        s.t = t, s.q = cast<double>(q_);
+        s.angular_velocity_B = rotate_back(s.q, cast<double>(w_));
+        s.position_W = cast<double>(x_), s.velocity_W = cast<double>(v_);
+        if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
+        return s;
+    }
+    bool finite() const { return all_finite(w_, x_, v_) && all_finite(q_); }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    void turn(S h) {
+        if constexpr (turning == Turning::exponential) {
+            q_ = quaternion_from_rotation_vector(h * w_) * q_;
+        } else {
+            const Vector3<S> half = (h / 2) * w_;
+            const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q_;
+            q_ = {q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z};
+        }
+        q_ = normalized(q_);
+    }
+    void place_at_pivot() {
+        if (!held_) return;
+        x_ = rotate(q_, loads_.forcing().arm);
+        v_ = cross(w_, x_);
+    }
+
+    const Problem* problem_;
+    WorldLoads<S> loads_;
+    BodyInertia<S> inertia_;
+    bool held_;
+    Quaternion<S> q_;
+    Vector3<S> w_;      ///< world axes
+    Vector3<S> x_, v_;  ///< of the centre of mass
+    long steps_ = 0;
+};
+
+template <Term term, Turning turning = Turning::exponential, int parts = 1, class S = double>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    return march<GyroscopicUpdate<term, turning, parts, S>>(pose(problem.scene, Formulation::full), settings);
+}
+
+constexpr std::string_view catto = "E. Catto 2015, Numerical Methods, Game Developers Conference";
+
+constexpr Method in_binary64[] = {
+    {.name = "gyroscopic_none",
+     .documentation =
+         "The semi-implicit step of game engines without a gyroscopic term: w in world axes changes by the loads "
+         "alone, then q = exp(h w) q. Of a body that is no ball it converges, with order 1, to I_W dw/dt = tau, which "
+         "is another motion: free, it spins for ever about an axis that is fixed in body and world. Godot, cannon-es "
+         "and Havok's web build have it so; so do Jolt, PhysX and Unity unless they are told otherwise.",
+     .source = "the sources of the engines named",
+     .conserves = "|q|; w in world axes, not L, where no torque acts",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::none>},
+    {.name = "gyroscopic_explicit",
+     .documentation =
+         "The gyroscopic term by an explicit Euler step in the body's axes, w -= h I^-1 (w x I w). Free, every step "
+         "adds h^2/2 (dw/dt . I dw/dt) to the energy, so that a tumbling body spins up until it diverges. An option of "
+         "Bullet; Chrono, DART and MuJoCo's Euler do the same. Order 1.",
+     .source = "the sources of the engines named; D. Baraff & A. Witkin 1997 for the equation",
+     .conserves = "|q|",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::explicit_euler>},
+    {.name = "gyroscopic_implicit",
+     .documentation =
+         "The gyroscopic term by an implicit Euler step in the body's axes, I (w - w0) + h w x I w = 0, of which one "
+         "Newton step from w0 is taken. Free, a tumbling body loses energy until it turns about the axis of its "
+         "largest moment, with less and less momentum. Bullet's default; Box3D and MuJoCo's implicit integrators do "
+         "the same. Order 1.",
+     .source = catto,
+     .conserves = "|q|",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::one_newton_step>},
+    {.name = "gyroscopic_rescaled_momentum",
+     .documentation =
+         "The angular momentum in the body's axes by an explicit Euler step, L + h L x w, brought back to the length "
+         "that it had. Neither grows nor decays: a free body keeps |L|, though not L, and so a bounded energy, which "
+         "in the long run goes to that of a turn about the middle axis, |L|^2 / (2 I_2). Jolt and PhysX where their "
+         "gyroscopic forces are switched on. Order 1.",
+     .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
+     .conserves = "|q|; |L|, not L, where no torque acts",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::rescaled_momentum>},
+    {.name = "gyroscopic_substepped",
+     .documentation =
+         "`gyroscopic_rescaled_momentum` in four parts a step: torque and force are found once, at the step's begin, "
+         "and a quarter of their change, the gyroscopic term and the turn are taken four times. Rapier's four solver "
+         "iterations go this way. Order 1.",
+     .source = "Dimforge, Rapier",
+     .conserves = "|q|; |L|, not L, where no torque acts",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>},
+    {.name = "first_order_quaternion",
+     .documentation =
+         "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) (0, "
+         "w) q, normalised, which turns by 2 atan(h |w| / 2) in place of h |w|. ODE's default and cannon-es turn so "
+         "(cannon-es without a gyroscopic term). Order 1.",
+     .source = "the sources of the engines named",
+     .conserves = "|q|",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = solve<Term::explicit_euler, Turning::first_order>},
+};
+
+constexpr auto family = with_binary32<in_binary64, solve<Term::none, Turning::exponential, 1, float>,
+                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
+                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
+                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+
+}  // namespace
+
+extern const std::span<const Method> gyroscopic_methods;
+const std::span<const Method> gyroscopic_methods = family;
+
+}  // namespace polhode

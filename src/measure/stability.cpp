@@ -1,0 +1,88 @@
+#include "measure/stability.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+// overflow-safe: rates up to 1e308
+double length(double x, double y, double z) { return std::hypot(x, y, z); }
+
+double true_rate(const ReferenceSample& sample) {
+    const auto& w = sample.angular_velocity_B;
+    return length(w[0].high, w[1].high, w[2].high);
+}
+
+}  // namespace
+
+const char* name_of(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::accurate:
+            return "accurate";
+        case Outcome::close:
+            return "close";
+        case Outcome::wrong_but_bounded:
+            return "wrong but bounded";
+        case Outcome::damped_to_rest:
+            return "damped to rest";
+        case Outcome::diverged:
+            return "diverged";
+        case Outcome::tolerance_not_met:
+            return "tolerance_not_met";
+        case Outcome::failed:
+            return "failed";
+        case Outcome::unsupported:
+            return "unsupported";
+        case Outcome::no_truth:
+            break;
+    }
+    return "no truth";
+}
+
+bool is_stable(const Errors& of_run) {
+    constexpr double largest_rate_error = 4, largest_energy_error = 8;
+    return of_run.omega_max && *of_run.omega_max <= largest_rate_error && of_run.energy_max &&
+           *of_run.energy_max <= largest_energy_error;
+}
+
+bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference) {
+    constexpr double rest = 0.1, moving = 1e-3;
+    const std::size_t count = reference.samples.size();
+    if (trajectory.samples.size() != count || count < 2) return false;
+    double largest = 0;
+    for (const ReferenceSample& sample : reference.samples) largest = std::max(largest, true_rate(sample));
+    if (!(largest > 0)) return false;
+    // in units of the largest rate, so that nothing overflows or underflows
+    double own = 0, truth = 0;
+    const std::size_t begin = count - std::max<std::size_t>(1, count / 4);
+    for (std::size_t k = begin; k < count; ++k) {
+        const Vector3<double>& w = trajectory.samples[k].angular_velocity_B;
+        const double rate = length(w[0], w[1], w[2]) / largest, true_one = true_rate(reference.samples[k]) / largest;
+        own += rate * rate, truth += true_one * true_one;
+    }
+    return truth >= moving * moving * static_cast<double>(count - begin) && own < rest * rest * truth;
+}
+
+Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Reference& reference) {
+    switch (trajectory.status) {
+        case Status::ok:
+            break;
+        case Status::unsupported:
+            return Outcome::unsupported;
+        case Status::diverged:
+            return Outcome::diverged;
+        case Status::tolerance_not_met:
+            return Outcome::tolerance_not_met;
+        case Status::failed:
+            return Outcome::failed;
+    }
+    if (!errors.attitude_max) return Outcome::no_truth;
+    if (!is_stable(errors)) return Outcome::diverged;
+    // a stop is told first: at rest the attitude may be near enough by chance
+    if (is_damped_to_rest(trajectory, reference)) return Outcome::damped_to_rest;
+    if (*errors.attitude_max <= accurate_attitude) return Outcome::accurate;
+    return *errors.attitude_max <= close_attitude ? Outcome::close : Outcome::wrong_but_bounded;
+}
+
+}  // namespace polhode

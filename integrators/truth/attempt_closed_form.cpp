@@ -103,7 +103,13 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
     const TaylorSettings settings{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits, 1, 400'000};
     auto formed = in_thread([&] {
         Run<P> run;
-        for (const double t : sample_times) run.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+        for (const double t : sample_times) {
+            if (Allowance::is_spent()) {
+                run.fault = Allowance::fault;
+                break;
+            }
+            run.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+        }
         return run;
     });
     const Run<P> series =

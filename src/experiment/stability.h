@@ -1,4 +1,4 @@
-// Pictures of the study of stability: regions of linear theory, and maps of what runs come to.
+// What the study of stability is made of beside its runs: pictures and tables of their own.
 #pragma once
 
 #include <span>
@@ -18,5 +18,10 @@ std::vector<NamedFigure> stability_region_figures(std::span<const PlannedScene> 
 /// updates of game engines: where they blow up, where they damp, where only the attitude is wrong). Figures: a panel a
 /// method, a page sixteen. `jobs` threads; `quick`: every fourth column and row.
 StudyResult step_maps(std::span<const Method* const> methods, int jobs, bool quick);
+
+/// What becomes of a method's order where a torque jumps, or its derivative does, or it acts for less than a step:
+/// stepped onto, as an event of the scene, and stepped over, as a function of time that nobody knows to jump. A row for
+/// each case, method and way. `quick`: coarser steps and tolerances only.
+NamedTable discontinuity_table(bool quick);
 
 }  // namespace polhode

@@ -58,10 +58,10 @@ TEST_F(Program, RefusesBadUsage) {
     expect_refused({"solve", "/"}, "Is a directory");
     expect_refused({"solve", scene, "--method", "odeint_rk5"}, "did you mean odeint_rk4");
     expect_refused({"solve", scene, "--methd", "odeint_rk4"}, "--methd");
-    for (const char* option : {"--step", "--tolerance", "--duration"})
+    for (const char* option : {"--step", "--tolerance", "--duration", "--max-seconds"})
         for (const char* value : {"0", "-1", "nan", "inf", "-inf", "x", ""})
             expect_refused({"solve", scene, option, value}, option);
-    for (const char* option : {"--steps", "--samples", "--max-steps"})
+    for (const char* option : {"--steps", "--samples", "--max-steps", "--max-evaluations"})
         for (const char* value : {"0", "-1", "1.5", "x", "", "99999999999999999999"})
             expect_refused({"solve", scene, option, value}, option);
     for (const char* option : {"--method", "--output"}) expect_refused({"solve", scene, option, ""}, option);
@@ -105,6 +105,15 @@ TEST_F(Program, SolvesToStdoutAndToAFileAlike) {
     settings.step = 1e-3, settings.samples = 10;
     EXPECT_EQ(printed.out,
               trajectory_csv(polhode::solve(find_scene("lagrange_top"), *find_method("odeint_rk4"), settings)));
+}
+
+TEST_F(Program, StopsAtTheLimitsThatItIsGiven) {
+    for (const auto& [option, value, words] : {std::tuple("--max-evaluations", "50", "limit of 50 evaluations"),
+                                               {"--max-seconds", "1e-9", "limit of 1e-09 s"}}) {
+        const Outcome outcome = run({"solve", "free_asymmetric", "--method", "odeint_dopri5", option, value});
+        EXPECT_EQ(outcome.exit_code, 1);
+        EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    }
 }
 
 TEST_F(Program, TellsOfAStepRoundedDown) {

@@ -74,5 +74,21 @@ TEST_F(Truth, MoreDigitsThanCanBeHadAreRefused) {
     EXPECT_TRUE(fs::is_empty(directory));
 }
 
+TEST_F(Truth, ThatTakesTooLongIsGivenUp) {
+    // a duration that nobody asks for, so that no cache knows it
+    std::vector<std::string> arguments{"truth", "every_load", "--duration", "987.654321", "--max-seconds", "0.01"};
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err, "polhode: no truth within the limit of 0.01 s\n");
+    EXPECT_LT(outcome.seconds, 2);
+    if (ball_arithmetic_version().empty()) return;
+    arguments.emplace_back("--certified");
+    const Outcome certified = run(arguments);
+    EXPECT_EQ(certified.exit_code, 1);
+    EXPECT_EQ(certified.err, "polhode: no certified truth within the limit of 0.01 s\n");
+    EXPECT_LT(certified.seconds, 2);
+}
+
 }  // namespace
 }  // namespace polhode

@@ -1,5 +1,6 @@
 #include "experiment/sweep.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -336,6 +337,44 @@ TEST(Result, HasTheContractsColumnsFirst) {
         EXPECT_EQ(std::count(columns.begin() + static_cast<long>(contract.size()), columns.end(), floor), 1) << floor;
 }
 
+TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
+    // an unstable spin for long: errors of the tolerance's size grow e-fold in about a second
+    const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [60]},
+                                                   "methods": ["odeint_dopri5"], "settings": {"tolerances": [1e-2]},
+                                                   "samples": 4, "repeats": 1})",
+                                              "t.json"),
+                             "t.json", false);
+    run_sweep(p, options_);
+    const std::vector<Result> results = finished_results(p, options_.directory);
+    ASSERT_EQ(results.size(), 1U);
+    const Result& r = results.front();
+    ASSERT_EQ(r.status, Status::tolerance_not_met) << r.message;
+    const Scene& scene = p.scenes.front().scene;
+    const double kappa = conditioning(scene, {scene.duration}).attitude.front();
+    EXPECT_NE(r.message.find(fmt::format("; kappa(T) times the tolerance is {:.2g}", kappa * 1e-2)), std::string::npos)
+        << r.message << " " << kappa;
+    EXPECT_TRUE(r.counts.rejected_steps.has_value());
+}
+
+TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
+    Result r;
+    r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 1e-6;
+    r.counts = {12, 3, std::nullopt}, r.errors.attitude_max = 5e-6;
+    Table row{result_columns(), {row_of("e", r)}};
+    EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "5");
+    const Result back = result_of(parse_csv(csv(row)), 0);
+    EXPECT_EQ(back.counts.rejected_steps, 12);
+    EXPECT_EQ(back.counts.newton_failures, 3);
+    EXPECT_FALSE(back.counts.order_reductions.has_value());
+    // by a step there is no tolerance
+    r.setting_kind = SettingKind::step;
+    row.rows = {row_of("e", r)};
+    EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "");
+    // rows from before there were counts
+    row.columns.resize(row.columns.size() - 4), row.rows[0].resize(row.columns.size());
+    EXPECT_FALSE(result_of(row, 0).counts.rejected_steps.has_value());
+}
+
 TEST(Result, RowsFromBeforeTheFloorsReadBack) {
     Result r;
     r.scene = "s", r.method = "m", r.floors.float64 = 1e-13, r.series.t = {0, 1}, r.series.attitude = {0, 0.5};
@@ -343,7 +382,7 @@ TEST(Result, RowsFromBeforeTheFloorsReadBack) {
     Table row{result_columns(), {row_of("e", r)}}, series = series_table(r.series);
     EXPECT_EQ(result_of(row, 0).floors.float64, 1e-13);
     EXPECT_EQ(series_of(series).float64_floor, r.series.float64_floor);
-    while (row.columns.back().find("_floor") != std::string::npos) row.columns.pop_back(), row.rows[0].pop_back();
+    while (row.columns.back() != "revolutions") row.columns.pop_back(), row.rows[0].pop_back();
     ASSERT_EQ(row.columns.back(), "revolutions");
     EXPECT_FALSE(result_of(row, 0).floors.float64.has_value());
     EXPECT_EQ(result_of(row, 0).method, "m");

@@ -277,10 +277,13 @@ std::vector<std::string> write_study_report(const Plan& plan, const StudyResult&
     const std::string& experiment = plan.experiment.name;
     std::filesystem::create_directories(directory);
     for (const NamedTable& named : result.tables) {
-        const std::string name = named.name.empty() ? experiment : experiment + "_" + file_name(named.name);
-        write_table(named.table, named.for_people.empty() ? named.table : select(named.table, named.for_people),
-                    named.title.empty() ? plan.experiment.about : named.title,
-                    (std::filesystem::path(directory) / name).string(), name);
+        const std::string name = named.name.empty() ? experiment : experiment + "_" + named.name;
+        const std::string path = (std::filesystem::path(directory) / name).string();
+        if (named.only_csv)
+            write_atomically(path + ".csv", csv(named.table));
+        else
+            write_table(named.table, named.for_people.empty() ? named.table : select(named.table, named.for_people),
+                        named.title.empty() ? plan.experiment.about : named.title, path, name);
     }
     if (!result.page.empty())
         write_atomically((std::filesystem::path(directory) / (experiment + ".md")).string(), result.page);

@@ -1,43 +1,129 @@
 // Linear theory beside what was measured.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "experiment/stability_tables.h"
 #include "integrators/linear_stability.h"
+#include "table/parallel.h"
 
 namespace polhode {
 namespace {
 
-// The eigenvalue that limits the step: the one of largest magnitude, of a conjugate pair the upper. Empty where linear
-// theory does not apply: a motion whose fastest eigenvalue is that of its turning, |lambda| = |w| / 2, or none.
+/// h |lambda| on the stiff axis at which a method's numbers begin to grow.
+class GrowthSearch {
+  public:
+    GrowthSearch(const Scene& scene, const Method& method, double rate) : scene_(scene), method_(method), rate_(rate) {}
+
+    // the largest without growth, bracketed about the one expected and halved to a thousandth
+    std::optional<double> limit(double expected) const {
+        double stable = expected / 2;
+        if (grows(stable)) return {};
+        double growing = stable;
+        while (!grows(growing)) {
+            stable = growing;
+            growing *= 1.15;
+            if (growing > 4 * expected) return {};
+        }
+        while (growing - stable > 1e-3 * stable) {
+            const double middle = (stable + growing) / 2;
+            (grows(middle) ? growing : stable) = middle;
+        }
+        return stable;
+    }
+
+    // Over so many steps, sampled in two halves: whether the second reaches beyond three times the first. What only
+    // swells and falls again, as an oscillation near the limit of a symplectic step does, does not grow.
+    bool grows(double z) const {
+        constexpr long steps = 50'000, samples = 200;
+        const double h = z / rate_;
+        Scene scene = scene_;
+        scene.duration = static_cast<double>(steps) * h;
+        Settings settings;
+        settings.step = h * (1 + 1e-12), settings.samples = samples;
+        const Trajectory run = solve(scene, method_, settings);
+        if (run.status != Status::ok) return true;
+        double halves[2]{};
+        for (std::size_t k = 0; k < run.samples.size(); ++k) {
+            const Vector3<double>& w = run.samples[k].angular_velocity_B;
+            double& largest = halves[k > samples / 2];
+            largest = std::max(largest, std::hypot(w[0], w[1], w[2]));
+        }
+        return halves[1] > 3 * halves[0];
+    }
+
+  private:
+    const Scene& scene_;
+    const Method& method_;
+    double rate_;
+};
+
+// Of the eigenvalues the one that limits the step; empty unless the scene is linear.
 std::optional<std::complex<double>> limiting(const StabilityScene& scene) {
-    std::optional<std::complex<double>> found;
+    if (!scene.is_linear) return {};
+    std::complex<double> largest = 0;
     for (const std::complex<double>& lambda : scene.eigenvalues)
-        if (!found || std::abs(lambda) > std::abs(*found)) found = lambda;
-    if (!found || !scene.is_linear) return {};
-    return std::complex<double>(found->real(), std::abs(found->imag()));
+        if (std::abs(lambda) > std::abs(largest)) largest = lambda;
+    return std::complex<double>(largest.real(), std::abs(largest.imag()));
 }
+
+// one scene of each direction, the first: eigenvalues scale out
+std::vector<std::size_t> directions(const StabilityFindings& found) {
+    std::vector<std::size_t> scenes;
+    std::vector<double> angles;
+    for (std::size_t s = 0; s < found.scenes.size(); ++s) {
+        const auto lambda = limiting(found.scenes[s]);
+        if (!lambda) continue;
+        const double angle = std::arg(*lambda);
+        if (std::any_of(angles.begin(), angles.end(), [&](double a) { return std::abs(a - angle) < 1e-3; })) continue;
+        scenes.push_back(s), angles.push_back(angle);
+    }
+    return scenes;
+}
+
+bool turns_as_a_body(const Method& method) { return !method.name.starts_with("point_"); }
 
 }  // namespace
 
-Table linear_table(const StabilityFindings& found) {
-    Table table{{"scene", "family", "parameter", "method", "eigenvalue_real", "eigenvalue_imaginary", "theory",
-                 "measured", "deviation"},
-                {}};
-    for (const StabilityFinding& f : found.findings) {
-        if (f.kind != SettingKind::step || !f.stable) continue;
-        const auto lambda = limiting(*f.scene);
-        if (!lambda) continue;
-        const std::optional<double> theory = stable_length(*f.method, std::arg(*lambda));
-        if (!theory) continue;
-        const double measured = f.stable->result.setting * std::abs(*lambda);
-        // a limit that the longest step of the search does not reach, or at 0, is nothing to compare with
-        const bool comparable = f.beyond && std::isfinite(*theory) && *theory > 0;
-        table.rows.push_back({f.scene->label, f.scene->member.family, cell_of(f.scene->member.parameter),
-                              std::string(f.method->name), lambda->real(), lambda->imag(),
-                              std::isfinite(*theory) ? Cell(*theory) : Cell(std::string("no limit")), measured,
-                              comparable ? Cell(measured / *theory - 1) : Cell()});
+Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs) {
+    Table table{
+        {"scene", "method", "eigenvalue_real", "eigenvalue_imaginary", "theory", "measured", "deviation", "remark"},
+        {}};
+    struct Line {
+        std::size_t scene;
+        const Method* method;
+        std::complex<double> lambda;
+        double theory;
+        std::optional<double> measured;
+        bool grows_early = false;
+    };
+    std::vector<Line> lines;
+    for (const std::size_t s : directions(found))
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.kind != SettingKind::step || !turns_as_a_body(*curve.method)) continue;
+            const std::complex<double> lambda = *limiting(found.scenes[s]);
+            if (const auto theory = stable_length(*curve.method, std::arg(lambda)))
+                lines.push_back({s, curve.method, lambda, *theory, {}});
+        }
+    parallel_for(lines.size(), jobs, [&](std::size_t i) {
+        Line& line = lines[i];
+        if (sweep_interrupted()) return;
+        const GrowthSearch search(plan.scenes[line.scene].scene, *line.method, std::abs(line.lambda));
+        // a theory without a limit is tried far out, one that allows no step at a small one
+        if (line.theory == 0 || !std::isfinite(line.theory))
+            line.grows_early = search.grows(line.theory == 0 ? 0.1 : 100.0);
+        else
+            line.measured = search.limit(line.theory);
+    });
+    for (const Line& line : lines) {
+        const bool bounded = std::isfinite(line.theory) && line.theory > 0;
+        std::string remark;
+        if (line.theory == 0) remark = line.grows_early ? "grows at 0.1" : "no growth seen at 0.1";
+        if (!std::isfinite(line.theory)) remark = line.grows_early ? "fails or grows at 100" : "no growth at 100";
+        if (bounded && !line.measured) remark = "no limit found between a half and four times the theory's";
+        table.rows.push_back(
+            {found.scenes[line.scene].label, std::string(line.method->name), line.lambda.real(), line.lambda.imag(),
+             std::isfinite(line.theory) ? Cell(line.theory) : Cell(std::string("no limit")), cell_of(line.measured),
+             line.measured ? Cell(*line.measured / line.theory - 1) : Cell(), remark});
     }
     return table;
 }

@@ -60,7 +60,8 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
     scene.fastest_rate = turning;
     scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
     const double first = largest_magnitude(scene.eigenvalues);
-    scene.is_linear = first > turning && posed.problem.segments.size() == 1;
+    scene.is_linear = posed.problem.needs.system == System::principal_axis_rotation &&
+                      !posed.problem.needs.torque_free && posed.problem.segments.size() == 1;
     for (const ReferenceSample& sample : posed.truth.samples) {
         const double largest = largest_magnitude(eigenvalues(posed.problem, rounded(sample)));
         scene.fastest_rate = std::max(scene.fastest_rate, largest);
@@ -137,7 +138,7 @@ class Search {
     const StabilityRun& try_setting(double setting) {
         const PlannedCurve one{curve_.method, curve_.color, curve_.kind, {setting}, curve_.formulation, false};
         Case c{&planned_, &one, 0, {}};
-        Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, scene_.kappa, c);
+        Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c, scene_.kappa);
         Result& result = *c.result;
         result.floors = scene_.floors;
         // runs share the machine: one wall clock each, and nothing to compare by

@@ -32,8 +32,8 @@ struct StabilityScene {
     double duration = 0;      ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
-    /// The eigenvalue of largest magnitude is not that of the turning itself, and stays what it is over the run, within
-    /// a thousandth.
+    /// Rotation about one principal axis under a torque, its largest eigenvalue the same over the run within a
+    /// thousandth: linear theory applies as it stands.
     bool is_linear = false;
     Floors floors;
     std::optional<double> kappa;  ///< of the attitude at T, where it was needed and is known

@@ -247,4 +247,61 @@ Table float32_table(const StabilityFindings& found) {
     return table;
 }
 
+Table lost_table(const StabilityFindings& found) {
+    const Table all = float32_table(found);
+    const std::size_t scene = column_index(all, "scene"), name = column_index(all, "method"),
+                      binary64 = column_index(all, "smallest_error_float64"),
+                      binary32 = column_index(all, "smallest_error_float32"), lost = column_index(all, "lost_for_good");
+    Table table{{"method", "scenes", "lost", "error_ratio_median", "lost_on"}, {}};
+    std::vector<std::string> order;
+    for (const auto& row : all.rows)
+        if (std::find(order.begin(), order.end(), text_of(row[name])) == order.end())
+            order.push_back(text_of(row[name]));
+    for (const std::string& method : order) {
+        long scenes = 0, gone = 0;
+        std::vector<double> ratios;
+        std::string where;
+        for (const auto& row : all.rows) {
+            if (text_of(row[name]) != method) continue;
+            ++scenes;
+            const double *of64 = std::get_if<double>(&row[binary64]), *of32 = std::get_if<double>(&row[binary32]);
+            if (!text_of(row[lost]).empty())
+                ++gone, where += fmt::format("{}{}", where.empty() ? "" : ", ", text_of(row[scene]));
+            else if (of64 && of32 && *of64 > 0)
+                ratios.push_back(*of32 / *of64);
+        }
+        table.rows.push_back({method, scenes, gone, middle(ratios), where});
+    }
+    return table;
+}
+
+Table damping_table(const Plan& plan, const StabilityFindings& found) {
+    constexpr const char* name = "extreme/drag_torque_1e6";
+    constexpr double wanted = 1e-10;  // rad
+    Table table{{"method", "reaches_1e-10", "tolerance", "evaluations_per_second", "attitude_error", "status"}, {}};
+    for (const PlannedCurve& curve : plan.curves) {
+        if (curve.kind != SettingKind::tolerance) continue;
+        for (const StabilityFinding& f : found.findings) {
+            if (f.method != curve.method || f.kind != curve.kind || f.scene->label != name || !was_run(f)) continue;
+            const StabilityRun* best = nullptr;
+            const auto error = [](const StabilityRun* run) { return run->result.errors.attitude_max.value_or(4); };
+            for (const StabilityRun& run : f.runs) {
+                const bool reaches = error(&run) <= wanted;
+                const bool before = best && error(best) <= wanted;
+                if (!best || (reaches && !before) || (!reaches && !before && error(&run) < error(best)) ||
+                    (reaches && before &&
+                     run.result.rhs_evaluations.value_or(0) < best->result.rhs_evaluations.value_or(0)))
+                    best = &run;
+            }
+            if (!best) continue;
+            const Result& r = best->result;
+            table.rows.push_back(
+                {std::string(curve.method->name), std::string(error(best) <= wanted ? "yes" : "no"), r.setting,
+                 r.rhs_evaluations ? Cell(static_cast<double>(*r.rhs_evaluations) / f.scene->duration) : Cell(),
+                 cell_of(r.errors.attitude_max), std::string(name_of(r.status))});
+        }
+    }
+    return table;
+}
+
 }  // namespace polhode

@@ -19,9 +19,9 @@ Table limits_table(const StabilityFindings& found);
 /// The same of each family: the least and the largest over its members.
 Table families_table(const StabilityFindings& found);
 
-/// For each fixed-step method that has a theory, and each scene on which it applies: h |lambda| on the stiff axis at
-/// the largest stable step, by theory and as measured.
-Table linear_table(const StabilityFindings& found);
+/// For each fixed-step method that has a linear theory, on a linear scene of each direction of the eigenvalue: the
+/// largest h |lambda| without growth by theory, and as measured over 50,000 steps, however small the growth beyond it.
+Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs);
 
 /// For each method: how many runs ended in which status and in which outcome.
 Table outcomes_table(const Plan& plan, const StabilityFindings& found);
@@ -34,6 +34,15 @@ Table tolerances_table(const Plan& plan, const StabilityFindings& found);
 /// arithmetic outweighs the method, and whether binary32 loses the scene for good: never within 0.1 rad where binary64
 /// comes within it.
 Table float32_table(const StabilityFindings& found);
+
+/// For each of these methods: on how many scenes, and which, binary32 is lost for good, and the median over the others
+/// of binary32's smallest error over binary64's.
+Table lost_table(const StabilityFindings& found);
+
+/// For each tolerance-driven method on the stiffest scene of a steady spin whose truth all stiff methods can meet,
+/// extreme/drag_torque_1e6: the fewest right-hand sides a second of motion with which it is within 1e-10 rad, and how
+/// near the others come. Empty where the scene is not in the plan.
+Table damping_table(const Plan& plan, const StabilityFindings& found);
 
 /// Each tolerance-driven run: steps, evaluations, and what the solver tells of its troubles.
 Table counts_table(const StabilityFindings& found);

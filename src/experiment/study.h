@@ -20,6 +20,7 @@ struct NamedTable {
     std::string title;  ///< of the page; empty: what the experiment is about
     Table table;
     std::vector<ColumnChoice> for_people{};  ///< empty: all columns
+    bool only_csv = false;                   ///< for machines, and too long for a page
 };
 
 struct StudyResult {

@@ -82,7 +82,8 @@ Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Ref
     if (trajectory.status != Status::ok || trajectory.samples.empty()) return result;
     const auto largest = [](const std::vector<double>& values) -> std::optional<double> {
         if (values.empty()) return {};
-        return *std::max_element(values.begin(), values.end());
+        const double most = *std::max_element(values.begin(), values.end());
+        return std::isfinite(most) ? std::optional(most) : std::nullopt;
     };
     result.norm_max = largest(series.norm);
     if (!reference.available || series.attitude.size() != reference.samples.size()) return result;

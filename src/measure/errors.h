@@ -22,7 +22,7 @@ struct ErrorSeries {
 };
 
 /// The columns of the result table. A number that does not exist is empty: all but `norm_max` without a truth, all of
-/// them for a run that did not reach the end.
+/// them for a run that did not reach the end, and one that overflows.
 struct Errors {
     std::optional<double> attitude_final, attitude_max, omega_max, energy_max, momentum_max, norm_max;
 };

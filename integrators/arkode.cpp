@@ -52,13 +52,6 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     });
 }
 
-Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
-    const bool stiff = is_stiff(problem);
-    Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
-    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
-                                                 : "explicit, order 8, for the motion is not stiff");
-}
-
 /// ARKODE's own table in one piece of memory.
 struct LinearTable {
     std::vector<double> A, b;
@@ -87,6 +80,13 @@ double growth(std::complex<double> z) {
         }
     }();
     return runge_kutta_growth(table.A, table.b, z);
+}
+
+Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+    const bool stiff = is_stiff(problem);
+    Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
+    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
+                                                 : "explicit, order 8, for the motion is not stiff");
 }
 
 constexpr std::string_view arkode_source =

@@ -23,7 +23,7 @@ double rounding_of(const Problem& problem) {
 }
 
 // A free body next to the separatrix, where a = I1 (I2 - I1) w1^2 and b = I3 (I3 - I2) w3^2 are nearly the same,
-// multiplies the rounding of its start by up to the inverse of how nearly.
+// multiplies the rounding of its start, and that of a and b, by up to the inverse of how nearly.
 bool starts_next_to_separatrix(const Problem& problem) {
     constexpr double next_to = 1e-3;
     const Segment& segment = problem.segments.front();
@@ -35,17 +35,8 @@ bool starts_next_to_separatrix(const Problem& problem) {
     return std::abs(a - b) < next_to * b;
 }
 
-// Axes that had to be computed or a w given in the world: posed, they are rounded.
-bool start_was_rounded(const Problem& problem) {
-    for (int i = 0; i < 3; ++i)
-        if (problem.wide_principal.moments[i] != Wide(problem.principal.moments[i]) ||
-            problem.wide_initial_angular_velocity[i] != Wide(problem.initial_angular_velocity[i]))
-            return true;
-    return false;
-}
-
 std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
-    if (segment.begin == 0 && starts_next_to_separatrix(problem) && start_was_rounded(problem)) {
+    if (segment.begin == 0 && starts_next_to_separatrix(problem)) {
         const FreeAsymmetricBody<Wide> form(problem.wide_principal.moments, problem.wide_initial_angular_velocity,
                                             cast<Wide>(quaternion_at(y, 3)));
         return std::optional<Form>(std::in_place, std::in_place_type<FreeAsymmetricBody<double>>, form);

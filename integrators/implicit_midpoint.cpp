@@ -124,11 +124,10 @@ class ImplicitMidpoint {
         const Column y = Eigen::Map<const Column>(y_);
         Eigen::PartialPivLU<Square> factors;
         const auto factorise = [&] {
-            alignas(32) S middle[N];
-            Eigen::Map<Column>(middle, N) = y + (S(0.5) * h) * k;
-            Square J;
-            jacobian(system_, t + h / 2, middle, J.data());
-            factors.compute(Square::Identity() - (S(0.5) * h) * J);
+            const Eigen::Matrix<double, N, 1> middle = (y + (S(0.5) * h) * k).template cast<double>();
+            Eigen::Matrix<double, N, N, Eigen::RowMajor> J;
+            jacobian(system_, t + h / 2, middle.data(), J.data());
+            factors.compute(Square::Identity() - (S(0.5) * h) * J.template cast<S>());
         };
         factorise();
         double before = INFINITY;

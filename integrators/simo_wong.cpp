@@ -22,7 +22,7 @@ class SimoWong : public MomentumStateOf<S> {
   public:
     explicit SimoWong(const Problem& problem) : Base(problem) {}
 
-    void step(double t, double step) {
+    [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
         const Quaternion<S> q = attitude_.value();
         const Matrix3<S> R = rotation_matrix(q);

@@ -1,24 +1,35 @@
 // Taylor series in binary64: orders 12 to 24, steps from the coefficients, dense output from the polynomial.
+//
+// Where rounding is all that is left to gain, the state and its first two coefficients are kept in extended precision:
+// of a step's increment h y_1 + h^2 y_2 + .. only the rest, some thousandths of it, is then rounded to 53 bits.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <string>
 #include <type_traits>
-#include <utility>
 
 #include "integrators/kernels/rotation_series.h"
 #include "integrators/kernels/turn.h"
-#include "integrators/march.h"
+#include "integrators/solver_run.h"
 #include "integrators/truth/series.h"
+#include "motion/dual.h"
 
 namespace polhode {
 namespace {
 
 // the smallest tolerance that means anything: beyond it round-off of the state is all that is left
 constexpr double least_tolerance = 1e-16;
+// below it a step's truncation is less than its rounding
+constexpr double careful_below = 3e-15;
+constexpr int careful_order = 24;
+// with care steps are taken for this share of the tolerance: truncation errors are alike in every step and add up,
+// where rounding errors are not
+constexpr double careful_share = 0.01;
 
 // x^(1/p) to a few parts in 10^4, which is all that a step's length needs, in a tenth of std::pow's time: x = m 2^e
 // with m in [sqrt(1/2), sqrt(2)); log2 m by the series of artanh((m - 1)/(m + 1)), 2^y by Taylor's about y = 0.
@@ -58,36 +69,32 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-/// Rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
+/// The coefficients of rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
 template <int order, class Wide>
-class UnrolledSeries {
+class UnrolledCoefficients {
   public:
-    UnrolledSeries(const Problem& problem, const Segment& segment, double rate_scale)
-        : series_(problem.principal_inertia), rate_scale_(rate_scale) {
+    UnrolledCoefficients(const Problem& problem, const Segment& segment)
+        : series_(problem.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
             expand_ = &expand_avx512, move_ = &move_avx512;
         else if (instruction_set() == InstructionSet::avx2)
             expand_ = &expand_avx2, move_ = &move_avx2;
     }
-    void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
-    void expand() { expand_(series_, state_); }
+    void expand(const PackedRotation& state) { expand_(series_, state); }
+    void expand(const double* y) { expand_(series_, PackedRotation(y)); }
     double step(double tolerance) const {
         Sizes sizes;
         sizes.note(series_.squared_rate(order), series_.squared_rate(order - 1), rate_scale_);
         sizes.note(series_.squared_attitude(order), series_.squared_attitude(order - 1), 1);
         return step_of(sizes, tolerance, order);
     }
-    void advance(double h) { move_(series_, h, state_, lost_); }
-    void look(double h, double* y) const {
-        PackedRotation state = state_, lost = lost_;
-        move_(series_, h, state, lost);
-        state.unpack(y);
-    }
-    void state(double* y) const { state_.unpack(y); }
+    void move(double h, PackedRotation& state, PackedRotation& lost) const { move_(series_, h, state, lost); }
+    /// The sum of y_k h^(k - 3) from k = 3 on.
+    void tail(double h, double* sum) const { series_.tail(h, sum); }
 
   private:
-    using Series = RotationSeries<order, Wide>;
+    using Series = RotationSeries<order, Wide, order == careful_order>;
 
     static void expand_plain(Series& series, const PackedRotation& state) { series.expand(state); }
     static void move_plain(const Series& series, double h, PackedRotation& state, PackedRotation& lost) {
@@ -110,41 +117,30 @@ class UnrolledSeries {
     void (*expand_)(Series&, const PackedRotation&) = &expand_plain;
     void (*move_)(const Series&, double, PackedRotation&, PackedRotation&) = &move_plain;
     double rate_scale_;
-    PackedRotation state_, lost_;
 };
 
-/// Any of the systems, its recurrences recorded from the one right-hand side.
+/// Those of any of the systems, their recurrences recorded from the one right-hand side.
 template <int order, class SystemType>
-class RecordedSeries {
+class RecordedCoefficients {
   public:
     static constexpr int dimension = SystemType::dimension;
 
-    RecordedSeries(const Problem& problem, const Segment& segment)
+    RecordedCoefficients(const Problem& problem, const Segment& segment)
         : series_(truth::record<double>(Form{system_on<SystemType>(problem, segment)}, dimension), order) {
         component_scales<SystemType>(problem, scales_.data());
     }
-    void start(const double* y) {
-        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
-    }
-    void expand() {
-        std::array<double, dimension> y{};
-        state(y.data());
-        series_.expand(y.data());
-    }
+    void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
         Sizes sizes;
         for (int i = 0; i < dimension; ++i)
             sizes.note(squared(series_.coefficient(i, order)), squared(series_.coefficient(i, order - 1)), scales_[i]);
         return step_of(sizes, tolerance, order);
     }
-    void advance(double h) {
-        for (int i = 0; i < dimension; ++i) sum_[i].add(increment(i, h));
-    }
-    void look(double h, double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + increment(i, h));
-    }
-    void state(double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+    /// The sum of y_k h^k from k = 1 on, component i.
+    double increment(int i, double h) const { return sum(i, h, 1) * h; }
+    /// The sum of y_k h^(k - 3) from k = 3 on.
+    void tail(double h, double* sums) const {
+        for (int i = 0; i < dimension; ++i) sums[i] = sum(i, h, 3);
     }
 
   private:
@@ -155,94 +151,198 @@ class RecordedSeries {
         }
     };
     static double squared(double x) { return x * x; }
-    double increment(int i, double h) const {
+    // y_from + y_from+1 h + ..
+    double sum(int i, double h, int from) const {
         double sum = series_.coefficient(i, order);
-        for (int k = order - 1; k >= 1; --k) sum = sum * h + series_.coefficient(i, k);
-        return sum * h;
+        for (int k = order - 1; k >= from; --k) sum = sum * h + series_.coefficient(i, k);
+        return sum;
     }
 
     truth::Series<double> series_;
     std::array<double, dimension> scales_{};
+};
+
+/// A rotation and its series about it, summed with compensation.
+template <int order, class Wide>
+class UnrolledSeries {
+  public:
+    UnrolledSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
+    void expand() { coefficients_.expand(state_); }
+    double step(double tolerance) const { return coefficients_.step(tolerance); }
+    void advance(double h) { coefficients_.move(h, state_, lost_); }
+    void look(double h, double* y) const {
+        PackedRotation state = state_, lost = lost_;
+        coefficients_.move(h, state, lost);
+        state.unpack(y);
+    }
+    void state(double* y) const { state_.unpack(y); }
+
+  private:
+    UnrolledCoefficients<order, Wide> coefficients_;
+    PackedRotation state_, lost_;
+};
+
+/// Any of the systems' likewise.
+template <int order, class SystemType>
+class RecordedSeries {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    RecordedSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    void start(const double* y) {
+        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
+    }
+    void expand() {
+        std::array<double, dimension> y{};
+        state(y.data());
+        coefficients_.expand(y.data());
+    }
+    double step(double tolerance) const { return coefficients_.step(tolerance); }
+    void advance(double h) {
+        for (int i = 0; i < dimension; ++i) sum_[i].add(coefficients_.increment(i, h));
+    }
+    void look(double h, double* y) const {
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + coefficients_.increment(i, h));
+    }
+    void state(double* y) const {
+        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+    }
+
+  private:
+    RecordedCoefficients<order, SystemType> coefficients_;
     std::array<CompensatedSum, dimension> sum_{};
 };
 
-/// Steps of the series' own choosing, cut only at events and at the end; samples are looked up in the polynomial, so
-/// the steps do not depend on them.
-template <class Series, class SystemType, class... Options>
-Trajectory march_series(const Problem& problem, const Settings& settings, const Options&... options) {
-    Trajectory trajectory;
-    const double T = problem.scene.duration, bound = energy_bound(problem);
-    const double tolerance = std::max(*settings.tolerance, least_tolerance);
-    const long N = settings.samples;
-    Budget budget(settings);
-    long expansions = 0;
-    std::array<double, SystemType::dimension> y{};
-    const auto run = [&](bool recording) {
-        expansions = 0;
-        initial_state<SystemType>(problem, y.data());
-        Pace pace(settings, T, budget.steps());
-        long k = 0;
-        const auto keep = [&](double t) {
-            return record(problem, sample_of<SystemType>(problem, t, y.data()), bound, trajectory);
-        };
-        for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-            const Segment& segment = problem.segments[i];
-            enter<SystemType>(problem, segment, y.data());
-            const bool closes = i + 1 < problem.segments.size() && problem.segments[i + 1].begin == segment.end;
-            double t = segment.begin;
-            if (recording && sample_time(T, k, N) == t && (i + 1 == problem.segments.size() || segment.end > t)) {
-                if (!keep(t)) return false;
-                ++k;
-            }
-            if (!(segment.end > t)) continue;
-            Series series(problem, segment, options...);
-            series.start(y.data());
-            while (t < segment.end) {
-                if (!budget.take(expansions)) {
-                    budget.stop(trajectory);
-                    return false;
-                }
-                series.expand();
-                ++expansions;
-                double h = series.step(tolerance), next = t + h;
-                if (std::isnan(h)) {
-                    trajectory.status = Status::diverged;
-                    trajectory.message = "not finite at t = " + std::to_string(t);
-                    return false;
-                }
-                if (!(next > t)) {
-                    trajectory.status = Status::tolerance_not_met;
-                    trajectory.message = "step size below the spacing of numbers at t = " + std::to_string(t);
-                    return false;
-                }
-                // a remainder of a few rounding errors joins the step
-                if (next >= segment.end - 1e-14 * (segment.end - t)) next = segment.end;
-                h = next - t;
-                for (; recording && k <= N && sample_time(T, k, N) <= next; ++k) {
-                    const double at = sample_time(T, k, N);
-                    if (closes && at == segment.end) break;  // the next segment shows it
-                    series.look(at - t, y.data());
-                    if (!keep(at)) return false;
-                }
-                series.advance(h);
-                t = next;
-                if (!pace.keeps(budget.steps(), t)) {
-                    trajectory.status = Status::tolerance_not_met, trajectory.message = Pace::message(t);
-                    return false;
-                }
-            }
-            series.state(y.data());
-        }
-        return true;
+/// Coefficients of either kind about a state in extended precision.
+template <class Coefficients, class SystemType>
+class ExtendedSeries {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    ExtendedSeries(const Problem& problem, const Segment& segment)
+        : coefficients_(problem, segment), system_(system_on<SystemType>(problem, segment)) {}
+    void start(const double* y) { std::copy_n(y, dimension, state_.begin()); }
+    void expand() {
+        std::array<double, dimension> y{};
+        state(y.data());
+        coefficients_.expand(y.data());
+        // y' = f(y) and y'' = f'(y) y'
+        system_.derivative(0, state_.data(), first_.data());
+        std::array<Dual<1, Extended, double>, dimension> along{}, rate{};
+        for (int i = 0; i < dimension; ++i) along[i].value = state_[i], along[i].slope[0] = first_[i];
+        system_.derivative(0, along.data(), rate.data());
+        for (int i = 0; i < dimension; ++i) second_[i] = rate[i].slope[0] / 2;
+    }
+    double step(double tolerance) const { return coefficients_.step(careful_share * tolerance); }
+    void advance(double h) { state_ = after(h); }
+    void look(double h, double* y) const { round(after(h), y); }
+    void state(double* y) const { round(state_, y); }
+
+  private:
+    using Extended = long double;
+    using State = std::array<Extended, dimension>;
+
+    State after(double h) const {
+        std::array<double, dimension> tail{};
+        coefficients_.tail(h, tail.data());
+        const Extended step = h;
+        State y{};
+        for (int i = 0; i < dimension; ++i) y[i] = state_[i] + (first_[i] + (second_[i] + tail[i] * step) * step) * step;
+        return y;
+    }
+    static void round(const State& state, double* y) {
+        for (int i = 0; i < dimension; ++i) y[i] = static_cast<double>(state[i]);
+    }
+
+    Coefficients coefficients_;
+    SystemType system_;
+    State state_{}, first_{}, second_{};  ///< y, and its first two coefficients
+};
+
+/// One run on a series: steps of its own choosing, cut only at events and at the end; samples are looked up in the
+/// polynomial, so the steps do not depend on them. The problem must outlive the session.
+template <class Series, class SystemType>
+class TaylorSession {
+  public:
+    TaylorSession(const Problem& problem, double tolerance) : problem_(&problem), tolerance_(tolerance) {}
+
+    /// Back to t = 0, all counts to zero.
+    void restart() {
+        series_.reset();
+        initial_state<SystemType>(*problem_, y_.data());
+        t_ = 0, steps_ = 0;
+    }
+    /// An event: impulses, then the loads of this segment.
+    int enter(const Segment& segment) {
+        settle();
+        polhode::enter<SystemType>(*problem_, segment, y_.data());
+        series_.reset();
+        begin_ = t_ = segment.begin, end_ = segment.end;
+        if (end_ > t_) series_.emplace(*problem_, segment).start(y_.data());
+        return 0;
+    }
+    /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
+    int step() {
+        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        ++steps_;
+        series_->expand();
+        const double h = series_->step(tolerance_);
+        if (std::isnan(h)) return not_finite;
+        const double next = t_ + h;
+        if (!(next > t_)) return too_short;
+        // a remainder of a few rounding errors joins the step
+        t_ = next >= end_ - 1e-14 * (end_ - t_) ? end_ : next;
+        return 0;
+    }
+
+    double time() const { return t_; }
+    Sample sample() {
+        settle();
+        return sample_of<SystemType>(*problem_, t_, y_.data());
+    }
+    /// The motion at a time within the last step.
+    std::optional<Sample> sample_inside(double at) {
+        series_->look(at - begin_, y_.data());
+        return sample_of<SystemType>(*problem_, at, y_.data());
+    }
+    int inside_flag() const { return 0; }
+
+    struct Failure {
+        Status status;
+        std::string message;
     };
-    const Stopwatch stopwatch;
-    for (int repetition = 0; repetition < settings.repetitions; ++repetition)
-        if (!run(settings.record && repetition + 1 == settings.repetitions)) break;
-    trajectory.seconds = stopwatch.seconds() / settings.repetitions;
-    trajectory.steps = budget.steps() / settings.repetitions;
-    trajectory.rhs_evaluations = expansions;
-    if (!settings.record && trajectory.status == Status::ok)
-        record(problem, sample_of<SystemType>(problem, T, y.data()), bound, trajectory);
+    Failure failure(int flag) const {
+        if (flag == not_finite) return {Status::diverged, "not finite at t = " + std::to_string(t_)};
+        return {Status::tolerance_not_met, "step size below the spacing of numbers at t = " + std::to_string(t_)};
+    }
+
+    /// Since restart().
+    long steps() const { return steps_; }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    static constexpr int not_finite = -1, too_short = -2;
+
+    // the series stays where the last step began until the next one or the end of its segment: samples lie between
+    void settle() {
+        if (!series_) return;
+        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        series_->state(y_.data());
+    }
+
+    const Problem* problem_;
+    double tolerance_;
+    double begin_ = 0, t_ = 0, end_ = 0;  ///< s: of the last step, now, of the segment
+    long steps_ = 0;
+    std::array<double, SystemType::dimension> y_{};
+    std::optional<Series> series_;
+};
+
+template <class Series, class SystemType>
+Trajectory solve_by(const Problem& problem, const Settings& settings) {
+    TaylorSession<Series, SystemType> session(problem, std::max(*settings.tolerance, least_tolerance));
+    Trajectory trajectory = SolverRun(problem, settings, session).solve();
     if (*settings.tolerance < least_tolerance && trajectory.status == Status::ok) {
         trajectory.status = Status::tolerance_not_met;
         trajectory.message = "a tolerance below 1e-16 is beyond binary64: steps were taken for 1e-16";
@@ -255,28 +355,42 @@ bool is_unrolled(const Problem& problem) {
                        [](const Segment& s) { return RotationSeries<2, LanePair>::serves(s.forcing); });
 }
 
+template <int order, class SystemType, class Wide>
+Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
+    if constexpr (order == careful_order) {
+        using Coefficients = UnrolledCoefficients<order, Wide>;
+        return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
+    } else {
+        return solve_by<UnrolledSeries<order, Wide>, SystemType>(problem, settings);
+    }
+}
+
 template <int order>
 Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (SystemType::dimension == 7)
             if (is_unrolled(problem)) {
-                const double scale = problem.scales.angular_velocity;
                 if (instruction_set() == InstructionSet::avx512)
-                    return march_series<UnrolledSeries<order, Lanes8>, SystemType>(problem, settings, scale);
-                return march_series<UnrolledSeries<order, LanePair>, SystemType>(problem, settings, scale);
+                    return solve_unrolled<order, SystemType, Lanes8>(problem, settings);
+                return solve_unrolled<order, SystemType, LanePair>(problem, settings);
             }
-        return march_series<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
+        if constexpr (order == careful_order) {
+            using Coefficients = RecordedCoefficients<order, SystemType>;
+            return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
+        } else {
+            return solve_by<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
+        }
     });
 }
 
 // p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
 Trajectory solve(const Problem& problem, const Settings& settings) {
     if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Taylor coefficients");
+    if (*settings.tolerance < careful_below) return solve_at_order<careful_order>(problem, settings);
     const double order = 1 - std::log(*settings.tolerance) / 2;
     if (order <= 12) return solve_at_order<12>(problem, settings);
     if (order <= 16) return solve_at_order<16>(problem, settings);
-    if (order <= 20) return solve_at_order<20>(problem, settings);
-    return solve_at_order<24>(problem, settings);
+    return solve_at_order<20>(problem, settings);
 }
 
 constexpr Method list[] = {
@@ -284,7 +398,9 @@ constexpr Method list[] = {
      .documentation =
          "Taylor series in binary64, of order 12, 16, 20 or 24 by the tolerance, the step from the last "
          "two coefficients "
-         "(Jorba & Zou), samples from the polynomial, the state summed with compensation. Rotations have "
+         "(Jorba & Zou), samples from the polynomial, the state summed with compensation; at tolerances below 3e-15 "
+         "the "
+         "state and the first two terms of each step in extended precision. Rotations have "
          "recurrences of "
          "their own, eight lanes at a time, by AVX-512 or AVX2 where the processor has them with the same bits as "
          "elsewhere; all else "

@@ -74,7 +74,7 @@ class Article {
         }
     }
 
-    void step(double t, double step) {
+    [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
         turn_tensor();
         for (const Load* load : loads_) std::visit([&](const auto& l) { apply(l, t, h); }, *load);

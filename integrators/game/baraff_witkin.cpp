@@ -44,7 +44,7 @@ class BaraffWitkin {
         put(y_.data(), 7, mass_ * v);
         put(y_.data(), 10, L);
     }
-    void step(double t, double h) {
+    [[gnu::flatten]] void step(double t, double h) {
         Scheme::step([this](double at, const State& y) { return rate(at, y); }, t, y_, S(h));
         ++steps_;
     }

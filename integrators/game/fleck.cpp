@@ -158,7 +158,7 @@ class Fleck {
         WorldLoads<S>::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
         find_angular_velocity();
     }
-    void step(double t, double step) {
+    [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
         const Matrix3<S>& A = attitude_.matrix();
         const Vector3<S> torque = loads_.torque_W(

@@ -190,7 +190,7 @@ Trajectory solve_within_binary32(const Problem& problem, const Settings& setting
     return solve(problem, settings);
 }
 
-/// `parts` one after the other, put together by the compiler.
+/// `parts` one after the other, put together by the compiler; a zero follows, as in a literal.
 template <const auto& parts>
 struct Joined {
     static constexpr std::size_t length = [] {
@@ -198,8 +198,8 @@ struct Joined {
         for (const std::string_view part : parts) sum += part.size();
         return sum;
     }();
-    static constexpr std::array<char, length> characters = [] {
-        std::array<char, length> all{};
+    static constexpr std::array<char, length + 1> characters = [] {
+        std::array<char, length + 1> all{};
         std::size_t at = 0;
         for (const std::string_view part : parts)
             for (const char character : part) all[at++] = character;

@@ -75,6 +75,11 @@ Truth computed(const Scene& scene, const std::vector<double>& times, int digits)
         Attempt attempt = attempted(problem, times, local);
         fault = attempt.fault;
         if (!fault.empty()) break;
+        // no digit agrees: what the motion hangs on may be lost in one of the two formulations
+        if (attempt.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
+            Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
+            if (other.fault.empty() && other.agreed_digits > attempt.agreed_digits) attempt = std::move(other);
+        }
         most_agreed = std::max(most_agreed, attempt.agreed_digits);
         if (attempt.agreed_digits >= digits) {
             attempt.truth.reference.available = true;
@@ -83,14 +88,6 @@ Truth computed(const Scene& scene, const std::vector<double>& times, int digits)
         local = digits + (local - attempt.agreed_digits) + 6;
     }
     if (!fault.empty()) return none("no truth: " + fault);
-    if (truth::closed_form_serves(problem)) {
-        Attempt attempt = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
-        most_agreed = std::max(most_agreed, attempt.agreed_digits);
-        if (attempt.fault.empty() && attempt.agreed_digits >= digits) {
-            attempt.truth.reference.available = true;
-            return attempt.truth;
-        }
-    }
     return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }

@@ -75,8 +75,8 @@ std::string words_of(const Plan& plan, const Case& c) {
     return words;
 }
 
-Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
-                          std::optional<double> kappa) {
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference,
+                          std::optional<double> kappa, Case& c) {
     if (!choose_settings(experiment, c)) return {};
     Result result = blank(c);
     Settings settings = c.settings;

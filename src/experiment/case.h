@@ -29,8 +29,8 @@ std::string words_of(const Plan& plan, const Case& c);
 /// The untimed run, which takes the steps of the timed one and looks at every sample. Sets all of the result but its
 /// timings; `seconds_min` is the time of this run. `kappa`: of the attitude at T (integrators/conditioning.h), which
 /// says what errors to expect, for the message of a run that ends far off. Returns the run.
-Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
-                          std::optional<double> kappa = {});
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference,
+                          std::optional<double> kappa, Case& c);
 
 /// The row of a case beyond the setting at which its curve was cut.
 void cut_curve(const Case& at, Case& beyond);

@@ -104,7 +104,8 @@ std::string file_name(std::string name) {
 std::vector<std::string> draw_all(const std::vector<NamedFigure>& figures, const std::string& directory) {
     std::vector<std::string> remarks;
     for (const NamedFigure& named : figures) {
-        const std::string fault = draw(named.figure, (std::filesystem::path(directory) / file_name(named.name)).string());
+        const std::string fault =
+            draw(named.figure, (std::filesystem::path(directory) / file_name(named.name)).string());
         if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
     }
     return remarks;

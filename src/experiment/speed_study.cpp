@@ -119,7 +119,7 @@ class SceneSpeeds {
                 if (cut)
                     cut_curve(*cut, cases_.back());
                 else
-                    measure_errors(plan_.experiment, problem_, truth, cases_.back());
+                    measure_errors(plan_.experiment, problem_, truth, {}, cases_.back());
                 if (cases_.back().result->cut && !cut) cut = &cut_.emplace_back(cases_.back());
             }
         }

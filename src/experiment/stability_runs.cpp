@@ -46,28 +46,41 @@ Sample rounded(const ReferenceSample& s) {
             high(s.velocity_W)};
 }
 
-void describe_scene(const Posed& posed, StabilityScene& scene) {
-    scene.has_truth = posed.truth.available;
-    scene.fastest_rate = largest_rate(posed.truth);
-    if (!posed.truth.available) return;
-    scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
-    for (const ReferenceSample& sample : posed.truth.samples)
-        for (const std::complex<double>& lambda : eigenvalues(posed.problem, rounded(sample)))
-            scene.fastest_rate = std::max(scene.fastest_rate, std::abs(lambda));
+double largest_magnitude(const std::vector<std::complex<double>>& values) {
+    double largest = 0;
+    for (const std::complex<double>& value : values) largest = std::max(largest, std::abs(value));
+    return largest;
 }
 
-// of the scene's data alone, within a limit of steps that is the same on every machine
-Floors floors_of(const Problem& problem, long samples) {
+void describe_scene(const Posed& posed, StabilityScene& scene) {
+    constexpr double same = 1e-3;
+    scene.has_truth = posed.truth.available;
+    if (!posed.truth.available) return;
+    const double turning = largest_rate(posed.truth);
+    scene.fastest_rate = turning;
+    scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
+    const double first = largest_magnitude(scene.eigenvalues);
+    scene.is_linear = first > turning && posed.problem.segments.size() == 1;
+    for (const ReferenceSample& sample : posed.truth.samples) {
+        const double largest = largest_magnitude(eigenvalues(posed.problem, rounded(sample)));
+        scene.fastest_rate = std::max(scene.fastest_rate, largest);
+        if (std::abs(largest - first) > same * first) scene.is_linear = false;
+    }
+}
+
+// within a limit of steps that is the same on every machine
+void find_conditioning(const Problem& problem, long samples, StabilityScene& scene) {
     constexpr long max_steps = 200'000;
     std::vector<double> times;
     for (long k = 0; k <= samples; ++k) times.push_back(sample_time(problem.scene.duration, k, samples));
     ConditioningSettings settings;
     settings.max_steps = max_steps;
     const Conditioning c = conditioning(problem, times, settings);
-    if (!c.available) return {};
+    if (!c.available) return;
     const auto last = static_cast<std::size_t>(samples);
-    return {c.floor_peak(float64_roundoff).value, c.floor_peak(float32_roundoff).value, c.floor(last, float64_roundoff),
-            c.floor(last, float32_roundoff)};
+    scene.floors = {c.floor_peak(float64_roundoff).value, c.floor_peak(float32_roundoff).value,
+                    c.floor(last, float64_roundoff), c.floor(last, float32_roundoff)};
+    scene.kappa = c.attitude.back();
 }
 
 // What the sweep calls `ok` although nobody could use it gets its name here.
@@ -91,9 +104,9 @@ void name_the_wrong(const Experiment& experiment, Result& result, Outcome outcom
 /// All runs of one method on one scene by one kind of setting.
 class Search {
   public:
-    Search(const Experiment& experiment, const PlannedScene& scene, const Posed& posed, const Floors& floors,
+    Search(const Experiment& experiment, const PlannedScene& planned, const Posed& posed, const StabilityScene& scene,
            const PlannedCurve& curve)
-        : experiment_(experiment), scene_(scene), posed_(posed), floors_(floors), curve_(curve) {}
+        : experiment_(experiment), planned_(planned), posed_(posed), scene_(scene), curve_(curve) {}
 
     std::vector<StabilityRun> run() {
         if (curve_.kind != SettingKind::step) {
@@ -123,10 +136,10 @@ class Search {
   private:
     const StabilityRun& try_setting(double setting) {
         const PlannedCurve one{curve_.method, curve_.color, curve_.kind, {setting}, curve_.formulation, false};
-        Case c{&scene_, &one, 0, {}};
-        Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c);
+        Case c{&planned_, &one, 0, {}};
+        Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, scene_.kappa, c);
         Result& result = *c.result;
-        result.floors = floors_;
+        result.floors = scene_.floors;
         // runs share the machine: one wall clock each, and nothing to compare by
         result.seconds_median = result.seconds_min, result.repeats = 1;
         // a tolerance-driven run that ends far off is none of those that are ok
@@ -183,9 +196,9 @@ class Search {
     }
 
     const Experiment& experiment_;
-    const PlannedScene& scene_;
+    const PlannedScene& planned_;
     const Posed& posed_;
-    const Floors& floors_;
+    const StabilityScene& scene_;
     const PlannedCurve& curve_;
     std::vector<StabilityRun> runs_;
 };
@@ -279,7 +292,9 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
     std::vector<Pending> pending;
     for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
         const PlannedScene& planned = plan.scenes[s];
-        found.scenes.push_back({planned.label, family_of(planned.label), planned.scene.duration, 0, {}, {}, false, 0});
+        StabilityScene scene;
+        scene.label = planned.label, scene.member = family_of(planned.label), scene.duration = planned.scene.duration;
+        found.scenes.push_back(std::move(scene));
         for (const PlannedCurve& curve : plan.curves) {
             StabilityFinding finding;
             finding.method = curve.method, finding.kind = curve.kind;
@@ -310,15 +325,14 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
         describe_scene(*posed[s], found.scenes[s]);
         const bool needed =
             std::any_of(pending.begin(), pending.end(), [&](const Pending& one) { return one.scene == s; });
-        if (needed) found.scenes[s].floors = floors_of(posed[s]->problem, experiment.samples);
+        if (needed) find_conditioning(posed[s]->problem, experiment.samples, found.scenes[s]);
         advance(plan.scenes[s].label);
     });
     std::atomic<long> unfinished{0};
     parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
         const Pending& one = pending[i];
         if (!sweep_interrupted()) {
-            Search search(experiment, plan.scenes[one.scene], *posed[one.scene], found.scenes[one.scene].floors,
-                          *one.curve);
+            Search search(experiment, plan.scenes[one.scene], *posed[one.scene], found.scenes[one.scene], *one.curve);
             std::vector<StabilityRun> runs = search.run();
             if (!sweep_interrupted()) {
                 Table rows{columns_of_runs(), {}};

@@ -32,9 +32,12 @@ struct StabilityScene {
     double duration = 0;      ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
+    /// The eigenvalue of largest magnitude is not that of the turning itself, and stays what it is over the run, within
+    /// a thousandth.
+    bool is_linear = false;
     Floors floors;
+    std::optional<double> kappa;  ///< of the attitude at T, where it was needed and is known
     bool has_truth = false;
-    double spent = 0;  ///< s, on truth and conditioning, now
 };
 
 /// Of one method on one scene, with one kind of setting. Steps in s; empty where there is none.

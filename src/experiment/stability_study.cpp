@@ -23,6 +23,7 @@ StudyResult run_stability(const Plan& plan, const RunOptions& options) {
           {"attitude_error_max", "attitude error (rad)"}}},
         {"limits", "Largest stable and accurate steps", limits_table(found)},
         {"families", "The same by families of scenes", families_table(found)},
+        {"linear", "Largest stable h |lambda|: linear theory and measured", linear_table(found)},
         {"outcomes", "How the runs ended", outcomes_table(plan, found)},
         {"tolerances", "Achieved over requested errors", tolerances_table(plan, found)},
         {"counts", "What tolerance-driven methods did", counts_table(found)},

@@ -19,6 +19,10 @@ Table limits_table(const StabilityFindings& found);
 /// The same of each family: the least and the largest over its members.
 Table families_table(const StabilityFindings& found);
 
+/// For each fixed-step method that has a theory, and each scene on which it applies: h |lambda| on the stiff axis at
+/// the largest stable step, by theory and as measured.
+Table linear_table(const StabilityFindings& found);
+
 /// For each method: how many runs ended in which status and in which outcome.
 Table outcomes_table(const Plan& plan, const StabilityFindings& found);
 

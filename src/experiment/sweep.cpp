@@ -117,7 +117,7 @@ class SceneSweep {
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
             const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
             const Stopwatch stopwatch;
-            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i], kappa_);
+            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, kappa_, *now[i]);
             now[i]->spent = stopwatch.seconds();
         });
         if (interrupted) {

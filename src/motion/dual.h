@@ -63,11 +63,11 @@ struct Dual {
 };
 
 /// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
-template <class System, class S>
-void jacobian(const System& system, double t, const S* y, S* J) {
+template <class System>
+void jacobian(const System& system, double t, const double* y, double* J) {
     constexpr int N = System::dimension;
-    std::array<Dual<N, S>, N> state, rate;
-    for (int i = 0; i < N; ++i) state[i] = Dual<N, S>(y[i]), state[i].slope[i] = 1;
+    std::array<Dual<N>, N> state, rate;
+    for (int i = 0; i < N; ++i) state[i] = Dual<N>(y[i]), state[i].slope[i] = 1;
     system.derivative(t, state.data(), rate.data());
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) J[i * N + j] = rate[i].slope[j];

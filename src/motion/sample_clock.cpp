@@ -34,6 +34,8 @@ std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
     std::vector<TrajectoryRow>& rows = file.rows;
     if (rows.size() < 3) return {};
     const double spacing = (rows.back().t - rows.front().t) / static_cast<double>(rows.size() - 1);
+    // below the normal numbers of binary32 no clock was one
+    if (!(spacing >= 0x1p-126)) return {};
     const double first = std::round(rows.front().t / spacing);
     if (!(first < 1e15)) return {};
     // each time allows an interval of dt

@@ -186,7 +186,10 @@ class Script {
             line(fmt::format("set label {} at {} center {} noenhanced front font {}", gnuplot_quoted_line(words),
                              on_page(x, y), style, font(size)));
         };
-        label(panel.title, middle, plot.top - 8, "", title_size);
+        // narrow panels are to keep their titles to themselves
+        const double room = (plot.right - plot.left + 8) / text_width(panel.title, 1);
+        label(panel.title, middle, plot.top - 8, "",
+              figure_.shared_axes ? std::clamp(room, 4.5, title_size) : title_size);
         if (label_x) label(panel.x_label, middle, plot.bottom + 21, "", text_size);
         if (label_y) label(panel.y_label, plot.left - 38, (plot.top + plot.bottom) / 2, "rotate by 90", text_size);
 

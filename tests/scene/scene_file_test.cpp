@@ -8,13 +8,14 @@
 #include <sstream>
 
 #include "bad_files.h"
+#include "scene/scene_family.h"
 
 namespace polhode {
 namespace {
 
-std::string message_of(const std::string& path) {
+std::string message_of(const std::string& path, Scene (*read)(const std::string&) = read_scene) {
     try {
-        read_scene(path);
+        read(path);
     } catch (const InputError& error) {
         return error.what();
     }
@@ -164,6 +165,14 @@ TEST(FindScene, KnowsNamesAndPathsAndNearMisses) {
     } catch (const InputError& error) {
         EXPECT_STREQ(error.what(), "lagrange_tpo: is neither a built-in scene nor a file; did you mean lagrange_top?");
     }
+    EXPECT_EQ(find_scene("extreme/drag_1e6").name, "extreme/drag_1e6");
+    EXPECT_EQ(message_of("spring_1e6", find_scene),
+              "spring_1e6: is neither a built-in scene nor a file; did you mean extreme/spring_1e6?");
+    EXPECT_EQ(
+        message_of("extreme/gimbal_lok_0", find_scene)
+            .find("extreme/gimbal_lok_0: is neither a built-in scene nor a file; did you mean extreme/gimbal_lock_0"),
+        0u);
+    EXPECT_NE(message_of("extremes/drag_1", find_scene).find("cannot be opened"), std::string::npos);
 }
 
 TEST(BuiltinScenes, AreTheFilesAndValid) {
@@ -183,6 +192,23 @@ TEST(BuiltinScenes, AreTheFilesAndValid) {
         EXPECT_FALSE(s.source.empty()) << name;
     }
     EXPECT_EQ(builtin_scene_text("no such scene"), "");
+}
+
+TEST(SceneFamily, IsToldByTheName) {
+    const FamilyMember drag = family_member("extreme/drag_torque_1e6");
+    EXPECT_EQ(drag.folder, "extreme");
+    EXPECT_EQ(drag.family, "drag_torque");
+    EXPECT_EQ(drag.parameter, "1e6");
+    EXPECT_EQ(drag.value, 1e6);
+    EXPECT_EQ(family_member("extreme/flat_-9e-13").value, -9e-13);
+    EXPECT_EQ(family_member("extreme/some_words").family, "some_words");
+    EXPECT_EQ(family_member("extreme/some_words").parameter, "");
+    EXPECT_EQ(family_member("explorer_1").family, "explorer_1");
+    EXPECT_EQ(family_member("explorer_1").folder, "");
+    const std::vector<std::string> members = scene_family("extreme", "drag");
+    ASSERT_GE(members.size(), 3u);
+    for (std::size_t i = 1; i < members.size(); ++i)
+        EXPECT_LT(family_member(members[i - 1]).value, family_member(members[i]).value);
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "build_kind.h"
+#include "catalogue.h"
 #include "experiment/altered_motion.h"
 #include "integrators/method.h"
 #include "motion/convention.h"
-#include "scene/builtin.h"
 #include "scene/scene_file.h"
 #include "whole/broken_engine.h"
 
@@ -205,16 +205,17 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
     }
 }
 
-// Every scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's method
-// does update the quaternion to first order.
+// Every plain scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's
+// method does update the quaternion to first order.
 class SoundMethod : public testing::TestWithParam<const char*> {};
 
 TEST_P(SoundMethod, IsToldNothing) {
     const Method& method = *find_method(GetParam());
     int judged = 0;
     constexpr std::size_t every = optimised_build ? 1 : 17;
-    for (std::size_t i = 0; i < builtin_scenes().size(); i += every) {
-        const std::string name(builtin_scenes()[i].name);
+    const std::vector<std::string> names = scenes_in();
+    for (std::size_t i = 0; i < names.size(); i += every) {
+        const std::string& name = names[i];
         const Scene scene = find_scene(name);
         Settings settings;
         settings.samples = 200, settings.max_steps = optimised_build ? 300'000 : 30'000;

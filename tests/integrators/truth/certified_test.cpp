@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "build_kind.h"
+#include "catalogue.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/loaded_scene.h"
 #include "integrators/truth/momentum_form.h"
@@ -13,7 +14,6 @@
 #include "integrators/truth/reference.h"
 #include "integrators/truth/taylor.h"
 #include "motion/problem.h"
-#include "scene/builtin.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
@@ -147,13 +147,14 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
-// Each scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies inside
-// it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
+// Each plain scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies
+// inside it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 13;
-    for (std::size_t i = 0; i < builtin_scenes().size(); i += every) {
-        Scene scene = find_scene(std::string(builtin_scenes()[i].name));
+    const std::vector<std::string> names = scenes_in();
+    for (std::size_t i = 0; i < names.size(); i += every) {
+        Scene scene = find_scene(names[i]);
         SCOPED_TRACE(scene.name);
         scene.duration = std::min(scene.duration, 3.0);
         const CertifiedReference certified = certified_reference(scene, 2, 30);

@@ -6,12 +6,11 @@
 // II.9).
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "integrators/compensated_state.h"
+#include "integrators/kernels/binary_parts.h"
 #include "integrators/kernels/midpoint_columns.h"
 #include "integrators/kernels/tolerance.h"
 #include "integrators/march.h"
@@ -24,13 +23,9 @@ constexpr double least_of_variable_order = 3e-14;
 /// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
 double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
 
-/// The exponent of a normal number, and a power of two: without a call.
-int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7FF) - 1023; }
-double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
-
 /// log2 x within 0.01 and 2^x within 1 %, of normal numbers x >= 0: the same bits with every library.
 double rough_log2(double x) {
-    const double m = std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000);
+    const double m = mantissa_of(x);
     return exponent_of(x) + ((2 - m / 3) * m - 5.0 / 3);
 }
 double rough_exp2(double x) {

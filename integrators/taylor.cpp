@@ -4,15 +4,14 @@
 // of a step's increment h y_1 + h^2 y_2 + .. only the rest, some thousandths of it, is then rounded to 53 bits.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
 
+#include "integrators/kernels/binary_parts.h"
 #include "integrators/kernels/rotation_series.h"
 #include "integrators/kernels/turn.h"
 #include "integrators/solver_run.h"
@@ -35,17 +34,14 @@ constexpr double careful_share = 0.01;
 // with m in [sqrt(1/2), sqrt(2)); log2 m by the series of artanh((m - 1)/(m + 1)), 2^y by Taylor's about y = 0.
 double root(double x, int p) {
     if (!(x > 1e-300 && x < 1e300)) return std::pow(x, 1.0 / p);
-    constexpr std::uint64_t mantissa = 0x000fffffffffffff, exponent_of_1 = 0x3ff0000000000000;
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
-    double m = std::bit_cast<double>((bits & mantissa) | exponent_of_1);
-    int e = static_cast<int>(bits >> 52) - 1023;
+    double m = mantissa_of(x);
+    int e = exponent_of(x);
     if (m > std::numbers::sqrt2) m *= 0.5, ++e;
     const double z = (m - 1) / (m + 1), zz = z * z;
     const double log2 = e + 2 * std::numbers::log2e * z * (1 + zz * (1.0 / 3 + zz * (1.0 / 5)));
     const double y = log2 / p, whole = std::round(y), f = (y - whole) * std::numbers::ln2;
     const double fraction = 1 + f * (1 + f * (0.5 + f * (1.0 / 6 + f * (1.0 / 24))));
-    return fraction *
-           std::bit_cast<double>(exponent_of_1 + (static_cast<std::uint64_t>(static_cast<std::int64_t>(whole)) << 52));
+    return fraction * power_of_two(static_cast<int>(whole));
 }
 
 /// The order'th coefficient and the one before it, squared and over the scale of their block squared: the largest of
@@ -248,7 +244,8 @@ class ExtendedSeries {
         coefficients_.tail(h, tail.data());
         const Extended step = h;
         State y{};
-        for (int i = 0; i < dimension; ++i) y[i] = state_[i] + (first_[i] + (second_[i] + tail[i] * step) * step) * step;
+        for (int i = 0; i < dimension; ++i)
+            y[i] = state_[i] + (first_[i] + (second_[i] + tail[i] * step) * step) * step;
         return y;
     }
     static void round(const State& state, double* y) {

@@ -26,8 +26,9 @@ std::string beyond_binary32(const Problem& problem, const Settings& settings) {
     }
     if (!holds_not_zero(body.mass)) return refused("a mass of", body.mass);
     if (!holds_not_zero(*settings.step)) return refused("a step of", *settings.step);
-    for (const auto& [what, v] : {std::pair("an angular velocity of", body.angular_velocity_B),
-                                  std::pair("a velocity of", body.velocity_W), std::pair("a place of", body.position_W)})
+    for (const auto& [what, v] :
+         {std::pair("an angular velocity of", body.angular_velocity_B), std::pair("a velocity of", body.velocity_W),
+          std::pair("a place of", body.position_W)})
         if (!holds(v)) return refused(what, std::hypot(v[0], v[1], v[2]));
     return "";
 }

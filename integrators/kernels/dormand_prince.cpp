@@ -4,8 +4,8 @@ namespace polhode {
 namespace {
 
 template <class Register>
-POLHODE_INLINED void step_by_terms(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double h, RotationStep& to) {
+POLHODE_INLINE void step_by_terms(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double h, RotationStep& to) {
     switch (coefficients.terms) {
         case RotationTerms::none:
             return dop853_step<RotationTerms::none, Register>(coefficients, allowance, from, h, to);

@@ -79,19 +79,19 @@ inline constexpr Dop853Tableau dop853;
 
 /// One step on a register; `squared_error` and `squared_error_before` are of the estimates of order 5 and 3.
 template <RotationTerms terms, class Register>
-POLHODE_INLINED void dop853_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                 const RotationState& from, double h, RotationStep& to) {
+POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                const RotationState& from, double h, RotationStep& to) {
     const RotationRate<terms, Register> rate(coefficients);
     const Register y = loaded<Register>(from.y), zero = broadcast<Register>(0), step = broadcast<Register>(h);
     Register k[dop853_stages];
-    const auto weighted = [&](auto count, const double* weights) POLHODE_INLINED_LAMBDA {
+    const auto weighted = [&](auto count, const double* weights) POLHODE_INLINE_LAMBDA {
         Register sum = zero;
-        unrolled<count>([&](auto j) POLHODE_INLINED_LAMBDA {
+        unrolled<count>([&](auto j) POLHODE_INLINE_LAMBDA {
             if (weights[j] != 0) sum = sum + broadcast<Register>(weights[j]) * k[j];
         });
         return sum;
     };
-    unrolled<dop853_stages>([&](auto i) POLHODE_INLINED_LAMBDA {
+    unrolled<dop853_stages>([&](auto i) POLHODE_INLINE_LAMBDA {
         if constexpr (i == 0) {
             k[i] = rate(y);
         } else {

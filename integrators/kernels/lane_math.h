@@ -11,8 +11,6 @@
 
 #include "integrators/kernels/lanes.h"
 
-#define POLHODE_INLINE [[gnu::always_inline]] inline
-
 namespace polhode {
 
 using Integers8 = std::int64_t __attribute__((vector_size(64)));

@@ -31,6 +31,10 @@ InstructionSet widest_instruction_set();
 /// "plain", "avx2", "avx512"
 std::string_view name_of(InstructionSet set);
 
+// A register is never handed over a call: all that computes on lanes is inlined into the functions above.
+#define POLHODE_INLINE [[gnu::always_inline]] inline
+#define POLHODE_INLINE_LAMBDA __attribute__((always_inline))
+
 #if defined(__x86_64__)
 #define POLHODE_TARGET_AVX2 [[gnu::target("avx2")]]
 #define POLHODE_TARGET_AVX512 [[gnu::target("avx512f,avx512dq,avx512vl")]]

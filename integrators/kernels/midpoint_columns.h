@@ -10,9 +10,9 @@ namespace polhode {
 
 /// The errors in units of what is allowed, and y + z_K + value.
 template <class Register>
-POLHODE_INLINED void finish_step(const RotationAllowance& allowance, const RotationState& from, const Register& y,
-                                 const Register& finest, const Register& value, const Register& error,
-                                 const Register& error_before, double amplification, RotationStep& to) {
+POLHODE_INLINE void finish_step(const RotationAllowance& allowance, const RotationState& from, const Register& y,
+                                const Register& finest, const Register& value, const Register& error,
+                                const Register& error_before, double amplification, RotationStep& to) {
     const Register slack = broadcast<Register>(allowance.rounding * amplification) * finest;
     const Register allowed = loaded<Register>(allowance.squared_scale) + slack * slack;
     to.squared_error = squared_norm(error, allowed);
@@ -27,8 +27,8 @@ POLHODE_INLINED void finish_step(const RotationAllowance& allowance, const Rotat
 /// z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), on the increments z: their rounding is relative to the
 /// step's change, not to y. The step then adds z_n, no last smoothing: n is even.
 template <int row, RotationTerms terms, class Register>
-POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double H, RotationStep& to) {
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, RotationStep& to) {
     constexpr int K = columns_of<row>;
     constexpr bool careful = row == careful_row;
     constexpr auto n = substeps<row>();
@@ -40,19 +40,19 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
     Register before[chains.chains], now[chains.chains], twice_h[chains.chains], column[K];
     // what was rounded away from each of them; not used unless careful
     Register lost_before[chains.chains], lost_now[chains.chains], lost_column[K];
-    const auto start = [&](auto j) POLHODE_INLINED_LAMBDA {
+    const auto start = [&](auto j) POLHODE_INLINE_LAMBDA {
         constexpr int c = chains.chain[j];
         const double h = H / n[j];
         before[c] = zero, now[c] = broadcast<Register>(h) * f, twice_h[c] = broadcast<Register>(2 * h);
         if constexpr (careful) lost_before[c] = zero, lost_now[c] = zero;
     };
-    unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
+    unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
         if constexpr (chains.first[j] == 0) start(j);
     });
-    unrolled<chains.pieces>([&](auto piece) POLHODE_INLINED_LAMBDA {
+    unrolled<chains.pieces>([&](auto piece) POLHODE_INLINE_LAMBDA {
         constexpr int begin = chains.ends[piece], end = chains.ends[piece + 1];
         for (int i = begin; i < end; ++i)
-            unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
+            unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
                 if constexpr (chains.first[j] <= begin && end <= chains.last[j]) {
                     constexpr int c = chains.chain[j];
                     if constexpr (careful) {
@@ -66,20 +66,20 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
                     }
                 }
             });
-        unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
+        unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
             if constexpr (chains.last[j] == end) {
                 column[j] = now[chains.chain[j]];
                 if constexpr (careful) lost_column[j] = lost_now[chains.chain[j]];
             }
         });
-        unrolled<K>([&](auto j) POLHODE_INLINED_LAMBDA {
+        unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
             if constexpr (chains.first[j] == end) start(j);
         });
     });
 
     const Register& finest = column[K - 1];
     Register value = zero, error = zero, error_before = zero;
-    unrolled<K - 1>([&](auto j) POLHODE_INLINED_LAMBDA {
+    unrolled<K - 1>([&](auto j) POLHODE_INLINE_LAMBDA {
         Register difference = column[j] - finest;
         if constexpr (careful) difference = difference + (lost_column[j] - lost_column[K - 1]);
         value = value + broadcast<Register>(weights.value[j]) * difference;
@@ -92,9 +92,9 @@ POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, con
 
 /// The row chosen at run time.
 template <RotationTerms terms, class Register>
-POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double H, int row, RotationStep& to) {
-    unrolled<rows - fewest_columns>([&](auto i) POLHODE_INLINED_LAMBDA {
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, int row, RotationStep& to) {
+    unrolled<rows - fewest_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
         constexpr int number = fewest_columns + i;
         if (row == number) midpoint_step<number, terms, Register>(coefficients, allowance, from, H, to);
     });
@@ -108,8 +108,8 @@ MidpointStep midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512;
 MidpointStep* midpoint_step(InstructionSet set);
 
 template <class Register>
-POLHODE_INLINED void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                   const RotationState& from, double H, int row, RotationStep& to) {
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, int row, RotationStep& to) {
     switch (coefficients.terms) {
         case RotationTerms::none:
             return midpoint_step<RotationTerms::none, Register>(coefficients, allowance, from, H, row, to);

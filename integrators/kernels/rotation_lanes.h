@@ -15,11 +15,6 @@
 #include "integrators/kernels/lanes.h"
 #include "motion/equations.h"
 
-// a register is never handed over a call: all of this is inlined
-
-#define POLHODE_INLINED [[gnu::always_inline]] inline
-#define POLHODE_INLINED_LAMBDA __attribute__((always_inline))
-
 namespace polhode {
 
 /// Which torques there are: the fewer, the fewer products.
@@ -66,36 +61,36 @@ struct RotationAllowance {
 struct LaneHalves {
     Lanes4 low, high;
 
-    POLHODE_INLINED friend LaneHalves operator+(const LaneHalves& a, const LaneHalves& b) {
+    POLHODE_INLINE friend LaneHalves operator+(const LaneHalves& a, const LaneHalves& b) {
         return {a.low + b.low, a.high + b.high};
     }
-    POLHODE_INLINED friend LaneHalves operator-(const LaneHalves& a, const LaneHalves& b) {
+    POLHODE_INLINE friend LaneHalves operator-(const LaneHalves& a, const LaneHalves& b) {
         return {a.low - b.low, a.high - b.high};
     }
-    POLHODE_INLINED friend LaneHalves operator*(const LaneHalves& a, const LaneHalves& b) {
+    POLHODE_INLINE friend LaneHalves operator*(const LaneHalves& a, const LaneHalves& b) {
         return {a.low * b.low, a.high * b.high};
     }
-    POLHODE_INLINED friend LaneHalves operator/(const LaneHalves& a, const LaneHalves& b) {
+    POLHODE_INLINE friend LaneHalves operator/(const LaneHalves& a, const LaneHalves& b) {
         return {a.low / b.low, a.high / b.high};
     }
 };
 
 template <class Register>
-POLHODE_INLINED Register loaded(const double* values) {
+POLHODE_INLINE Register loaded(const double* values) {
     if constexpr (sizeof(Register) == sizeof(Lanes8) && !requires(Register r) { r.low; }) {
         return *reinterpret_cast<const Lanes8*>(values);
     } else {
         return {*reinterpret_cast<const Lanes4*>(values), *reinterpret_cast<const Lanes4*>(values + 4)};
     }
 }
-POLHODE_INLINED void store(double* values, const Lanes8& r) { *reinterpret_cast<Lanes8*>(values) = r; }
-POLHODE_INLINED void store(double* values, const LaneHalves& r) {
+POLHODE_INLINE void store(double* values, const Lanes8& r) { *reinterpret_cast<Lanes8*>(values) = r; }
+POLHODE_INLINE void store(double* values, const LaneHalves& r) {
     *reinterpret_cast<Lanes4*>(values) = r.low;
     *reinterpret_cast<Lanes4*>(values + 4) = r.high;
 }
 /// x in every lane
 template <class Register>
-POLHODE_INLINED Register broadcast(double x) {
+POLHODE_INLINE Register broadcast(double x) {
     if constexpr (requires(Register r) { r.low; }) {
         return {Lanes4{x, x, x, x}, Lanes4{x, x, x, x}};
     } else {
@@ -104,16 +99,16 @@ POLHODE_INLINED Register broadcast(double x) {
 }
 /// Lane k is lane i_k of r.
 template <int i0, int i1, int i2, int i3, int i4, int i5, int i6, int i7>
-POLHODE_INLINED Lanes8 permuted(const Lanes8& r) {
+POLHODE_INLINE Lanes8 permuted(const Lanes8& r) {
     return __builtin_shufflevector(r, r, i0, i1, i2, i3, i4, i5, i6, i7);
 }
 template <int i0, int i1, int i2, int i3, int i4, int i5, int i6, int i7>
-POLHODE_INLINED LaneHalves permuted(const LaneHalves& r) {
+POLHODE_INLINE LaneHalves permuted(const LaneHalves& r) {
     return {__builtin_shufflevector(r.low, r.high, i0, i1, i2, i3),
             __builtin_shufflevector(r.low, r.high, i4, i5, i6, i7)};
 }
 template <int i, class Register>
-POLHODE_INLINED Register lane(const Register& r) {
+POLHODE_INLINE Register lane(const Register& r) {
     return permuted<i, i, i, i, i, i, i, i>(r);
 }
 
@@ -121,7 +116,7 @@ POLHODE_INLINED Register lane(const Register& r) {
 template <RotationTerms terms, class Register>
 class RotationRate {
   public:
-    POLHODE_INLINED explicit RotationRate(const RotationCoefficients& c)
+    POLHODE_INLINE explicit RotationRate(const RotationCoefficients& c)
         : coefficients_(c),
           first_(loaded<Register>(c.product[0])),
           second_(loaded<Register>(c.product[1])),
@@ -130,7 +125,7 @@ class RotationRate {
 
     // Lanes 0..2: gyroscopic, w2 w3 and cyclic; in an axial field m also -2m (yz + wx) and 2m (xz - wy).
     // Lanes 3..6: 1/2 times (-x w1 - y w2 - z w3,  w w1 + y w3 - z w2,  w w2 + z w1 - x w3,  w w3 + x w2 - y w1).
-    POLHODE_INLINED Register operator()(const Register& y) const {
+    POLHODE_INLINE Register operator()(const Register& y) const {
         const Register a = first_ * (permuted<1, 2, 0, 4, 3, 3, 3, 7>(y) * permuted<2, 0, 1, 0, 0, 1, 2, 7>(y));
         const Register b = second_ * (permuted<5, 4, 7, 5, 5, 6, 4, 7>(y) * permuted<6, 6, 7, 1, 2, 0, 1, 7>(y));
         const Register c = third_ * (permuted<3, 3, 7, 6, 6, 4, 5, 7>(y) * permuted<4, 5, 7, 2, 1, 2, 0, 7>(y));
@@ -144,7 +139,7 @@ class RotationRate {
     }
 
   private:
-    POLHODE_INLINED Register torque(const Register& y) const {
+    POLHODE_INLINE Register torque(const Register& y) const {
         const Register u = permuted<3, 3, 3, 4, 4, 5, 3, 4>(y) * permuted<4, 5, 6, 5, 6, 6, 3, 4>(y);
         const Register v = permuted<5, 6, 7, 7, 7, 7, 7, 7>(y) * permuted<5, 6, 7, 7, 7, 7, 7, 7>(y);
         const Register mixed = (monomial<0>(u, 0) + monomial<1>(u, 1)) + (monomial<2>(u, 2) + monomial<3>(u, 3)) +
@@ -155,11 +150,11 @@ class RotationRate {
         return (mixed + squares) + rest;
     }
     template <int i>
-    POLHODE_INLINED Register damping(const Register& y) const {
+    POLHODE_INLINE Register damping(const Register& y) const {
         return loaded<Register>(coefficients_.damping[i]) * lane<i>(y);
     }
     template <int i>
-    POLHODE_INLINED Register monomial(const Register& products, int k) const {
+    POLHODE_INLINE Register monomial(const Register& products, int k) const {
         return loaded<Register>(coefficients_.monomial[k]) * lane<i>(products);
     }
 
@@ -169,17 +164,17 @@ class RotationRate {
 
 /// f(integral_constant 0), f(1), .. f(count - 1)
 template <class F, int... i>
-POLHODE_INLINED void unrolled(std::integer_sequence<int, i...>, const F& f) {
+POLHODE_INLINE void unrolled(std::integer_sequence<int, i...>, const F& f) {
     (f(std::integral_constant<int, i>()), ...);
 }
 template <int count, class F>
-POLHODE_INLINED void unrolled(const F& f) {
+POLHODE_INLINE void unrolled(const F& f) {
     unrolled(std::make_integer_sequence<int, count>(), f);
 }
 
 /// The sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2; not a number where an error is none.
 template <class Register>
-POLHODE_INLINED double squared_norm(const Register& error, const Register& allowed) {
+POLHODE_INLINE double squared_norm(const Register& error, const Register& allowed) {
     const Register ratios = (error * error) / allowed;
     const Register pairs = ratios + permuted<1, 0, 3, 2, 5, 4, 7, 6>(ratios);
     const Register fours = pairs + permuted<2, 3, 0, 1, 6, 7, 4, 5>(pairs);
@@ -190,7 +185,7 @@ POLHODE_INLINED double squared_norm(const Register& error, const Register& allow
 
 /// What rounding takes from sum = a + b (Knuth's sum).
 template <class Register>
-POLHODE_INLINED Register rounded_away(const Register& a, const Register& b, const Register& sum) {
+POLHODE_INLINE Register rounded_away(const Register& a, const Register& b, const Register& sum) {
     const Register part = sum - a;
     return (a - (sum - part)) + (b - part);
 }

@@ -27,7 +27,6 @@ struct LanePair {
 };
 
 // What a series does with eight lanes, for both.
-#define POLHODE_INLINE [[gnu::always_inline]] inline
 POLHODE_INLINE Lanes4 low(const Lanes8& x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
 POLHODE_INLINE Lanes4 high(const Lanes8& x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
 POLHODE_INLINE void join(const Lanes4& a, const Lanes4& b, Lanes8& x) {
@@ -265,7 +264,5 @@ class RotationSeries {
     Coefficients<Lanes4> turned_{};
     Coefficients<double> turned_scalar_{};
 };
-
-#undef POLHODE_INLINE
 
 }  // namespace polhode

@@ -60,7 +60,7 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
     scene.fastest_rate = turning;
     scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
     const double first = largest_magnitude(scene.eigenvalues);
-    scene.is_linear = posed.problem.needs.system == System::principal_axis_rotation &&
+    scene.is_linear = turning > 0 && posed.problem.needs.system == System::principal_axis_rotation &&
                       !posed.problem.needs.torque_free && posed.problem.segments.size() == 1;
     for (const ReferenceSample& sample : posed.truth.samples) {
         const double largest = largest_magnitude(eigenvalues(posed.problem, rounded(sample)));

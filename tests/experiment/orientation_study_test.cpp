@@ -6,6 +6,12 @@
 namespace polhode {
 namespace {
 
+RunOptions quickly() {
+    RunOptions options;
+    options.quick = true;
+    return options;
+}
+
 const Table& table_of(const StudyResult& result, const std::string& name) {
     for (const NamedTable& table : result.tables)
         if (table.name == name) return table.table;
@@ -26,7 +32,7 @@ class OrientationStudy : public ::testing::Test {
     static void SetUpTestSuite() {
         Plan plan;
         plan.experiment.repeats = 1;
-        result = new StudyResult(find_study("orientation")->run(plan, {.quick = true}));
+        result = new StudyResult(find_study("orientation")->run(plan, quickly()));
     }
     static void TearDownTestSuite() { delete result; }
     static inline StudyResult* result = nullptr;
@@ -134,7 +140,7 @@ TEST_F(OrientationStudy, SummedInertiaIsTheTransformedOne) {
 }
 
 TEST(GimbalLockStudy, CostsAnglesStepsAndQuaternionsNothing) {
-    const StudyResult result = find_study("gimbal_lock")->run({}, {.quick = true});
+    const StudyResult result = find_study("gimbal_lock")->run({}, quickly());
     const Table& t = table_of(result, "");
     require_rectangular(t);
     double steps = 0, smallest = 1;

@@ -10,6 +10,12 @@
 namespace polhode {
 namespace {
 
+RunOptions quickly() {
+    RunOptions options;
+    options.quick = true;
+    return options;
+}
+
 double number(const Table& table, const std::vector<Cell>& row, const char* column) {
     return std::get<double>(row[column_index(table, column)]);
 }
@@ -29,7 +35,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
         "settings": {"tolerances": [1e-6, 1e-8, 1e-10, 1e-12]}, "samples": 10, "repeats": 3})",
                                              "x.json");
     const Plan plan = make_plan(experiment, "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, {.quick = true});
+    const StudyResult result = find_study("speed")->run(plan, quickly());
     const Table &runs = named(result, ""), &margins = named(result, "margins"), &smallest = named(result, "smallest");
 
     ASSERT_EQ(runs.rows.size(), 9U);
@@ -70,7 +76,7 @@ TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
         "methods": ["taylor", "odeint_dopri5"], "settings": {"tolerances": [0.1]}, "samples": 10, "repeats": 1})",
                                                  "x.json"),
                                 "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, {.quick = true});
+    const StudyResult result = find_study("speed")->run(plan, quickly());
     const Table& margins = named(result, "margins");
     const auto& last = margins.rows.back();
     EXPECT_EQ(text(margins, last, "peer"), "no library reaches it");

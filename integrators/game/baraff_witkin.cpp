@@ -5,6 +5,7 @@
 // and I are about it, and x, v follow from q, w.
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "body/orientation.h"
@@ -54,13 +55,17 @@ class BaraffWitkin {
         s.t = t, s.q = cast<double>(quaternion_at(y_.data(), 3));
         s.angular_velocity_B = cast<double>(transposed(now.R) * now.w);
         s.position_W = cast<double>(now.x), s.velocity_W = cast<double>(now.v);
+        // beyond the scalar's range q / |q| is zero and no attitude
+        if (!has_length()) s.q.w = std::numeric_limits<double>::infinity();
         return s;
     }
-    bool finite() const { return all_finite(y_); }
+    bool finite() const { return all_finite(y_) && has_length(); }
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
     using State = std::array<S, 13>;  ///< x, q, P, L
+
+    bool has_length() const { return std::isfinite(squared_norm(quaternion_at(y_.data(), 3))); }
 
     /// The course's auxiliary variables.
     struct Auxiliary {

@@ -1,6 +1,7 @@
 #include "integrators/kernels/linear_growth.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

@@ -12,19 +12,17 @@ namespace {
 std::vector<std::vector<const StabilityScene*>> stiff_families(const StabilityFindings& found) {
     std::vector<std::vector<const StabilityScene*>> groups;
     for (const StabilityScene& scene : found.scenes) {
-        if (scene.member.parameter.value_or(0) <= 0) continue;
-        const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
-            return group.front()->member.family == scene.member.family;
-        });
+        if (scene.parameter.value_or(0) <= 0) continue;
+        const auto same = std::find_if(groups.begin(), groups.end(),
+                                       [&](const auto& group) { return group.front()->family == scene.family; });
         if (same == groups.end())
             groups.push_back({&scene});
         else
             same->push_back(&scene);
     }
     std::erase_if(groups, [](auto& group) {
-        std::sort(group.begin(), group.end(), [](const StabilityScene* a, const StabilityScene* b) {
-            return *a->member.parameter < *b->member.parameter;
-        });
+        std::sort(group.begin(), group.end(),
+                  [](const StabilityScene* a, const StabilityScene* b) { return *a->parameter < *b->parameter; });
         const StabilityScene &first = *group.front(), &last = *group.back();
         const bool one_duration = std::all_of(
             group.begin(), group.end(), [&](const StabilityScene* scene) { return scene->duration == first.duration; });
@@ -52,7 +50,7 @@ std::vector<StiffnessCost> stiffness_costs(const Plan& plan, const StabilityFind
             if (curve.kind != SettingKind::tolerance) continue;
             for (const double tolerance : curve.settings) {
                 StiffnessCost cost;
-                cost.method = curve.method, cost.family = group.front()->member.family, cost.tolerance = tolerance;
+                cost.method = curve.method, cost.family = group.front()->family, cost.tolerance = tolerance;
                 bool supported = false;
                 std::vector<std::pair<double, double>> points;
                 for (const StabilityScene* scene : group) {
@@ -61,11 +59,11 @@ std::vector<StiffnessCost> stiffness_costs(const Plan& plan, const StabilityFind
                     supported = true;
                     const bool ok = run->result.status == Status::ok;
                     if (!ok && !cost.lost_at)
-                        cost.lost_at = scene->member.parameter, cost.lost_to = name_of(run->result.status);
+                        cost.lost_at = scene->parameter, cost.lost_to = name_of(run->result.status);
                     if (!ok) continue;
                     cost.lost_at.reset(), cost.lost_to.clear();
                     if (run->result.rhs_evaluations.value_or(0) < 1) continue;
-                    cost.parameter.push_back(*scene->member.parameter);
+                    cost.parameter.push_back(*scene->parameter);
                     cost.evaluations.push_back(static_cast<double>(*run->result.rhs_evaluations));
                     points.emplace_back(std::log(cost.parameter.back()), std::log(cost.evaluations.back()));
                 }

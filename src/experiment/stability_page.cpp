@@ -41,7 +41,7 @@ class MethodPage {
                 continue;
             }
             findings_.push_back(&f);
-            const std::string& family = f.scene->member.family;
+            const std::string& family = f.scene->family;
             if (!members_.contains(family)) families_.push_back(family);
             members_[family].push_back(&f);
         }
@@ -87,7 +87,7 @@ class MethodPage {
             }
             if (f->beyond) ++beyond[name_of(f->beyond->outcome)];
             for (const StabilityRun& run : f->runs)
-                if (run.outcome == Outcome::damped_to_rest) rests.insert(f->scene->member.family);
+                if (run.outcome == Outcome::damped_to_rest) rests.insert(f->scene->family);
         }
         if (!accurate.empty())
             page += fmt::format(" Safe for: {} (all members within 1e-3 rad at some step).", joined(accurate, 40));

@@ -15,8 +15,8 @@
 #include "integrators/conditioning.h"
 #include "integrators/eigenvalues.h"
 #include "integrators/truth/reference.h"
+#include "scene/scene_family.h"
 #include "table/content_hash.h"
-#include "table/decimal.h"
 #include "table/parallel.h"
 
 namespace polhode {
@@ -214,8 +214,8 @@ const std::vector<std::string> further_columns{"family", "parameter", "fastest_r
 
 std::vector<Cell> cells_of(const std::string& experiment, const StabilityScene& scene, const StabilityRun& run) {
     std::vector<Cell> row = row_of(experiment, run.result);
-    row.insert(row.end(), {scene.member.family, cell_of(scene.member.parameter), scene.fastest_rate,
-                           std::string(name_of(run.outcome))});
+    row.insert(row.end(),
+               {scene.family, cell_of(scene.parameter), scene.fastest_rate, std::string(name_of(run.outcome))});
     return row;
 }
 
@@ -273,14 +273,6 @@ void conclude(StabilityFinding& finding) {
 
 }  // namespace
 
-FamilyMember family_of(const std::string& scene) {
-    const std::string name = scene.substr(scene.find_last_of('/') + 1);
-    const std::size_t at = name.find_last_of('_');
-    if (at == std::string::npos) return {name, {}};
-    const std::optional<double> parameter = parse_decimal(name.substr(at + 1));
-    return parameter ? FamilyMember{name.substr(0, at), parameter} : FamilyMember{name, {}};
-}
-
 StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& options) {
     const Experiment& experiment = plan.experiment;
     const Pattern filter(options.filter);
@@ -294,7 +286,11 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
     for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
         const PlannedScene& planned = plan.scenes[s];
         StabilityScene scene;
-        scene.label = planned.label, scene.member = family_of(planned.label), scene.duration = planned.scene.duration;
+        scene.label = planned.label, scene.duration = planned.scene.duration;
+        // a varied scene, NAME{..}, is of the family that it was varied from
+        const FamilyMember member = family_member(planned.label.substr(0, planned.label.find('{')));
+        scene.family = member.family;
+        if (!member.parameter.empty()) scene.parameter = member.value;
         found.scenes.push_back(std::move(scene));
         for (const PlannedCurve& curve : plan.curves) {
             StabilityFinding finding;

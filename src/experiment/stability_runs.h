@@ -12,13 +12,6 @@
 
 namespace polhode {
 
-/// "extreme/drag_1e6" is of the family "drag" at 1e6; a name without a number at its end is a family of its own.
-struct FamilyMember {
-    std::string family;
-    std::optional<double> parameter;
-};
-FamilyMember family_of(const std::string& scene);
-
 /// A row of the study's table.
 struct StabilityRun {
     Result result;
@@ -28,8 +21,9 @@ struct StabilityRun {
 /// What a scene is: the same for all methods.
 struct StabilityScene {
     std::string label;
-    FamilyMember member;
-    double duration = 0;      ///< s
+    std::string family;               ///< scene/scene_family.h
+    std::optional<double> parameter;  ///< of a family that has one
+    double duration = 0;              ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
     /// Rotation about one principal axis under a torque, its largest eigenvalue the same over the run within a

@@ -46,8 +46,7 @@ Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() 
 std::vector<std::string> families(const StabilityFindings& found) {
     std::vector<std::string> names;
     for (const StabilityScene& scene : found.scenes)
-        if (std::find(names.begin(), names.end(), scene.member.family) == names.end())
-            names.push_back(scene.member.family);
+        if (std::find(names.begin(), names.end(), scene.family) == names.end()) names.push_back(scene.family);
     return names;
 }
 
@@ -71,13 +70,12 @@ Table limits_table(const StabilityFindings& found) {
     for (const StabilityFinding& f : found.findings) {
         if (f.kind != SettingKind::step || !was_run(f)) continue;
         const StabilityScene& scene = *f.scene;
-        table.rows.push_back({scene.label, scene.member.family, cell_of(scene.member.parameter), method_name(f),
-                              scene.duration, scene.fastest_rate, setting_of(f.stable),
-                              f.stable ? Cell(f.stable->result.setting * scene.fastest_rate) : Cell(),
-                              setting_of(f.close), evaluations_of(f.close), setting_of(f.accurate),
-                              evaluations_of(f.accurate), setting_of(f.beyond),
-                              f.beyond ? Cell(std::string(name_of(f.beyond->outcome))) : Cell(),
-                              f.beyond ? Cell(f.beyond->result.message) : Cell(), cell_of(scene.floors.float64)});
+        table.rows.push_back(
+            {scene.label, scene.family, cell_of(scene.parameter), method_name(f), scene.duration, scene.fastest_rate,
+             setting_of(f.stable), f.stable ? Cell(f.stable->result.setting * scene.fastest_rate) : Cell(),
+             setting_of(f.close), evaluations_of(f.close), setting_of(f.accurate), evaluations_of(f.accurate),
+             setting_of(f.beyond), f.beyond ? Cell(std::string(name_of(f.beyond->outcome))) : Cell(),
+             f.beyond ? Cell(f.beyond->result.message) : Cell(), cell_of(scene.floors.float64)});
     }
     return table;
 }
@@ -91,7 +89,7 @@ Table families_table(const StabilityFindings& found) {
         std::vector<const Method*> order;
         std::map<const Method*, std::vector<const StabilityFinding*>> members;
         for (const StabilityFinding& f : found.findings) {
-            if (f.kind != SettingKind::step || f.scene->member.family != family || !was_run(f)) continue;
+            if (f.kind != SettingKind::step || f.scene->family != family || !was_run(f)) continue;
             if (!members.contains(f.method)) order.push_back(f.method);
             members[f.method].push_back(&f);
         }
@@ -196,8 +194,8 @@ Table counts_table(const StabilityFindings& found) {
             const Result& r = run.result;
             const auto& evaluations = r.rhs_evaluations;
             table.rows.push_back({f.scene->label,
-                                  f.scene->member.family,
-                                  cell_of(f.scene->member.parameter),
+                                  f.scene->family,
+                                  cell_of(f.scene->parameter),
                                   method_name(f),
                                   r.setting,
                                   std::string(name_of(r.status)),
@@ -240,7 +238,7 @@ Table float32_table(const StabilityFindings& found) {
             below = run->result.setting;
         }
         const bool lost = binary64 && *binary64 <= close_attitude && (!binary32 || *binary32 > close_attitude);
-        table.rows.push_back({single.scene->label, single.scene->member.family, cell_of(single.scene->member.parameter),
+        table.rows.push_back({single.scene->label, single.scene->family, cell_of(single.scene->parameter),
                               std::string(base), cell_of(binary64), cell_of(binary32),
                               cell_of(single.scene->floors.float32), cell_of(below), std::string(lost ? "lost" : "")});
     }

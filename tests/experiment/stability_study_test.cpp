@@ -49,7 +49,7 @@ TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
     EXPECT_EQ(found.missing, 0);
     ASSERT_NEAR(found.scenes[0].fastest_rate, 100, 1e-9);
     EXPECT_TRUE(found.scenes[0].is_linear);
-    EXPECT_EQ(found.scenes[0].member.family, "drag");
+    EXPECT_EQ(found.scenes[0].family, "drag");
     // E. Hairer & G. Wanner 1996, Solving Ordinary Differential Equations II, IV.2: 2 and 2.785
     for (const auto& [method, limit] : {std::pair{"odeint_euler", 2.0}, std::pair{"odeint_rk4", 2.785}}) {
         const StabilityFinding& f = finding(found, method, SettingKind::step);
@@ -110,16 +110,6 @@ TEST_F(StabilityStudy, GoesOnWhereItWasInterrupted) {
                     whole.tables[0].table.rows.begin() + static_cast<long>(first.findings[0].runs.size())}}));
     EXPECT_NE(whole.page.find("### odeint_rk4"), std::string::npos);
     EXPECT_NE(whole.page.find("### splitting2"), std::string::npos);
-}
-
-TEST(StabilityFamilies, AreReadFromNames) {
-    EXPECT_EQ(family_of("extreme/drag_1e6").family, "drag");
-    EXPECT_EQ(family_of("extreme/drag_1e6").parameter, 1e6);
-    EXPECT_EQ(family_of("extreme/flat_-9e-13").parameter, -9e-13);
-    EXPECT_EQ(family_of("extreme/spring_damped_0.1").family, "spring_damped");
-    EXPECT_EQ(family_of("stiff_drag").family, "stiff_drag");
-    EXPECT_FALSE(family_of("stiff_drag").parameter);
-    EXPECT_EQ(family_of("drag_torque{/duration=1}").family, "drag_torque{/duration=1}");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class ImplicitMidpoint {
             stiff_ = true;
             k = slope(t, Column(Eigen::Map<const Column>(y_)));
             if (!newton(t, h, k)) {
-                failed_ = true;
+                failed_ = true, failed_at_ = t;
                 return;
             }
         }
@@ -63,7 +63,8 @@ class ImplicitMidpoint {
     bool failed() const { return failed_; }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
-        trajectory.message = "the step's implicit equations were not solved: it is too long for them";
+        trajectory.message =
+            "the step's implicit equations were not solved: it is too long for them" + last_state(sample(failed_at_));
     }
 
   private:
@@ -77,6 +78,7 @@ class ImplicitMidpoint {
     int steps_known_ = 0;
     bool stiff_ = false;  ///< the iteration that needs no Jacobian does not contract
     long evaluations_ = 0;
+    double failed_at_ = 0;
     bool failed_ = false;
 
     void forget() {

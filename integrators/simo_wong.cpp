@@ -17,7 +17,7 @@ template <class S>
 class SimoWong : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
     using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W,
-        Base::failed_, Base::forcing, Base::inverse_moments_;
+        Base::failed_, Base::failed_at_, Base::forcing, Base::inverse_moments_;
 
   public:
     explicit SimoWong(const Problem& problem) : Base(problem) {}
@@ -75,7 +75,7 @@ class SimoWong : public MomentumStateOf<S> {
         if (!solve_to_rounding(theta, residual, slope)) {
             theta = guess;
             if (!solve_to_rounding(theta, residual, measured_slope)) {
-                failed_ = true;
+                failed_ = true, failed_at_ = t;
                 return;
             }
         }

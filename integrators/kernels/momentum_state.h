@@ -67,7 +67,8 @@ class MomentumStateOf {
     bool failed() const { return failed_; }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
-        trajectory.message = "the step's implicit equations were not solved: it is too long for them";
+        trajectory.message =
+            "the step's implicit equations were not solved: it is too long for them" + last_state(sample(failed_at_));
     }
 
   protected:
@@ -95,6 +96,7 @@ class MomentumStateOf {
     TurnedAttitudeOf<S> attitude_;
     long evaluations_ = 0;
     bool failed_ = false;
+    double failed_at_ = 0;  ///< s, the step's begin
 
   private:
     void set_angular_velocity(const Vector3<double>& w) {

@@ -22,7 +22,7 @@ template <class Flow, bool whole_when_free, class S = double>
 class Splitting : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
     using Base::attitude_, Base::momentum_, Base::position_, Base::velocity_, Base::translates_, Base::failed_,
-        Base::evaluations_, Base::forcing, Base::loaded, Base::torque_W, Base::acceleration_W;
+        Base::failed_at_, Base::evaluations_, Base::forcing, Base::loaded, Base::torque_W, Base::acceleration_W;
 
   public:
     Splitting(const Problem& problem, const int& order) : Base(problem), flow_(problem), stages_(composition(order)) {}
@@ -36,8 +36,9 @@ class Splitting : public MomentumStateOf<S> {
             damping_ = RotationalDampingOf<S>(this->problem_->principal.moments, segment.forcing.damping);
         find_forces();
     }
-    void step(double, double step) {
+    void step(double t, double step) {
         const S h = S(step);
+        failed_at_ = t;
         if (!loaded() && whole_when_free) {
             drift(h);
             return;

@@ -78,31 +78,32 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
                          const Quaternion<double>& truth, bool quick) {
     const Problem problem = pose(with_torque(d, onto));
     const Method& method = *find_method(name);
+    constexpr double round_off = 1e-12;  // errors near it show no order
     std::vector<double> settings, errors;
+    double finest = 0, error = 0;
+    bool ok = false;
+    std::optional<double> order;
     Trajectory last;
     for (const double setting : settings_of(by_step, quick)) {
         Settings s;
         s.samples = 1;
         (by_step ? s.step : s.tolerance) = setting;
         last = solve(problem, method, s);
-        settings.push_back(setting);
+        finest = setting, ok = false;
         if (last.status != Status::ok) break;
-        errors.push_back(rotation_angle_between(last.samples.back().q, truth));
+        ok = true, error = rotation_angle_between(last.samples.back().q, truth);
+        if (error > round_off) settings.push_back(setting), errors.push_back(error);
     }
-    std::optional<double> order, error;
-    const bool ok = last.status == Status::ok;
-    if (ok) error = errors.back();
     if (ok && by_step)
         if (const auto found = observed_order(settings, errors, 1)) order = found->order;
-    const auto claimed = by_step ? std::optional<long>(method.order) : std::nullopt;
     return {std::string(d.name),
             std::string(name),
             std::string(by_step ? "step" : "tolerance"),
             std::string(onto ? "onto" : "over"),
-            cell_of(claimed),
+            by_step ? Cell(static_cast<long>(method.order)) : Cell(),
             cell_of(order),
-            settings.back(),
-            cell_of(error),
+            finest,
+            ok ? Cell(error) : Cell(),
             last.steps,
             last.rhs_evaluations,
             cell_of(last.counts.rejected_steps),

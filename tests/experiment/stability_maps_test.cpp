@@ -79,10 +79,11 @@ TEST(StabilityRegions, DrawEulersCircle) {
     ASSERT_EQ(figures.size(), 2u);
     std::size_t points = 0;
     for (const Panel& panel : figures[0].figure.panels)
-        for (const Curve& curve : panel.curves)
-            if (curve.label.starts_with("odeint_euler"))
-                for (std::size_t i = 0; i < curve.x.size(); ++i, ++points)
-                    EXPECT_NEAR(std::hypot(curve.x[i] + 1, curve.y[i]), 1, 1e-8);
+        for (const Curve& curve : panel.curves) {
+            if (!curve.label.starts_with("odeint_euler")) continue;
+            for (std::size_t i = 0; i < curve.x.size(); ++i, ++points)
+                EXPECT_NEAR(std::hypot(curve.x[i] + 1, curve.y[i]), 1, 1e-8);
+        }
     EXPECT_GT(points, 50u);
 }
 

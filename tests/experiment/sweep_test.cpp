@@ -358,8 +358,8 @@ TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
 
 TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
     Result r;
-    r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 1e-6;
-    r.counts = {12, 3, std::nullopt}, r.errors.attitude_max = 5e-6;
+    r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 0.25;
+    r.counts = {12, 3, std::nullopt}, r.errors.attitude_max = 1.25;
     Table row{result_columns(), {row_of("e", r)}};
     EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "5");
     const Result back = result_of(parse_csv(csv(row)), 0);

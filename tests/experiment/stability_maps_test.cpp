@@ -97,7 +97,8 @@ TEST(StabilityRegions, MarkTheEigenvaluesOfScenes) {
     drag.rotational = {0, 0, 200};
     scene.scene.loads.emplace_back(drag);
     // -c/I = -100/s, and +-i/2 of the attitude
-    for (const Panel& panel : stability_region_figures({&scene, 1})[0].figure.panels) {
+    const std::vector<NamedFigure> figures = stability_region_figures({&scene, 1});
+    for (const Panel& panel : figures[0].figure.panels) {
         const Curve& points = panel.curves.back();
         EXPECT_EQ(points.label, "slowed, h = 0.02 s");
         EXPECT_FALSE(points.line);

@@ -91,8 +91,9 @@ TEST(LinearStability, ReachesFarWithoutOverflow) {
             if (const std::optional<double> growth = linear_growth(*method, z)) {
                 EXPECT_FALSE(std::isnan(*growth)) << method->name << z;
                 EXPECT_GE(*growth, 0) << method->name << z;
+                // both eigenvalues of a pendulum at rest are 1: a double root, which rounding moves by sqrt(2^-53)
                 if (std::abs(z) < 1) {
-                    EXPECT_NEAR(*growth, 1, 1e-14) << method->name << z;
+                    EXPECT_NEAR(*growth, 1, 2e-8) << method->name << z;
                 }
             }
 }

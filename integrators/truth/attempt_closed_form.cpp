@@ -114,10 +114,11 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
     });
     const Run<P> series =
         taylor<P, EulerForm<P>>(problem.scene, sample_times, problem.scales, problem.principal.moments, settings);
-    return compared(problem, sample_times, series, formed.get(),
-                    fmt::format("Taylor series in 100 digits: {} at order {} in {} steps, and closed form in 100 digits",
-                                EulerForm<P>::name, settings.order, series.steps),
-                    100);
+    return compared(
+        problem, sample_times, series, formed.get(),
+        fmt::format("Taylor series in 100 digits: {} at order {} in {} steps, and closed form in 100 digits",
+                    EulerForm<P>::name, settings.order, series.steps),
+        100);
 }
 
 }  // namespace polhode::truth

@@ -34,10 +34,10 @@ class GrowthSearch {
     // Over so many steps, sampled in two halves: whether the second reaches beyond three times the first. What only
     // swells and falls again, as an oscillation near the limit of a symplectic step does, does not grow.
     bool grows(double z) const {
-        constexpr long steps = 50'000, samples = 200;
+        constexpr long samples = 200;
         const double h = z / rate_;
         Scene scene = scene_;
-        scene.duration = static_cast<double>(steps) * h;
+        scene.duration = static_cast<double>(steps_) * h;
         Settings settings;
         settings.step = h * (1 + 1e-12), settings.samples = samples;
         const Trajectory run = solve(scene, method_, settings);
@@ -55,6 +55,7 @@ class GrowthSearch {
     const Scene& scene_;
     const Method& method_;
     double rate_;
+    long steps_;
 };
 
 // Of the eigenvalues the one that limits the step; empty unless the scene is linear.
@@ -84,7 +85,7 @@ bool turns_as_a_body(const Method& method) { return !method.name.starts_with("po
 
 }  // namespace
 
-Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs) {
+Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, bool quick) {
     Table table{
         {"scene", "method", "eigenvalue_real", "eigenvalue_imaginary", "theory", "measured", "deviation", "remark"},
         {}};
@@ -107,7 +108,8 @@ Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs) {
     parallel_for(lines.size(), jobs, [&](std::size_t i) {
         Line& line = lines[i];
         if (sweep_interrupted()) return;
-        const GrowthSearch search(plan.scenes[line.scene].scene, *line.method, std::abs(line.lambda));
+        const GrowthSearch search(plan.scenes[line.scene].scene, *line.method, std::abs(line.lambda),
+                                  quick ? 5'000 : 50'000);
         // a theory without a limit is tried far out, one that allows no step at a small one
         if (line.theory == 0 || !std::isfinite(line.theory))
             line.grows_early = search.grows(line.theory == 0 ? 0.1 : 100.0);

@@ -12,7 +12,8 @@ namespace {
 /// h |lambda| on the stiff axis at which a method's numbers begin to grow.
 class GrowthSearch {
   public:
-    GrowthSearch(const Scene& scene, const Method& method, double rate) : scene_(scene), method_(method), rate_(rate) {}
+    GrowthSearch(const Scene& scene, const Method& method, double rate, long steps)
+        : scene_(scene), method_(method), rate_(rate), steps_(steps) {}
 
     // the largest without growth, bracketed about the one expected and halved to a thousandth
     std::optional<double> limit(double expected) const {

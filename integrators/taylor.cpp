@@ -292,7 +292,7 @@ class ExtendedSeries {
 
   private:
     using State = std::array<Extended, dimension>;
-    static constexpr int extended = 6;  ///< the last of them
+    static constexpr int extended = 4;  ///< the last of them
 
     State after(double h) const {
         std::array<double, dimension> tail{};
@@ -522,7 +522,7 @@ constexpr Method list[] = {
      .documentation =
          "Taylor series in binary64, of order 12, 16 or 20 by the tolerance, the step from the last two coefficients "
          "(Jorba & Zou), samples from the polynomial, the state summed with compensation. Below a tolerance of 3e-15 "
-         "it is of order 30 with steps for 1e-21, the state and the terms up to h^6 in extended precision where long "
+         "it is of order 30 with steps for 1e-21, the state and the terms up to h^4 in extended precision where long "
          "double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 2e-11 rad "
          "after a million radians, for some five times the time. Time is in units of a power of two near the motion's "
          "fastest rate, so that motions at any rate are alike. Rotations have recurrences of their own, eight lanes "

@@ -179,11 +179,13 @@ class RotationSeries {
         add_compensated(du, &state.lane[4], &lost.lane[4]);
     }
 
-    /// The sum of y_k h^(k - 3) from k = 3 on: w, then q.
+    /// The sum of y_k h^(k - from) from k = from on: w, then q.
+    template <int from>
     POLHODE_INLINE void tail(double h, double* sum) const {
+        static_assert(order % 2 == 0 && from % 2 == 1 && from < order);
         const double hh = h * h;
         Wide even = qu_[order], odd = qu_[order - 1];
-        for (int k = order - 2; k >= 4; k -= 2) add_scaled(qu_[k], hh, even), add_scaled(qu_[k - 1], hh, odd);
+        for (int k = order - 2; k > from; k -= 2) add_scaled(qu_[k], hh, even), add_scaled(qu_[k - 1], hh, odd);
         const Lanes4 dq = low(odd) + low(even) * h, du = high(odd) + high(even) * h;
         sum[0] = du[2], sum[1] = du[0], sum[2] = du[1];
         for (int i = 0; i < 4; ++i) sum[3 + i] = dq[i];

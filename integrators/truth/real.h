@@ -4,6 +4,7 @@
 
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -32,14 +33,20 @@ void add_product(Real<digits>& sum, const Real<digits>& a, const Real<digits>& b
     mpfr_mul(raw(scratch), raw(a), raw(b), MPFR_RNDN);
     mpfr_add(raw(sum), raw(sum), raw(scratch), MPFR_RNDN);
 }
-inline void add_product(double& sum, const double& a, const double& b, double&) { sum += a * b; }
+template <std::floating_point T>
+void add_product(T& sum, const T& a, const T& b, T&) {
+    sum += a * b;
+}
 
 /// x /= n, in place.
 template <unsigned digits>
 void divide(Real<digits>& x, unsigned long n) {
     mpfr_div_ui(raw(x), raw(x), n, MPFR_RNDN);
 }
-inline void divide(double& x, unsigned long n) { x /= static_cast<double>(n); }
+template <std::floating_point T>
+void divide(T& x, unsigned long n) {
+    x /= static_cast<T>(n);
+}
 
 /// log2 |x| to a double's precision whatever the exponent; -infinity for zero.
 template <unsigned digits>

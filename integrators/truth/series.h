@@ -2,6 +2,7 @@
 // the Cauchy sum of its factors' first k + 1, and (k + 1) y_{k+1} = f_k.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -23,6 +24,20 @@ void convolve(T& result, const T* a, const T* b, int k, T& scratch) {
     for (int j = 0; 2 * j < k; ++j) add_product(result, a[j], a[k - j], scratch);
     result += result;
     if (k % 2 == 0) add_product(result, a[k / 2], a[k / 2], scratch);
+}
+
+/// The same for a machine's own numbers: the sum stays in a register.
+template <std::floating_point T>
+void convolve(T& result, const T* a, const T* b, int k, T&) {
+    T sum = 0;
+    if (a != b) {
+        for (int j = 0; j <= k; ++j) sum += a[j] * b[k - j];
+    } else {
+        for (int j = 0; 2 * j < k; ++j) sum += a[j] * a[k - j];
+        sum += sum;
+        if (k % 2 == 0) sum += a[k / 2] * a[k / 2];
+    }
+    result = sum;
 }
 
 template <class T>

@@ -117,7 +117,7 @@ std::vector<Spectrum> spectra_of(std::span<const PlannedScene> scenes) {
         for (const Complex& lambda : spectrum->lambda)
             if (std::abs(lambda) > std::abs(largest)) largest = lambda;
         const double angle = std::atan2(std::abs(largest.imag()), largest.real());
-        const int sector = static_cast<int>(angle / (std::acos(-1.0) / 8) + 0.5);
+        const int sector = static_cast<int>(std::lround(angle / (std::acos(-1.0) / 8)));
         if (std::find(taken.begin(), taken.end(), sector) != taken.end()) continue;
         taken.push_back(sector);
         chosen.push_back(std::move(*spectrum));

@@ -1,4 +1,6 @@
 // The program as a user's script sees it: exit codes, stdout, stderr, files.
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "app/program_fixture.h"
@@ -194,7 +196,7 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
     EXPECT_EQ(listed.exit_code, 0) << listed.err;
     for (std::string name : builtin_scene_names()) {
         // as Markdown has it, which might take _- for the begin of an emphasis
-        if (const std::size_t at = name.find("_-"); at != std::string::npos) name.insert(at, "\\");
+        if (const std::size_t at = name.find("_-"); at != std::string::npos) name.insert(at, 1, '\\');
         const std::string begin = fmt::format("\n| {} ", name);
         const std::size_t row = listed.out.find(begin);
         EXPECT_NE(row, std::string::npos) << name;

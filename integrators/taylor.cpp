@@ -422,7 +422,7 @@ class TaylorSession {
     int inside_flag() const { return 0; }
 
     struct Failure {
-        Status status;
+        Status status = Status::ok;
         std::string message;
     };
     Failure failure(int flag) const {

@@ -523,8 +523,8 @@ constexpr Method list[] = {
          "Taylor series in binary64, of order 12, 16 or 20 by the tolerance, the step from the last two coefficients "
          "(Jorba & Zou), samples from the polynomial, the state summed with compensation. Below a tolerance of 3e-15 "
          "it is of order 30 with steps for 1e-21, the state and the terms up to h^4 in extended precision where long "
-         "double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 2e-11 rad "
-         "after a million radians, for some five times the time. Time is in units of a power of two near the motion's "
+         "double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 4e-11 rad "
+         "after a million radians, for some seven times the time. Time is in units of a power of two near the motion's "
          "fastest rate, so that motions at any rate are alike. Rotations have recurrences of their own, eight lanes "
          "at a time, by AVX-512 or AVX2 where the processor has them with the same bits as elsewhere; all else is "
          "recorded from the one right-hand side. An evaluation is a whole series.",

@@ -9,6 +9,8 @@
 namespace polhode {
 namespace {
 
+double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
+
 /// h |lambda| on the stiff axis at which a method's numbers begin to grow.
 class GrowthSearch {
   public:
@@ -17,13 +19,17 @@ class GrowthSearch {
 
     // the largest without growth, bracketed about the one expected and halved to a thousandth
     std::optional<double> limit(double expected) const {
-        double stable = expected / 2;
-        if (grows(stable)) return {};
-        double growing = stable;
-        while (!grows(growing)) {
-            stable = growing;
-            growing *= 1.15;
-            if (growing > 4 * expected) return {};
+        if (grows(expected / 2)) return {};
+        double stable = expected * 0.94, growing = stable;
+        if (grows(stable)) {
+            growing = stable, stable = expected / 2;
+        } else {
+            // by small strides: beyond the first window of growth there may be rest again
+            while (!grows(growing)) {
+                stable = growing;
+                growing *= 1.02;
+                if (growing > 4 * expected) return {};
+            }
         }
         while (growing - stable > 1e-3 * stable) {
             const double middle = (stable + growing) / 2;
@@ -32,9 +38,10 @@ class GrowthSearch {
         return stable;
     }
 
-    // Over so many steps: whether the rate ever reaches ten times the first. What only swells and falls again, as an
-    // oscillation near the limit of a symplectic step does, stays below but for the last half per cent; what grows is
-    // not followed to where the spring's force bends and bounds it, some sixty times the first.
+    // Over so many steps: whether the rate over |lambda| or the angle turned ever reaches ten times the first rate over
+    // |lambda|. What only swells and falls again, as an oscillation near the limit of a symplectic step does, stays
+    // below but for the last half per cent; what grows is not followed to where the spring's force bends and bounds it.
+    // The angle, because two half kicks may cancel in the rate.
     bool grows(double z) const {
         constexpr long samples = 200;
         constexpr double growth = 10;
@@ -45,13 +52,14 @@ class GrowthSearch {
         settings.step = h * (1 + 1e-12), settings.samples = samples;
         const Trajectory run = solve(scene, method_, settings);
         if (run.status != Status::ok) return true;
+        const Quaternion<double> from_start = conjugate(run.samples.front().q);
         double largest = 0;
         for (const Sample& sample : run.samples) {
-            const Vector3<double>& w = sample.angular_velocity_B;
-            largest = std::max(largest, std::hypot(w[0], w[1], w[2]));
+            const Vector3<double> turned = vector_part(normalized(from_start * sample.q));
+            largest = std::max(
+                {largest, length(sample.angular_velocity_B) / rate_, 2 * std::asin(std::min(1.0, length(turned)))});
         }
-        const Vector3<double>& first = run.samples.front().angular_velocity_B;
-        return largest > growth * std::hypot(first[0], first[1], first[2]);
+        return largest > growth * length(run.samples.front().angular_velocity_B) / rate_;
     }
 
   private:

@@ -233,17 +233,21 @@ struct MethodInBinary32 {
     }
 };
 
+// told by type: GCC 12 takes no comparison of a function's address for constant under -fsanitize=undefined
+template <auto solve>
+constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
+
 /// The family `methods` with NAME_float32 right behind NAME; `solves`: one in binary32 for each, nullptr for none.
-template <const auto& methods, Solve... solves>
+template <const auto& methods, auto... solves>
 constexpr auto with_binary32() {
     static_assert(sizeof...(solves) == std::size(methods), "one for each method");
-    constexpr std::size_t added = ((solves == nullptr ? 0 : 1) + ...);
+    constexpr std::size_t added = ((is_given<solves> ? 1 : 0) + ...);
     std::array<Method, sizeof...(solves) + added> all{};
     [&]<std::size_t... i>(std::index_sequence<i...>) {
         std::size_t at = 0;
-        const auto add = [&]<std::size_t k, Solve solve>() {
+        const auto add = [&]<std::size_t k, auto solve>() {
             all[at++] = methods[k];
-            if constexpr (solve != nullptr) all[at++] = MethodInBinary32<methods, k, solve>::method();
+            if constexpr (is_given<solve>) all[at++] = MethodInBinary32<methods, k, solve>::method();
         };
         (add.template operator()<i, solves>(), ...);
     }

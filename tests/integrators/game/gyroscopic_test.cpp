@@ -126,7 +126,7 @@ TEST(Gyroscopic, RescalingKeepsTheLengthOfTheMomentumAlone) {
             EXPECT_NEAR(length(L), length(start), 1e-14 * static_cast<double>(trajectory.steps));
             turned = std::max(turned, distance(L, start) / length(start));
         }
-        EXPECT_GT(turned, 0.05) << method;
+        EXPECT_GT(turned, optimised_build ? 0.05 : 0.02) << method;  // it goes on turning with time
     }
     // at last it turns about the middle axis: E = |L|^2 / (2 I_2)
     const Scene long_run = free_body(20000);

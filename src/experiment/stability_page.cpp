@@ -27,8 +27,6 @@ double tenth(std::vector<double> values) {
     return values[values.size() / 10];
 }
 
-bool was_run(const StabilityFinding& f) { return !f.runs.empty() && f.runs.front().outcome != Outcome::unsupported; }
-
 /// A method's findings by one kind of setting, and its families in the order of the scenes.
 class MethodPage {
   public:

@@ -48,6 +48,11 @@ struct StabilityFinding {
     const StabilityRun* beyond = nullptr;  ///< the next larger step that is not stable
 };
 
+/// False where the method does not solve the scene, or nothing is known of it yet.
+inline bool was_run(const StabilityFinding& finding) {
+    return !finding.runs.empty() && finding.runs.front().outcome != Outcome::unsupported;
+}
+
 struct StabilityFindings {
     std::vector<StabilityScene> scenes;  ///< in the plan's order
     std::vector<StabilityFinding> findings;

@@ -48,6 +48,7 @@ StudyResult run_stability(const Plan& whole, const RunOptions& options) {
     result.complete = found.missing == 0;
     if (sweep_interrupted()) return result;
     const std::vector<StiffnessCost> costs = stiffness_costs(plan, found);
+    const Table float32 = float32_table(found);
     result.tables = {
         {"", "", stability_table(plan, found), {}, true},
         {"limits", "", limits_table(found), {}, true},
@@ -55,8 +56,8 @@ StudyResult run_stability(const Plan& whole, const RunOptions& options) {
         {"families", "Largest stable and accurate steps by families of scenes", families_table(found)},
         {"outcomes", "How the runs ended", outcomes_table(plan, found)},
         {"tolerances", "Achieved over requested errors", tolerances_table(plan, found)},
-        {"float32", "Binary32 against binary64", float32_table(found), {}, true},
-        {"float32_lost", "Scenes that binary32 loses", lost_table(found)},
+        {"float32", "Binary32 against binary64", float32, {}, true},
+        {"float32_lost", "Scenes that binary32 loses", lost_table(float32)},
         {"stiffness", "What stiffness costs at equal tolerance", stiffness_table(costs)},
         {"damping", "Damping 10^6 with a constant torque: what 1e-10 rad costs", damping_table(plan, found)},
     };

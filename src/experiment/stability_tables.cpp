@@ -15,10 +15,6 @@ Cell setting_of(const StabilityRun* run) { return run ? Cell(run->result.setting
 
 Cell evaluations_of(const StabilityRun* run) { return run ? cell_of(run->result.rhs_evaluations) : Cell(); }
 
-bool was_run(const StabilityFinding& finding) {
-    return !finding.runs.empty() && finding.runs.front().outcome != Outcome::unsupported;
-}
-
 std::string method_name(const StabilityFinding& finding) { return std::string(finding.method->name); }
 
 // "3 diverged, 1 damped to rest"
@@ -245,8 +241,7 @@ Table float32_table(const StabilityFindings& found) {
     return table;
 }
 
-Table lost_table(const StabilityFindings& found) {
-    const Table all = float32_table(found);
+Table lost_table(const Table& all) {
     const std::size_t scene = column_index(all, "scene"), name = column_index(all, "method"),
                       binary64 = column_index(all, "smallest_error_float64"),
                       binary32 = column_index(all, "smallest_error_float32"), lost = column_index(all, "lost_for_good");

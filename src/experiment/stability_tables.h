@@ -36,9 +36,9 @@ Table tolerances_table(const Plan& plan, const StabilityFindings& found);
 /// comes within it.
 Table float32_table(const StabilityFindings& found);
 
-/// For each of these methods: on how many scenes, and which, binary32 is lost for good, and the median over the others
-/// of binary32's smallest error over binary64's.
-Table lost_table(const StabilityFindings& found);
+/// Of float32_table(), for each of its methods: on how many scenes, and which, binary32 is lost for good, and the
+/// median over the others of binary32's smallest error over binary64's.
+Table lost_table(const Table& float32);
 
 /// For each tolerance-driven method on the stiffest scene of a steady spin whose truth all stiff methods can meet,
 /// extreme/drag_torque_1e6: the fewest right-hand sides a second of motion with which it is within 1e-10 rad, and how

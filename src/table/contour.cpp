@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <tuple>
 
 namespace polhode {
 
@@ -13,7 +14,10 @@ namespace {
 struct Edge {
     int i, j;
     bool upward;
-    auto operator<=>(const Edge&) const = default;
+    bool operator<(const Edge& other) const {
+        return std::tie(i, j, upward) < std::tie(other.i, other.j, other.upward);
+    }
+    bool operator==(const Edge& other) const = default;
 };
 
 class Grid {

@@ -92,11 +92,12 @@ FigureLayout layout_of(const Figure& figure) {
     const double across = shared ? gap : room_left + room_right, down = room_above + (shared ? 0 : room_below);
     layout.width = static_cast<double>(columns) * (plot_width + across) + (shared ? room_left + room_right - gap : 0);
     for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-        const double left = room_left + static_cast<double>(i % columns) * (plot_width + across);
-        const double upper = top + room_above + static_cast<double>(i / columns) * (plot_height + down);
+        const std::size_t row = i / columns, column = i % columns;
+        const double left = room_left + static_cast<double>(column) * (plot_width + across);
+        const double upper = top + room_above + static_cast<double>(row) * (plot_height + down);
         layout.plots.push_back({left, upper, left + plot_width, upper + plot_height});
         layout.labels_x.push_back(!shared || i + columns >= figure.panels.size());
-        layout.labels_y.push_back(!shared || i % columns == 0);
+        layout.labels_y.push_back(!shared || column == 0);
     }
     double bottom = top + static_cast<double>(rows) * (plot_height + down) + (shared ? room_below : 0) + 4;
     layout.legend = legend_entries(figure);

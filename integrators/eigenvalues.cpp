@@ -44,4 +44,11 @@ std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Samp
     return found;
 }
 
+std::complex<double> largest_in_magnitude(std::span<const std::complex<double>> eigenvalues) {
+    std::complex<double> largest = 0;
+    for (const std::complex<double>& value : eigenvalues)
+        if (std::abs(value) > std::abs(largest)) largest = value;
+    return {largest.real(), std::abs(largest.imag())};
+}
+
 }  // namespace polhode

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <span>
 #include <vector>
 
 #include "motion/problem.h"
@@ -10,5 +11,8 @@ namespace polhode {
 
 /// At a state of the motion, of the system as it was posed, 1/s, in no order; empty where the Jacobian is not finite.
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample);
+
+/// The first one of largest magnitude, or its conjugate: the one with Im >= 0; 0 of none.
+std::complex<double> largest_in_magnitude(std::span<const std::complex<double>> eigenvalues);
 
 }  // namespace polhode

@@ -61,11 +61,7 @@ class ImplicitMidpoint {
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const {
-        trajectory.status = Status::failed;
-        trajectory.message =
-            "the step's implicit equations were not solved: it is too long for them" + last_state(sample(failed_at_));
-    }
+    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
 
   private:
     const Problem* problem_;

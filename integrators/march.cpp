@@ -88,6 +88,11 @@ std::string last_state(const Sample& sample) {
         moment(sample.t), w[0], w[1], w[2], q.w, q.x, q.y, q.z);
 }
 
+void explain_unsolved(Trajectory& trajectory, const Sample& sample) {
+    trajectory.status = Status::failed;
+    trajectory.message = "the step's implicit equations were not solved: it is too long for them" + last_state(sample);
+}
+
 bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory) {
     std::string what = divergence(problem, sample, bound);
     if (what.empty()) {

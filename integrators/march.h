@@ -111,6 +111,9 @@ std::string divergence(const Problem& problem, const Sample& sample, double boun
 /// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes: what follows upon what went wrong.
 std::string last_state(const Sample& sample);
 
+/// What a step's implicit equations that are not solved make of a trajectory; `sample`: the last state.
+void explain_unsolved(Trajectory& trajectory, const Sample& sample);
+
 /// Appends the sample, or tells that the run has diverged, with the sample before.
 bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
 

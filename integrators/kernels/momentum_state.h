@@ -65,11 +65,7 @@ class MomentumStateOf {
     }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const {
-        trajectory.status = Status::failed;
-        trajectory.message =
-            "the step's implicit equations were not solved: it is too long for them" + last_state(sample(failed_at_));
-    }
+    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
 
   protected:
     /// Whether anything acts that ties L, p or v to the attitude, the rates or the time.

@@ -220,7 +220,7 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     }
     result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
-    for (long k = 0; k <= samples; ++k) result.times.push_back(sample_time(scene.duration, k, samples));
+    result.times = sample_times(scene.duration, samples);
 
     const truth::Allowance allowance(seconds_limit);
     Certifier certifier(scene, result.times, digits);

@@ -74,9 +74,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     }
     const bool is_stiff = truth_method(problem) == "collocation";
     dense.body_ = exact_body<double>(dense.scene_);
-    std::vector<double> times;
-    constexpr long intervals = 256;
-    for (long k = 0; k <= intervals; ++k) times.push_back(sample_time(end, k, intervals));
+    const std::vector<double> times = sample_times(end, 256);
 
     const truth::EulerForm<P> form(dense.scene_);
     const int n = form.dimension(), width = padded(n);

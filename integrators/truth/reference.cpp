@@ -29,12 +29,6 @@ Truth none(std::string message) {
     return truth;
 }
 
-std::vector<double> times_of(const Scene& scene, long samples) {
-    std::vector<double> times;
-    for (long k = 0; k <= samples; ++k) times.push_back(sample_time(scene.duration, k, samples));
-    return times;
-}
-
 constexpr int usual_digits = 25;
 // written beyond the digits asked for, so that rounding leaves those right
 constexpr int guard_digits = 2;
@@ -126,7 +120,8 @@ std::string refusal(const Scene& scene, int digits) {
 Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
     if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
-    return found(scene, truth::cache_key(scene, samples, digits), times_of(scene, samples), digits, seconds_limit);
+    return found(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples), digits,
+                 seconds_limit);
 }
 
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
@@ -138,7 +133,8 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
     if (times.back() > 0) timed.duration = times.back();
     const long samples = static_cast<long>(times.size()) - 1;
     // the usual times: their truth may be there already
-    if (samples > 0 && times == times_of(timed, samples)) return reference(timed, samples, digits, seconds_limit);
+    if (samples > 0 && times == sample_times(timed.duration, samples))
+        return reference(timed, samples, digits, seconds_limit);
     if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
     return found(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit).reference;
 }

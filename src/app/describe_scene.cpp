@@ -227,8 +227,7 @@ void conditioning(Report& report, const Problem& problem) {
     const double T = problem.scene.duration;
     // evenly, and 50 a decade from T / 10^8 on: a run that is cut short is known to its end all the same
     constexpr long intervals = 2000, decades = 8, a_decade = 50;
-    std::vector<double> times;
-    for (long k = 0; k <= intervals; ++k) times.push_back(sample_time(T, k, intervals));
+    std::vector<double> times = sample_times(T, intervals);
     for (long k = 1; k <= decades * a_decade; ++k)
         times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(a_decade)));
     std::sort(times.begin(), times.end());

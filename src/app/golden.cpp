@@ -52,9 +52,7 @@ std::string loads_of(const Scene& scene) {
 // rounding of the steps.
 void set_tolerance(const Scene& scene, Golden& g) {
     const double end = g.motion.rows.back().t;
-    std::vector<double> times;
-    constexpr long intervals = 400;
-    for (long k = 0; k <= intervals; ++k) times.push_back(sample_time(end, k, intervals));
+    const std::vector<double> times = sample_times(end, 400);
     g.tolerance = scene.tolerated_attitude.value_or(default_tolerated_attitude);
     g.tolerance_from = scene.tolerated_attitude ? "what the scene tolerates" : "1/20 of a degree";
     ConditioningSettings settings;

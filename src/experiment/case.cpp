@@ -75,6 +75,13 @@ std::string words_of(const Plan& plan, const Case& c) {
     return words;
 }
 
+Floors floors_of(const Conditioning& conditioning) {
+    if (!conditioning.available) return {};
+    const std::size_t last = conditioning.times.size() - 1;
+    return {conditioning.floor_peak(float64_roundoff).value, conditioning.floor_peak(float32_roundoff).value,
+            conditioning.floor(last, float64_roundoff), conditioning.floor(last, float32_roundoff)};
+}
+
 Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
                           std::optional<double> kappa) {
     if (!choose_settings(experiment, c)) return {};

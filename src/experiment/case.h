@@ -6,6 +6,7 @@
 
 #include "experiment/experiment.h"
 #include "experiment/result.h"
+#include "integrators/conditioning.h"
 #include "motion/problem.h"
 
 namespace polhode {
@@ -25,6 +26,9 @@ struct Case {
 
 /// What a reader knows the case by, whatever program ran it: experiment, scene, method, setting.
 std::string words_of(const Plan& plan, const Case& c);
+
+/// Nothing where the conditioning is not known.
+Floors floors_of(const Conditioning& conditioning);
 
 /// The untimed run, which takes the steps of the timed one and looks at every sample. Sets all of the result but its
 /// timings; `seconds_min` is the time of this run. `kappa`: of the attitude at T (integrators/conditioning.h), which

@@ -53,8 +53,7 @@ Quaternion<double> true_end(const Discontinuity& d) {
     if (d.constant) {
         const Reference truth = reference(scene, 1);
         if (!truth.available) throw std::runtime_error(truth.message);
-        const Quaternion<Pair>& q = truth.samples.back().q;
-        return {q.w.high, q.x.high, q.y.high, q.z.high};
+        return truth.samples.back().rounded().q;
     }
     // a torque of the user's own has no truth: the smooth pieces at the tightest tolerance
     Settings settings;

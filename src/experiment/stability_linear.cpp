@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiment/stability_tables.h"
+#include "integrators/eigenvalues.h"
 #include "integrators/linear_stability.h"
 #include "table/parallel.h"
 
@@ -72,10 +73,7 @@ class GrowthSearch {
 // Of the eigenvalues the one that limits the step; empty unless the scene is linear.
 std::optional<std::complex<double>> limiting(const StabilityScene& scene) {
     if (!scene.is_linear) return {};
-    std::complex<double> largest = 0;
-    for (const std::complex<double>& lambda : scene.eigenvalues)
-        if (std::abs(lambda) > std::abs(largest)) largest = lambda;
-    return std::complex<double>(largest.real(), std::abs(largest.imag()));
+    return largest_in_magnitude(scene.eigenvalues);
 }
 
 // one scene of each direction, the first: eigenvalues scale out

@@ -79,11 +79,9 @@ double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 MapColumn column_of(const Scene& scene, double x, long samples) {
     MapColumn column{x, pose(scene), reference(scene, samples), {}, 0};
     if (!column.truth.available) return column;
-    const ReferenceSample& end = column.truth.samples.back();
-    const Vector3<double> w(end.angular_velocity_B[0].high, end.angular_velocity_B[1].high,
-                            end.angular_velocity_B[2].high);
-    column.momentum_W = momentum_W(column.problem, {end.q.w.high, end.q.x.high, end.q.y.high, end.q.z.high}, w);
-    column.energy = kinetic_energy(column.problem, w);
+    const Sample end = column.truth.samples.back().rounded();
+    column.momentum_W = momentum_W(column.problem, end.q, end.angular_velocity_B);
+    column.energy = kinetic_energy(column.problem, end.angular_velocity_B);
     return column;
 }
 

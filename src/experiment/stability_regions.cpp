@@ -94,8 +94,7 @@ std::optional<Spectrum> spectrum_of(const PlannedScene& scene) {
     start.t = 0, start.q = problem.body.q, start.angular_velocity_B = problem.body.angular_velocity_B;
     start.position_W = problem.body.position_W, start.velocity_W = problem.body.velocity_W;
     Spectrum spectrum{scene.label, eigenvalues(problem, start)};
-    double largest = 0;
-    for (const Complex& lambda : spectrum.lambda) largest = std::max(largest, std::abs(lambda));
+    const double largest = std::abs(largest_in_magnitude(spectrum.lambda));
     if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
     // 1, 2 or 5 times a power of ten
     const double wanted = 2.5 / largest, decade = std::pow(10.0, std::floor(std::log10(wanted)));
@@ -113,10 +112,7 @@ std::vector<Spectrum> spectra_of(std::span<const PlannedScene> scenes) {
         if (chosen.size() == 4) break;
         std::optional<Spectrum> spectrum = spectrum_of(scene);
         if (!spectrum) continue;
-        Complex largest = 0;
-        for (const Complex& lambda : spectrum->lambda)
-            if (std::abs(lambda) > std::abs(largest)) largest = lambda;
-        const double angle = std::atan2(std::abs(largest.imag()), largest.real());
+        const double angle = std::arg(largest_in_magnitude(spectrum->lambda));
         const int sector = static_cast<int>(std::lround(angle / (std::acos(-1.0) / 8)));
         if (std::find(taken.begin(), taken.end(), sector) != taken.end()) continue;
         taken.push_back(sector);

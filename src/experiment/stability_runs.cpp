@@ -37,33 +37,18 @@ double largest_rate(const Reference& truth) {
     return rate;
 }
 
-Sample rounded(const ReferenceSample& s) {
-    const auto high = [](const Vector3<Pair>& v) { return Vector3<double>{v[0].high, v[1].high, v[2].high}; };
-    return {s.t,
-            {s.q.w.high, s.q.x.high, s.q.y.high, s.q.z.high},
-            high(s.angular_velocity_B),
-            high(s.position_W),
-            high(s.velocity_W)};
-}
-
-double largest_magnitude(const std::vector<std::complex<double>>& values) {
-    double largest = 0;
-    for (const std::complex<double>& value : values) largest = std::max(largest, std::abs(value));
-    return largest;
-}
-
 void describe_scene(const Posed& posed, StabilityScene& scene) {
     constexpr double same = 1e-3;
     scene.has_truth = posed.truth.available;
     if (!posed.truth.available) return;
     const double turning = largest_rate(posed.truth);
     scene.fastest_rate = turning;
-    scene.eigenvalues = eigenvalues(posed.problem, rounded(posed.truth.samples.front()));
-    const double first = largest_magnitude(scene.eigenvalues);
+    scene.eigenvalues = eigenvalues(posed.problem, posed.truth.samples.front().rounded());
+    const double first = std::abs(largest_in_magnitude(scene.eigenvalues));
     scene.is_linear = turning > 0 && posed.problem.needs.system == System::principal_axis_rotation &&
                       !posed.problem.needs.torque_free && posed.problem.segments.size() == 1;
     for (const ReferenceSample& sample : posed.truth.samples) {
-        const double largest = largest_magnitude(eigenvalues(posed.problem, rounded(sample)));
+        const double largest = std::abs(largest_in_magnitude(eigenvalues(posed.problem, sample.rounded())));
         scene.fastest_rate = std::max(scene.fastest_rate, largest);
         if (std::abs(largest - first) > same * first) scene.is_linear = false;
     }
@@ -71,17 +56,11 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
 
 // within a limit of steps that is the same on every machine
 void find_conditioning(const Problem& problem, long samples, StabilityScene& scene) {
-    constexpr long max_steps = 200'000;
-    std::vector<double> times;
-    for (long k = 0; k <= samples; ++k) times.push_back(sample_time(problem.scene.duration, k, samples));
     ConditioningSettings settings;
-    settings.max_steps = max_steps;
-    const Conditioning c = conditioning(problem, times, settings);
-    if (!c.available) return;
-    const auto last = static_cast<std::size_t>(samples);
-    scene.floors = {c.floor_peak(float64_roundoff).value, c.floor_peak(float32_roundoff).value,
-                    c.floor(last, float64_roundoff), c.floor(last, float32_roundoff)};
-    scene.kappa = c.attitude.back();
+    settings.max_steps = 200'000;
+    const Conditioning c = conditioning(problem, sample_times(problem.scene.duration, samples), settings);
+    scene.floors = floors_of(c);
+    if (c.available) scene.kappa = c.attitude.back();
 }
 
 // What the sweep calls `ok` although nobody could use it gets its name here.

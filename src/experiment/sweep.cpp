@@ -45,19 +45,9 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
 // At the experiment's samples. It is a property of the scene and not timed; the limit is of steps, so that it is the
 // same on every machine.
 Conditioning conditioning_of(const Scene& scene, long samples) {
-    constexpr long max_steps = 10'000'000;
-    std::vector<double> times;
-    for (long k = 0; k <= samples; ++k) times.push_back(sample_time(scene.duration, k, samples));
     ConditioningSettings settings;
-    settings.max_steps = max_steps;
-    return conditioning(scene, times, settings);
-}
-
-Floors floors_of(const Conditioning& c) {
-    if (!c.available) return {};
-    const std::size_t last = c.times.size() - 1;
-    return {c.floor_peak(float64_roundoff).value, c.floor_peak(float32_roundoff).value, c.floor(last, float64_roundoff),
-            c.floor(last, float32_roundoff)};
+    settings.max_steps = 10'000'000;
+    return conditioning(scene, sample_times(scene.duration, samples), settings);
 }
 
 // All cases of one scene: truth, then setting by setting all methods side by side.

@@ -52,6 +52,13 @@ inline double sample_time(double duration, long k, long n) {
     return k == n ? duration : duration * static_cast<double>(k) / static_cast<double>(n);
 }
 
+/// All of them, k = 0..n.
+inline std::vector<double> sample_times(double duration, long n) {
+    std::vector<double> times;
+    for (long k = 0; k <= n; ++k) times.push_back(sample_time(duration, k, n));
+    return times;
+}
+
 /// A value in two parts, high + low, |low| <= ulp(high)/2: about 106 bits.
 struct Pair {
     double high = 0, low = 0;
@@ -66,6 +73,13 @@ struct ReferenceSample {
     Quaternion<Pair> q;  ///< body to world, |q| = 1, without sign flips between samples
     Vector3<Pair> angular_velocity_B, angular_momentum_W, position_W, velocity_W;
     Pair energy;
+
+    /// Its leading parts.
+    Sample rounded() const {
+        const auto high = [](const Vector3<Pair>& v) { return Vector3<double>{v[0].high, v[1].high, v[2].high}; };
+        return {
+            t, {q.w.high, q.x.high, q.y.high, q.z.high}, high(angular_velocity_B), high(position_W), high(velocity_W)};
+    }
 };
 
 /// The motion to judge others by.

@@ -215,7 +215,8 @@ class Radau {
             if (newton.iterations > 1) {
                 const double now = change / last, rate = newton.iterations == 2 ? now : std::sqrt(now * last_rate);
                 last_rate = now;
-                if (now > 0.2 && change <= 64 * noise) {
+                // a slow convergence goes on until it is lost in the noise
+                if (now > 0.2 && change <= (now > 0.7 ? 64 : 4) * noise) {
                     newton.converged = true;
                     return newton;
                 }

@@ -7,27 +7,27 @@ namespace {
 
 using Register = LaneHalves;
 
-template <RotationTerms terms>
+template <RotationTerms terms, bool careful>
 void columns_in_turn(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                      const RotationState& from, double H, int number, RotationStep& to) {
     const ExtrapolationRow& row = extrapolation_rows[number];
     const int K = row.columns;
-    const bool careful = number == careful_row;
-    const RotationRate<terms, Register> rate(coefficients);
-    const Register y = loaded<Register>(from.y), f = rate(y), zero = broadcast<Register>(0);
+    const Register y = loaded<Register>(from.y), zero = broadcast<Register>(0);
+    const ColumnRuleFor<terms, careful, Register> rule(coefficients, y);
+    const double inverse_H = 1 / H;
     Register column[most_columns]{}, lost_column[most_columns]{};
     for (int j = 0; j < K; ++j) {
         const double h = H / row.substeps[j];
-        const Register twice_h = broadcast<Register>(2 * h);
-        Register before = zero, now = broadcast<Register>(h) * f, lost_before = zero, lost = zero;
+        const auto at = rule.column(h);
+        Register before = rule.origin(at), now = rule.first(at, h), lost_before = zero, lost = zero;
         for (int m = 1; m < row.substeps[j]; ++m) {
-            Register change = twice_h * rate(y + (careful ? now + lost : now));
+            Register change = rule.change(at, careful ? now + lost : now);
             if (careful) change = change + lost_before;
             const Register next = before + change;
             if (careful) lost_before = lost, lost = rounded_away(before, change, next);
             before = now, now = next;
         }
-        column[j] = now, lost_column[j] = lost;
+        column[j] = rule.increment(at, now, row.substeps[j] * inverse_H), lost_column[j] = lost;
     }
     const Register& finest = column[K - 1];
     Register value = zero, error = zero, error_before = zero;
@@ -40,6 +40,16 @@ void columns_in_turn(const RotationCoefficients& coefficients, const RotationAll
     }
     if (careful) value = value + lost_column[K - 1];
     finish_step(allowance, from, y, finest, value, error, error_before, row.amplification, to);
+}
+
+template <RotationTerms terms>
+void columns_in_turn(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                     const RotationState& from, double H, int row, RotationStep& to) {
+    if (row == careful_row) {
+        columns_in_turn<terms, true>(coefficients, allowance, from, H, row, to);
+    } else {
+        columns_in_turn<terms, false>(coefficients, allowance, from, H, row, to);
+    }
 }
 
 }  // namespace

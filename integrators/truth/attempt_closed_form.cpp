@@ -78,7 +78,7 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     Scene beginning = problem.scene;
     const double rate = std::max(problem.scales.angular_velocity, 1e-300);
     beginning.duration = std::min(problem.scene.duration, 100 / rate);
-    const std::vector<double> early = sample_times(beginning.duration, 4);
+    const std::vector<double> early = polhode::sample_times(beginning.duration, 4);
     const Run<P> series =
         taylor<P, EulerForm<P>>(beginning, early, problem.scales, problem.principal.moments,
                                 {static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, 400'000});

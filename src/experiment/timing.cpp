@@ -10,6 +10,8 @@ namespace polhode {
 namespace {
 
 constexpr double shortest_timing = 1e-4;  // s: a thousand times the clock's grain and the cost of reading it
+// what was expected holds the samples and a cold start: a closed form takes as little as a hundredth of it
+constexpr double most_beyond_warm = 100;
 
 }  // namespace
 
@@ -24,9 +26,8 @@ void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic
     for (TimedRun& run : runs) {
         run.settings.record = false;
         run.settings.repetitions = repetitions(run.expected);
-        if (run.settings.repetitions == 1 || !run.failure.empty() || stop) continue;
-        // what was expected held the samples and a cold start, and so does a first pilot: a closed form takes a
-        // hundredth of it
+        if (run.expected > most_beyond_warm * shortest_timing || !run.failure.empty() || stop) continue;
+        // twice: the first is cold as well
         for (int pilots = 0; pilots < 2; ++pilots)
             if (const Trajectory pilot = solve(*run.problem, *run.method, run.settings); pilot.status == Status::ok)
                 run.settings.repetitions = repetitions(pilot.seconds);

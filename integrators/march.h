@@ -373,7 +373,9 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
             const double left = stop - t;
             // a remainder of a few rounding errors joins the step
             const bool last = h >= left * (1 - 1e-14);
-            double size = last ? left : h;
+            // what t + h really moves by: else the rounding of t adds up to 1e-14 of it in 3000 steps
+            const double moved = (t + h) - t;
+            double size = last ? left : moved > 0 ? moved : h;
             const double begin = t, tried = size;
             const Attempt outcome = s.attempt(t, size);
             if (outcome == Attempt::accepted) {

@@ -234,8 +234,9 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
     long copied_at = 0;  // steps before it, in this repetition
     std::size_t next_of_copy = 0;
-    // in the first `reached` steps of this repetition the motion has diverged: in which?
+    // in the first `reached` steps of this repetition the motion has diverged: in which? That is the last one counted.
     const auto diverge = [&](long reached, std::string what) {
+        trajectory.steps = reached;
         std::string state;
         if (!trajectory.samples.empty()) state = last_state(trajectory.samples.back());
         if constexpr (std::copyable<S>) {
@@ -248,7 +249,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                 const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
                 if (here.empty() && stepper.finite()) continue;
                 if (!here.empty()) what = here;
-                state = last_state(before);
+                state = last_state(before), trajectory.steps = n + 1;
                 break;
             }
         }
@@ -308,8 +309,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         if (!run(settings.record && last)) break;
     }
     trajectory.seconds = stopwatch.seconds() / settings.repetitions;
-    trajectory.steps = budget.steps() / settings.repetitions;
-    trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    if (trajectory.status != Status::diverged) trajectory.steps = budget.steps() / settings.repetitions;
     if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
     if (!settings.record && trajectory.status == Status::ok) {
         const Sample end = stepper.sample(T);
@@ -319,6 +319,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         else
             diverge(N * per_sample, std::move(what));
     }
+    trajectory.rhs_evaluations = stepper.rhs_evaluations();
     return trajectory;
 }
 

@@ -36,6 +36,15 @@ constexpr auto substeps() {
 template <int row>
 inline constexpr int columns_of = static_cast<int>(substeps<row>().size());
 
+/// The n_j in registers of eight, filled up with ones.
+template <int row>
+constexpr auto substeps_as_lanes() {
+    constexpr auto n = substeps<row>();
+    std::array<double, (n.size() + 7) / 8 * 8> lanes{};
+    for (std::size_t j = 0; j < lanes.size(); ++j) lanes[j] = j < n.size() ? n[j] : 1;
+    return lanes;
+}
+
 /// The weights of T_KK, of T_KK - T_K,K-1 and of T_K-1,K-1 - T_K-1,K-2, where T_k,k-1 leaves out the first column.
 template <int K>
 struct ExtrapolationWeights {

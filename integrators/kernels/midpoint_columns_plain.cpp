@@ -19,7 +19,7 @@ void columns_in_turn(const RotationCoefficients& coefficients, const RotationAll
     for (int j = 0; j < K; ++j) {
         const double h = H / row.substeps[j];
         const auto at = rule.column(h);
-        Register before = rule.origin(at), now = rule.first(at, h), lost_before = zero, lost = zero;
+        Register before = zero, now = rule.first(at, h), lost_before = zero, lost = zero;
         for (int m = 1; m < row.substeps[j]; ++m) {
             Register change = rule.change(at, careful ? now + lost : now);
             if (careful) change = change + lost_before;
@@ -27,7 +27,7 @@ void columns_in_turn(const RotationCoefficients& coefficients, const RotationAll
             if (careful) lost_before = lost, lost = rounded_away(before, change, next);
             before = now, now = next;
         }
-        column[j] = rule.increment(at, now, row.substeps[j] * inverse_H), lost_column[j] = lost;
+        column[j] = rule.increment(now, row.substeps[j] * inverse_H), lost_column[j] = lost;
     }
     const Register& finest = column[K - 1];
     Register value = zero, error = zero, error_before = zero;

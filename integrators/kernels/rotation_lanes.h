@@ -172,15 +172,19 @@ POLHODE_INLINE void unrolled(const F& f) {
     unrolled(std::make_integer_sequence<int, count>(), f);
 }
 
-/// The sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2; not a number where an error is none.
 template <class Register>
-POLHODE_INLINE double squared_norm(const Register& error, const Register& allowed) {
-    const Register ratios = (error * error) / allowed;
-    const Register pairs = ratios + permuted<1, 0, 3, 2, 5, 4, 7, 6>(ratios);
+POLHODE_INLINE double sum_of(const Register& values) {
+    const Register pairs = values + permuted<1, 0, 3, 2, 5, 4, 7, 6>(values);
     const Register fours = pairs + permuted<2, 3, 0, 1, 6, 7, 4, 5>(pairs);
     alignas(64) double sums[8];
     store(sums, fours);
     return sums[0] + sums[4];
+}
+
+/// The sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2; not a number where an error is none.
+template <class Register>
+POLHODE_INLINE double squared_norm(const Register& error, const Register& allowed) {
+    return sum_of((error * error) / allowed);
 }
 
 /// What rounding takes from sum = a + b (Knuth's sum).

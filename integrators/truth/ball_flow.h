@@ -25,8 +25,15 @@ struct Enclosure {
     std::vector<Ball> end;
 };
 
-/// By Taylor series about exact points with a proven defect; errors carried by the logarithmic norm.
-Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start);
+/// How the errors of the steps so far are carried on.
+enum class Carry {
+    norm,            ///< one length, which grows by the logarithmic norm: cheap, and loses some of a bit in each step
+    parallelepiped,  ///< a set that turns and shears with the motion: loses what the motion itself loses
+};
+
+/// By Taylor series about exact points with a proven defect.
+Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start,
+                            Carry carry = Carry::norm);
 
 /// No torque, and no force that turns with the body.
 inline bool has_closed_form(const Forcing<Ball>& forcing) { return !forcing.any_torque() && !forcing.has_body_force; }

@@ -8,12 +8,13 @@
 
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/ball_flow.h"
+#include "integrators/truth/ball_parallelepiped.h"
+#include "integrators/truth/ball_transition.h"
 
 namespace polhode::truth {
 namespace {
 
 constexpr long bound_bits = 64;
-constexpr int parts = 8;             // of a step, each with a logarithmic norm of its own
 constexpr long max_steps = 400'000;  // a run of so many has gone astray
 
 // exact sums and differences: times have few bits
@@ -69,7 +70,7 @@ TermBounds term_bounds(const Series<Ball>& series, const Bound& h) {
     return terms;
 }
 
-std::vector<Bound> defect(const Recording<Ball>& recording, const TermBounds& terms) {
+Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
     using Kind = Node<Ball>::Kind;
     const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
     const int N = terms.order;
@@ -97,9 +98,34 @@ std::vector<Bound> defect(const Recording<Ball>& recording, const TermBounds& te
             remainder[i] = sum;
         }
     }
+    Defect result;
+    for (const Traced<Ball>& rate : recording.rates)
+        result.rate.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * remainder[rate.node]);
+    for (std::size_t i = 0; i < nodes.size(); ++i) result.node.push_back(tail[i][0] + remainder[i]);
+    return result;
+}
+
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+                                   const std::vector<Bound>& moved) {
+    using Kind = Node<Ball>::Kind;
+    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
+    std::vector<Bound> change(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const auto a = static_cast<std::size_t>(nodes[i].a);
+        if (nodes[i].kind == Kind::state) {
+            change[i] = moved[i];
+        } else if (nodes[i].kind == Kind::combination) {
+            change[i] = Bound(nodes[i].factor_a) * change[a];
+            if (nodes[i].b >= 0) change[i] += Bound(nodes[i].factor_b) * change[nodes[i].b];
+        } else {
+            const auto b = static_cast<std::size_t>(nodes[i].b);
+            change[i] = (node[a] + change[a]) * change[b];
+            change[i] += change[a] * node[b];
+        }
+    }
     std::vector<Bound> result;
     for (const Traced<Ball>& rate : recording.rates)
-        result.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * remainder[rate.node]);
+        result.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * change[rate.node]);
     return result;
 }
 
@@ -124,7 +150,93 @@ std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const Ter
     return boxes;
 }
 
-Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
+namespace {
+
+// What a step from an exact point is made of; an error of the point grows by e^exponent over it, by e^most on the way.
+struct StepBounds {
+    Ball h;
+    Bound local;  ///< how far the motion from the point leaves the polynomial but for its growth, in the norm
+    Ball exponent, most;
+};
+
+// The distance of the motion from the point, as one length in the norm.
+class NormErrors {
+  public:
+    static constexpr int parts = 8;  // of a step, each with a logarithmic norm of its own
+
+    NormErrors(const Piece&, const PiecePlan&, const WeightedNorm& norm, int, const std::vector<Bound>& radius)
+        : norm_(norm), length_(norm.length(radius)) {}
+
+    Bound length() const { return length_; }
+    std::vector<Bound> components() const { return norm_.components(length_); }
+
+    void begin(const std::vector<Ball>&, const TermBounds&, const StepBounds& step) {
+        step_ = step, distance_ = norm_.components(exponential(step.most) * (length_ + step.local));
+    }
+    std::vector<Bound> distance_at(const Ball&) const { return distance_; }
+    void end(const std::vector<Bound>& radius) {
+        length_ = exponential(step_.exponent) * length_ + exponential(step_.most) * step_.local + norm_.length(radius);
+    }
+
+  private:
+    const WeightedNorm& norm_;
+    Bound length_;
+    StepBounds step_;
+    std::vector<Bound> distance_;
+};
+
+// The distance as a parallelepiped that turns and shears with the motion. The logarithmic norm is left with what is
+// small beside it, so one over the whole step does.
+class ParallelepipedErrors {
+  public:
+    static constexpr int parts = 2;
+
+    ParallelepipedErrors(const Piece& piece, const PiecePlan& plan, const WeightedNorm& norm, int order,
+                         const std::vector<Bound>& radius)
+        : norm_(norm), set_(plan.scales, radius), scales_(plan.scales), transition_(piece.form, order) {}
+
+    Bound length() const { return norm_.length(set_.components()); }
+    std::vector<Bound> components() const { return set_.components(); }
+
+    void begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
+        const Bound growth = exponential(step.most);
+        h_ = step.h, local_ = norm_.components(growth * step.local);
+        transition_.set_order(order_for(terms));
+        transition_.expand(point, Bound(step.h), growth * (length() + step.local), growth, norm_);
+    }
+    std::vector<Bound> distance_at(const Ball& t) const {
+        std::vector<Bound> distance = set_.components_after(transition_.at(t));
+        for (std::size_t i = 0; i < distance.size(); ++i) distance[i] += local_[i];
+        return distance;
+    }
+    void end(const std::vector<Bound>& radius) {
+        for (std::size_t i = 0; i < local_.size(); ++i) local_[i] += radius[i];
+        set_.advance(transition_.at(h_), local_);
+    }
+
+  private:
+    // Terms of W beyond this change nothing: an error of W only makes a set wider that it multiplies.
+    static constexpr double last_term = 0x1p-72;
+
+    const WeightedNorm& norm_;
+    Parallelepiped set_;
+    std::vector<double> scales_;
+    Transition transition_;
+    Ball h_;
+    std::vector<Bound> local_;
+
+    // the terms of y as a guide to those of W
+    int order_for(const TermBounds& terms) const {
+        int order = terms.order;
+        for (; order > 8; --order)
+            for (std::size_t i = 0; i < scales_.size(); ++i)
+                if (terms.node[i * terms.order + order - 1].near() > last_term * scales_[i]) return order + 2;
+        return order;
+    }
+};
+
+template <class Errors>
+Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
     Enclosure result;
     const int n = piece.form.dimension();
     const auto bits = static_cast<double>(Ball::precision());
@@ -137,14 +249,13 @@ Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std
         return rounded(series.recording());
     }();
 
-    // the motion is within `error` of `point`, in the norm
-    std::vector<Ball> point(n), at_sample(n);
+    std::vector<Ball> point(n), reached(n);
     std::vector<Bound> radius(n);
     const auto split = [&](const std::vector<Ball>& y) {
         for (int i = 0; i < n; ++i) point[i] = y[i].midpoint(), radius[i] = Bound::radius_of(y[i]);
-        return norm.length(radius);
     };
-    Bound error = split(start);
+    split(start);
+    Errors errors(piece, plan, norm, order, radius);
     // as far as the motion may be from the point for the logarithmic norm to hold: small beside every variable
     double least = 0;
     const std::vector<Bound> unit = norm.components(Bound(1.0));
@@ -170,43 +281,53 @@ Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std
             result.fault = "the step vanishes";
             return result;
         }
-        Ball h = exact_difference(end, t), reached = end;
-        if (std::isfinite(wanted) && arb_gt(h.raw(), Ball(wanted).raw())) h = Ball(wanted), reached = exact_sum(t, h);
+        StepBounds step;
+        Ball t_after = end;
+        step.h = exact_difference(end, t);
+        if (std::isfinite(wanted) && arb_gt(step.h.raw(), Ball(wanted).raw()))
+            step.h = Ball(wanted), t_after = exact_sum(t, step.h);
 
-        const TermBounds terms = term_bounds(series, Bound(h));
-        const Bound local = Bound(h) * norm.length(defect(series.recording(), terms));
-        // exponents of what an error is multiplied by: over the whole step, and at the most
-        Ball exponent, most;
+        const TermBounds terms = term_bounds(series, Bound(step.h));
+        step.local = Bound(step.h) * norm.length(defect(series.recording(), terms).rate);
         {
             const WorkingPrecision precision(bound_bits);
-            const Ball part = h / Ball(parts);
-            for (const std::vector<Ball>& box : swept_boxes(series, terms, h, margin, parts)) {
+            const Ball part = step.h / Ball(Errors::parts);
+            for (const std::vector<Ball>& box : swept_boxes(series, terms, step.h, margin, Errors::parts)) {
                 const Ball mu = norm.logarithmic_norm(coarse, box);
-                exponent += mu * part;
-                if (!mu.is_negative()) most += mu * part;
+                step.exponent += mu * part;
+                if (!mu.is_negative()) step.most += mu * part;
             }
         }
-        const Bound largest = exponential(most) * (error + local);
+        const Bound largest = exponential(step.most) * (errors.length() + step.local);
         if (!largest.is_finite() || allowed < largest) {
             result.fault = fmt::format("errors grow beyond what {} bits can carry", Ball::precision());
             return result;
         }
-        const std::vector<Bound> distance = norm.components(largest);
+        errors.begin(point, terms, step);
         for (; next < piece.sample_times.size(); ++next) {
             const Ball after = exact_difference(Ball(piece.sample_times[next]), t);
-            if (arb_gt(after.raw(), h.raw())) break;
-            series.evaluate(after, at_sample.data());
-            for (int i = 0; i < n; ++i) at_sample[i] = widened(std::move(at_sample[i]), distance[i]);
-            result.samples.push_back(at_sample);
+            if (arb_gt(after.raw(), step.h.raw())) break;
+            series.evaluate(after, reached.data());
+            const std::vector<Bound> distance = errors.distance_at(after);
+            for (int i = 0; i < n; ++i) reached[i] = widened(std::move(reached[i]), distance[i]);
+            result.samples.push_back(reached);
         }
-        series.evaluate(h, at_sample.data());
-        error = exponential(exponent) * error + exponential(most) * local + split(at_sample);
-        t = reached;
+        series.evaluate(step.h, reached.data());
+        split(reached);
+        errors.end(radius);
+        t = t_after;
     }
-    const std::vector<Bound> distance = norm.components(error);
+    const std::vector<Bound> distance = errors.components();
     result.end = point;
     for (int i = 0; i < n; ++i) result.end[i] = widened(std::move(result.end[i]), distance[i]);
     return result;
+}
+
+}  // namespace
+
+Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start, Carry carry) {
+    return carry == Carry::norm ? enclose<NormErrors>(piece, plan, start)
+                                : enclose<ParallelepipedErrors>(piece, plan, start);
 }
 
 }  // namespace polhode::truth

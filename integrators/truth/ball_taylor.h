@@ -30,8 +30,17 @@ struct TermBounds {
 };
 TermBounds term_bounds(const Series<Ball>& series, const Bound& h);
 
-/// Bounds of |d_i| on [0, h].
-std::vector<Bound> defect(const Recording<Ball>& recording, const TermBounds& terms);
+/// What holds on [0, h] along the polynomials.
+struct Defect {
+    std::vector<Bound> node;  ///< |value| of every node of the tape
+    std::vector<Bound> rate;  ///< |d_i| of the state variables
+};
+Defect defect(const Recording<Ball>& recording, const TermBounds& terms);
+
+/// Bounds of |f_i(y + e) - f_i(y)| where |y's nodes| <= node and |e_j| <= moved[j]:
+///   |ab(y + e) - ab(y)| <= |a| |b moved| + |a moved| |b| + |a moved| |b moved|.
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+                                   const std::vector<Bound>& moved);
 
 /// Boxes that hold p on each of `count` equal parts of [0, h], each widened by `margin`.
 std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const TermBounds& terms, const Ball& h,

@@ -52,9 +52,14 @@ class EulerForm {
     template <class S>
     void derivative(const S* y, S* dy) const {
         if (body_.pivoted)
-            LoadedBody<P, FullInertia<P>, false>{inertia_, &forcing_}.derivative(0, y, dy);
+            derivative_of<false>(y, dy);
         else
-            LoadedBody<P, FullInertia<P>, true>{inertia_, &forcing_}.derivative(0, y, dy);
+            derivative_of<true>(y, dy);
+    }
+    /// The same where it is known whether there is translation, which is where there is no pivot.
+    template <bool translation, class S>
+    void derivative_of(const S* y, S* dy) const {
+        LoadedBody<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, y, dy);
     }
 
     Motion<P> motion(const P* y) const {

@@ -2,6 +2,7 @@
 // the Cauchy sum of its factors' first k + 1, and (k + 1) y_{k+1} = f_k.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <utility>
@@ -44,9 +45,14 @@ template <class T>
 class Series {
   public:
     Series(Recording<T> recording, int order)
-        : recording_(std::move(recording)), order_(order), coefficients_(recording_.tape.nodes.size() * (order + 1)) {}
+        : recording_(std::move(recording)),
+          order_(order),
+          stride_(order + 1),
+          coefficients_(recording_.tape.nodes.size() * stride_) {}
 
     int order() const { return order_; }
+    /// For the expansions to come: at most that of the constructor.
+    void set_order(int order) { order_ = std::min(order, static_cast<int>(stride_) - 1); }
     int dimension() const { return static_cast<int>(recording_.rates.size()); }
     /// The k-th coefficient of the i-th state variable.
     const T& coefficient(int i, int k) const { return row(i)[k]; }
@@ -86,11 +92,12 @@ class Series {
   private:
     Recording<T> recording_;
     int order_;
-    std::vector<T> coefficients_;  // node by node, order + 1 each
+    std::size_t stride_;
+    std::vector<T> coefficients_;  // node by node, order + 1 each, and room for more
     T scratch_{0};
 
-    T* row(int node) { return coefficients_.data() + static_cast<std::size_t>(node) * (order_ + 1); }
-    const T* row(int node) const { return coefficients_.data() + static_cast<std::size_t>(node) * (order_ + 1); }
+    T* row(int node) { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
+    const T* row(int node) const { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
 
     void expand_node(const Node<T>& node, int index, int k) {
         T& result = row(index)[k];

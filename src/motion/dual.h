@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 
 namespace polhode {
 
@@ -14,6 +15,8 @@ struct Dual {
 
     Dual() = default;
     explicit Dual(const P& v) : value(v) {}
+    template <std::integral Whole>
+    explicit Dual(Whole v) : value(P(v)) {}
 
     friend Dual operator+(const Dual& a, const Dual& b) {
         Dual c;

@@ -187,6 +187,19 @@ TEST(Certified, StronglyDampedBody) {
     expect_contained(scene, "collocation");
 }
 
+// Motions over which the logarithmic norm would lose hundreds of bits.
+TEST(Certified, LongHeavyAndSprungBodies) {
+    Scene top = heavy_top();
+    top.duration = 16;
+    top.initial.angular_velocity = {1, 2, 30};
+    expect_contained(top, "parallelepipeds");
+    Scene sprung = body("sprung", {1, 2, 3}, {1, 2, 3}, 5);
+    sprung.loads.push_back(Spring{900, {0.6, 0.8, 0, 0}, {}});
+    sprung.loads.push_back(Torque{{0.1, 0.2, -0.3}, Frame::world, {1, 2}});
+    sprung.loads.push_back(Impulse{{0.3, -0.1, 0.2}, Frame::body, {0.5, 0.25, 0}, Frame::body, 4});
+    expect_contained(sprung, "parallelepipeds");
+}
+
 // What is proven is the scene's own motion, and no other: the least change of the scene puts the truth outside.
 TEST(Certified, ATamperedSceneIsOutside) {
     const Scene scene = heavy_top();

@@ -1,0 +1,114 @@
+#include "integrators/truth/ball_parallelepiped.h"
+
+#include <arb_mat.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace polhode::truth {
+namespace {
+
+constexpr long bits = 64;
+
+// Q^-1; balls that are not finite where Q cannot be inverted
+std::vector<Ball> inverse_of(const std::vector<double>& Q, std::size_t n) {
+    const auto size = static_cast<slong>(n);
+    arb_mat_t matrix, inverse;
+    arb_mat_init(matrix, size, size);
+    arb_mat_init(inverse, size, size);
+    for (slong i = 0; i < size; ++i)
+        for (slong j = 0; j < size; ++j) arb_set_d(arb_mat_entry(matrix, i, j), Q[i * n + j]);
+    if (!arb_mat_inv(inverse, matrix, 2 * bits)) arb_mat_indeterminate(inverse);
+    std::vector<Ball> result(n * n);
+    for (slong i = 0; i < size; ++i)
+        for (slong j = 0; j < size; ++j) arb_set_round(result[i * n + j].raw(), arb_mat_entry(inverse, i, j), bits);
+    arb_mat_clear(matrix);
+    arb_mat_clear(inverse);
+    return result;
+}
+
+}  // namespace
+
+Parallelepiped::Parallelepiped(std::vector<double> scales, const std::vector<Bound>& radius)
+    : n_(scales.size()), scales_(std::move(scales)), Q_(n_ * n_) {
+    const WorkingPrecision precision(bits);
+    for (std::size_t i = 0; i < n_; ++i) {
+        Q_[i * n_ + i] = scales_[i];
+        r_.push_back(Bound(radius[i].ball() / Ball(scales_[i])));
+    }
+}
+
+std::vector<Bound> Parallelepiped::components() const {
+    std::vector<Bound> result(n_);
+    for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t k = 0; k < n_; ++k) result[i] += Bound(std::abs(Q_[i * n_ + k])) * r_[k];
+    return result;
+}
+
+std::vector<Ball> Parallelepiped::times_Q(const std::vector<Ball>& W) const {
+    std::vector<Ball> M(n_ * n_);
+    for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t k = 0; k < n_; ++k) {
+            const Ball& factor = W[i * n_ + k];
+            if (factor.is_zero()) continue;
+            for (std::size_t j = 0; j < n_; ++j) M[i * n_ + j] += factor * Ball(Q_[k * n_ + j]);
+        }
+    return M;
+}
+
+std::vector<Bound> Parallelepiped::times_r(const std::vector<Ball>& M) const {
+    std::vector<Bound> result(n_);
+    for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t k = 0; k < n_; ++k) result[i] += Bound(M[i * n_ + k]) * r_[k];
+    return result;
+}
+
+std::vector<Bound> Parallelepiped::components_after(const std::vector<Ball>& W) const {
+    const WorkingPrecision precision(bits);
+    return times_r(times_Q(W));
+}
+
+void Parallelepiped::advance(const std::vector<Ball>& W, const std::vector<Bound>& added) {
+    const WorkingPrecision precision(bits);
+    const std::vector<Ball> M = times_Q(W);
+    // The longest edge first: its direction is kept, the others are turned to stand on it. Lengths relative to the
+    // longest r, which may lie below the least double.
+    double longest = -std::numeric_limits<double>::infinity();
+    for (const Bound& r : r_) longest = std::max(longest, r.log2_near());
+    const auto n = static_cast<Eigen::Index>(n_);
+    Eigen::MatrixXd edges(n, n);
+    for (std::size_t k = 0; k < n_; ++k) {
+        const double length = r_[k].is_zero() ? 0x1p-200 : std::max(0x1p-200, std::exp2(r_[k].log2_near() - longest));
+        for (std::size_t i = 0; i < n_; ++i)
+            edges(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+                M[i * n_ + k].near() / scales_[i] * length;
+    }
+    std::vector<Eigen::Index> order(n_);
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto a, auto b) { return edges.col(a).squaredNorm() > edges.col(b).squaredNorm(); });
+    Eigen::MatrixXd sorted(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) sorted.col(k) = edges.col(order[k]);
+    if (sorted.allFinite()) {
+        const Eigen::MatrixXd axes = Eigen::HouseholderQR<Eigen::MatrixXd>(sorted).householderQ();
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t k = 0; k < n_; ++k)
+                Q_[i * n_ + k] = scales_[i] * axes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+    }
+    // r' = |Q'^-1 (W Q)| r + |Q'^-1| added
+    const std::vector<Ball> inverse = inverse_of(Q_, n_);
+    std::vector<Ball> turned(n_ * n_);
+    for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t k = 0; k < n_; ++k)
+            for (std::size_t j = 0; j < n_; ++j) turned[i * n_ + j] += inverse[i * n_ + k] * M[k * n_ + j];
+    std::vector<Bound> next = times_r(turned);
+    for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t k = 0; k < n_; ++k) next[i] += Bound(inverse[i * n_ + k]) * added[k];
+    r_ = std::move(next);
+}
+
+}  // namespace polhode::truth

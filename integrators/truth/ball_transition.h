@@ -1,0 +1,51 @@
+// How the end of a step depends on its beginning: the transition matrix W(t) = d y(t) / d y(0), enclosed for every
+// beginning near an exact point, from the variational equation of the one right-hand side:
+//
+//   W' = J(y(t)) W, W(0) = 1;   P' = J(p) P + d  (Taylor polynomials of y and W together, recorded as one system)
+//   E = W - P:   E' = J(y) E + (J(y) - J(p)) P - d,   E(0) = 0
+//
+// so each column of E is bounded by the logarithmic norm, with what J(y) - J(p) does to P bounded node by node of the
+// tape. W only ever multiplies what is as small as the errors: 64 bits and a low order do.
+#pragma once
+
+#include <vector>
+
+#include "integrators/truth/ball.h"
+#include "integrators/truth/ball_norm.h"
+#include "integrators/truth/ball_taylor.h"
+#include "integrators/truth/euler_form.h"
+#include "integrators/truth/series.h"
+
+namespace polhode::truth {
+
+class Transition {
+  public:
+    static constexpr long bits = 96;
+
+    /// Of the piece that the form has entered.
+    Transition(const EulerForm<Ball>& form, int order);
+
+    /// Of the expansions to come, at most that of the constructor.
+    void set_order(int order) { series_.set_order(order); }
+    /// For t in [0, h] and beginnings such that the motion stays within `distance` of that from `point` (both in the
+    /// norm); an error grows at most by `growth` on the way.
+    void expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
+                const WeightedNorm& norm);
+    /// W(t), row by row: true for the mean of W over any line of such beginnings, too.
+    std::vector<Ball> at(const Ball& t) const;
+
+  private:
+    // the variables: y, then the entries of W that are not zero throughout
+    struct Entry {
+        int row, column;
+    };
+    int n_;
+    std::vector<Entry> entries_;
+    Series<Ball> series_;
+    std::vector<Bound> error_;  // |E|, row by row
+
+    static std::vector<Entry> entries_of(const EulerForm<Ball>& form);
+    static Recording<Ball> recorded(const EulerForm<Ball>& form, const std::vector<Entry>& entries);
+};
+
+}  // namespace polhode::truth

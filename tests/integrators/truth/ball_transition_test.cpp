@@ -1,0 +1,98 @@
+// The transition matrix against differences of motions in 400 bits, and against its closed form.
+#include "integrators/truth/ball_transition.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "integrators/truth/ball_flow.h"
+#include "integrators/truth/loaded_scene.h"
+#include "motion/problem.h"
+
+namespace polhode::truth {
+namespace {
+
+// after `h` by series of a high order, without a proof
+std::vector<Ball> flowed(Series<Ball>& series, const std::vector<Ball>& y, const Ball& h) {
+    std::vector<Ball> end(y.size());
+    series.expand(y.data());
+    series.evaluate(h, end.data());
+    return end;
+}
+
+// y + 2^-60 e_j goes where W(h) 2^-60 e_j takes it, to the second order in 2^-60; so for every column and load.
+TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
+    for (const bool pivoted : {true, false}) {
+        const WorkingPrecision precision(400);
+        const Scene scene = loaded_scene(3, pivoted);
+        EulerForm<Ball> form(scene);
+        const int n = form.dimension();
+        std::vector<Ball> point(n);
+        form.initial(point.data());
+        form.enter(0, point.data());
+        for (Ball& y : point) y = y.midpoint();
+        const PiecePlan plan = plan_pieces(pose(scene)).front();
+        const WeightedNorm norm(plan);
+        Transition transition(form, 40);
+        const Ball h(0x1p-5);
+        const Bound growth(16.0), nearby = norm.length(std::vector<Bound>(n, Bound(0x1p-58)));
+        transition.expand(point, Bound(h), growth * nearby, growth, norm);
+        const std::vector<Ball> W = transition.at(h);
+        Series<Ball> series(record<Ball>(form, n), 60);
+        const std::vector<Ball> end = flowed(series, point, h);
+        bool turned = false;
+        for (int j = 0; j < n; ++j) {
+            const Ball small(0x1p-60);
+            std::vector<Ball> moved(point);
+            moved[j] += small;
+            const std::vector<Ball> there = flowed(series, moved, h);
+            for (int i = 0; i < n; ++i) {
+                const Ball slope = (there[i] - end[i]) / small, entry = W[i * n + j];
+                // the mean of W over the line between the two beginnings lies in it
+                EXPECT_TRUE((slope - entry).contains_zero()) << pivoted << ' ' << i << ' ' << j;
+                EXPECT_LT(Bound::radius_of(entry).near(), 1e-9) << i << ' ' << j;
+                turned = turned || (i != j && std::abs(entry.near()) > 1e-3);
+            }
+        }
+        EXPECT_TRUE(turned) << "nothing happened";
+    }
+}
+
+// Beginnings a thousandth apart: the matrix is as wide as their motions differ, and holds each.
+TEST(Transition, WidensWithTheBeginnings) {
+    const WorkingPrecision precision(200);
+    const Scene scene = loaded_scene(1, true);
+    EulerForm<Ball> form(scene);
+    const int n = form.dimension();
+    std::vector<Ball> point(n);
+    form.initial(point.data());
+    form.enter(0, point.data());
+    for (Ball& y : point) y = y.midpoint();
+    const WeightedNorm norm(plan_pieces(pose(scene)).front());
+    const Ball h(0x1p-6);
+    const double apart = 0x1p-10;
+    const Bound growth(4.0);
+    Transition near(form, 40), far(form, 40);
+    near.expand(point, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(0x1p-60))), growth, norm);
+    far.expand(point, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(apart))), growth, norm);
+    const std::vector<Ball> W = far.at(h);
+    std::vector<Ball> elsewhere(point);
+    for (Ball& y : elsewhere) y += Ball(apart / 2);
+    Transition there(form, 40);
+    there.expand(elsewhere, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(0x1p-60))), growth, norm);
+    const std::vector<Ball> W_near = near.at(h), W_there = there.at(h);
+    double widest = 0;
+    bool differs = false;
+    for (std::size_t i = 0; i < W.size(); ++i) {
+        EXPECT_TRUE(arb_contains(W[i].raw(), W_near[i].midpoint().raw()));
+        EXPECT_TRUE(arb_contains(W[i].raw(), W_there[i].midpoint().raw()));
+        differs = differs || !(W_near[i] - W_there[i]).contains_zero();
+        widest = std::max(widest, Bound::radius_of(W[i]).near());
+    }
+    EXPECT_TRUE(differs) << "the motions near both points are the same: the test proves nothing";
+    EXPECT_GT(widest, apart * 1e-3);
+    EXPECT_LT(widest, 1);
+}
+
+}  // namespace
+}  // namespace polhode::truth

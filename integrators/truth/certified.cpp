@@ -116,7 +116,7 @@ class Certifier {
     bool sheared_ = false;
     std::size_t met_ = 0;
 
-    // Parallelepipeds make a step about twice as dear (measured): they pay where the logarithmic norm would take 1.7
+    // Parallelepipeds make a step about twice as dear (measured): they pay where the logarithmic norm would take 1.4
     // times the bits.
     void find_routes() {
         constexpr double least_growth = 16;  // below it a length does in any case
@@ -133,7 +133,7 @@ class Certifier {
         }
         sensitivity_bits_ = sensitivity(problem);
         const auto is_dear = [&](double growth_bits, double spread_bits) {
-            return least_bits_ + growth_bits + spread_bits > 1.7 * (least_bits_ + sensitivity_bits_ + spread_bits);
+            return least_bits_ + growth_bits + spread_bits > 1.4 * (least_bits_ + sensitivity_bits_ + spread_bits);
         };
         const bool all_dear = is_dear(growth, spread);
         for (Route& route : routes_) {

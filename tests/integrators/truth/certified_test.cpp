@@ -188,15 +188,18 @@ TEST(Certified, StronglyDampedBody) {
 }
 
 // Motions over which the logarithmic norm would lose hundreds of bits.
-TEST(Certified, LongHeavyAndSprungBodies) {
+TEST(Certified, LongHeavyBody) {
     Scene top = heavy_top();
-    top.duration = 16;
+    top.duration = 18;
     top.initial.angular_velocity = {1, 2, 30};
     expect_contained(top, "parallelepipeds");
+}
+
+TEST(Certified, LongSprungBody) {
     Scene sprung = body("sprung", {1, 2, 3}, {1, 2, 3}, 5);
     sprung.loads.push_back(Spring{900, {0.6, 0.8, 0, 0}, {}});
     sprung.loads.push_back(Torque{{0.1, 0.2, -0.3}, Frame::world, {1, 2}});
-    sprung.loads.push_back(Impulse{{0.3, -0.1, 0.2}, Frame::body, {0.5, 0.25, 0}, Frame::body, 4});
+    sprung.loads.push_back(Impulse{{0.3, -0.1, 0.2}, Frame::body, {0.5, 0.25, 0}, Frame::body, 3});
     expect_contained(sprung, "parallelepipeds");
 }
 

@@ -24,6 +24,9 @@ constexpr double factor = 10, fitted_factor = 50;
 constexpr double dominated = 5;
 // what is explained to this part of the error is explained: of two that do, the one found first stands first
 constexpr double same = 1e-3;
+// A w that is further than this from the one predicted, and so many times further than from another, speaks against the
+// prediction. Steps, grids and a first row from before the fault leave less.
+constexpr double plain_rates = 0.05, rates_factor = 3;
 constexpr double degree = std::numbers::pi / 180;
 constexpr double unfit = 10;  // rad: no motion to compare with
 
@@ -66,6 +69,23 @@ std::pair<double, double> least(const F& f, const std::vector<double>& grid) {
     return result;
 }
 
+// what a diagnosis is about: only those of one kind compete
+enum class About { attitude, rate, position };
+
+// what is known of a hypothesis beside what it explains
+struct Evidence {
+    std::string convention = "";                      // that would mend the file
+    bool fitted = false;                              // a number of it was fitted to the file
+    std::optional<double> rates_left = std::nullopt;  // how far the file's w is from the one predicted, relative
+};
+
+struct Found {
+    About about;
+    Diagnosis diagnosis;
+    bool fitted = false;
+    std::optional<double> rates_left = std::nullopt;
+};
+
 class Examination {
   public:
     Examination(const Scene& scene, const TrajectoryFile& file, const AlteredMotion& motion)
@@ -86,13 +106,6 @@ class Examination {
     }
 
   private:
-    // what a diagnosis is about: only those of one kind compete
-    enum class About { attitude, rate, position };
-    struct Found {
-        About about;
-        Diagnosis diagnosis;
-    };
-
     const Scene* scene_;
     const TrajectoryFile* file_;
     const AlteredMotion* motion_;
@@ -138,24 +151,46 @@ class Examination {
         }
     }
 
+    /// Of the file's w against what a hypothesis predicts for row k, relative to the largest predicted.
+    template <class Rate>
+    std::optional<double> rates_left(const Rate& rate_W) const {
+        if (!file_->has_angular_velocity) return {};
+        double scale = 0;
+        const double error = root_mean_square(times_.size(), [&](std::size_t k) {
+            const Vector3<double> w = rate_W(k);
+            scale = std::max(scale, length(w));
+            return length(row(k).angular_velocity_W - w);
+        });
+        if (scale == 0) return {};
+        return error / scale;
+    }
+    std::optional<double> rates_left(const Scene& scene, const Alteration& alteration) const {
+        const std::vector<Sample> samples = (*motion_)(scene, alteration, times_);
+        if (samples.size() < times_.size()) return {};
+        return rates_left([&](std::size_t k) { return world_rate(samples[k]); });
+    }
+
     std::string reach() const { return fmt::format("root mean square up to t = {:.4g} s", times_.back()); }
 
     void add(About about, const char* fault, double error, double explained, const std::string& what,
-             const std::string& remedy, const std::string& convention = "") {
+             const std::string& remedy, const Evidence& evidence = {}) {
         const char* unit = about == About::attitude ? " rad" : about == About::position ? " m" : " of the largest rate";
         found_.push_back({about,
                           {fault,
                            fmt::format("{}: {:.2g}{} is left of {:.2g}{} ({}); {}", what, explained, unit, error, unit,
                                        reach(), remedy),
-                           convention, error, explained}});
+                           evidence.convention, error, explained},
+                          evidence.fitted,
+                          evidence.rates_left});
     }
     // by the attitude; true where it explains the file
     bool consider(const char* fault, double explained, const std::string& what, const std::string& remedy,
-                  const std::string& convention = "", double needed = factor) {
-        if (!(needed * explained <= attitude_error_)) return false;
-        add(About::attitude, fault, attitude_error_, explained, what, remedy, convention);
+                  const Evidence& evidence = {}, double needed = factor) {
+        if (!explains(explained, needed)) return false;
+        add(About::attitude, fault, attitude_error_, explained, what, remedy, evidence);
         return true;
     }
+    bool explains(double explained, double needed = factor) const { return needed * explained <= attitude_error_; }
 
     // w in other units or axes, beside the scene's motion
     void find_in_rates() {
@@ -178,7 +213,7 @@ class Examination {
             const double explained = error(unit, in_body);
             // a rate many times too large is made small by any smaller unit
             if (factor * explained <= as_written && explained < 1 / factor)
-                add(About::rate, fault, as_written, explained, what, remedy, convention);
+                add(About::rate, fault, as_written, explained, what, remedy, {convention});
         };
         try_one("angular_velocity_in_body_axes", 1, true, "wx,wy,wz are in body axes", "write them in world axes", "");
         try_one("angular_velocity_in_degrees", degree, false, "wx,wy,wz are in degrees per second",
@@ -253,7 +288,7 @@ class Examination {
                                      (name_of(convention).empty() ? std::string()
                                                                   : ", and give --convention " + name_of(convention))
                                : "give --convention " + named,
-                 named);
+                 {named});
     }
 
     void find_first_order_update() {
@@ -269,7 +304,9 @@ class Examination {
                   "of 2 atan(|w| h/2) and not |w| h: {:.2g} rad is left of {:.2g} rad a row that the file's own w "
                   "leaves; turn by the exponential of w h, or take smaller steps",
                   update->step, update->explained, update->error),
-              "", update->error, update->explained}});
+              "", update->error, update->explained},
+             false,
+             {}});
     }
 
     // the rate in world axes stays, as it does without the gyroscopic term
@@ -293,9 +330,13 @@ class Examination {
         constexpr double none = std::numeric_limits<double>::infinity();
         const double missing = error(0, 0, none);
         const std::string turn_on = "turn the engine's gyroscopic term on";
-        consider("gyroscopic_term_missing", missing, "the gyroscopic term is missing" + steadiness(), turn_on);
-        consider("gyroscopic_term_reversed", error(-1, 0, none), "the gyroscopic term has the wrong sign",
-                 "let I dw/dt = tau - w x I w");
+        if (explains(missing))
+            consider("gyroscopic_term_missing", missing, "the gyroscopic term is missing" + steadiness(), turn_on,
+                     {"", false, rates_left(*scene_, {.gyroscopic = 0})});
+        const double reversed = error(-1, 0, none);
+        if (explains(reversed))
+            consider("gyroscopic_term_reversed", reversed, "the gyroscopic term has the wrong sign",
+                     "let I dw/dt = tau - w x I w", {"", false, rates_left(*scene_, {.gyroscopic = -1})});
         find_speed_limit(error, missing);
         find_damping(error, missing);
     }
@@ -330,7 +371,8 @@ class Examination {
                          fmt::format("the speed is clamped at {:.4g} rad/s, where the scene reaches {:.4g}{}", limit,
                                      own, gyroscopic == 0 ? ", and the gyroscopic term is missing" : ""),
                          gyroscopic == 0 ? "raise the engine's limit on angular speed and turn its gyroscopic term on"
-                                         : "raise the engine's limit on angular speed"))
+                                         : "raise the engine's limit on angular speed",
+                         {"", true, rates_left(*scene_, {.gyroscopic = gyroscopic, .speed_limit = limit})}))
                 return;
         }
     }
@@ -352,7 +394,7 @@ class Examination {
             if (consider("damping_left_on", explained, what,
                          gyroscopic == 0 ? "turn the engine's angular damping off and its gyroscopic term on"
                                          : "turn the engine's angular damping off",
-                         "", fitted_factor))
+                         {"", true, rates_left(*scene_, {.gyroscopic = gyroscopic, .damping = rate})}, fitted_factor))
                 return;
         }
     }
@@ -384,15 +426,23 @@ class Examination {
         const auto [s, explained] = least([&](double x) { return error(std::clamp(x, 0.0, most_s)); }, grid);
         // methods of low order run fast or slow by a little as well; a small turn fits many a time
         if (std::abs(s - 1) < 0.02 || turned_ < 1) return;
+        if (!explains(explained, fitted_factor)) return;
+        // the scene's w at those times, from the nearest of the grid
+        const auto rate_at = [&](std::size_t k) {
+            const double place = std::round(s * times_[k] * count / end);
+            return world_rate(dense[static_cast<std::size_t>(std::clamp(place, 0.0, count))]);
+        };
         consider("wrong_time_step", explained,
                  fmt::format("the time is wrong: the body moves as the scene does, {:.5g} times as fast", s),
-                 fmt::format("multiply the step by {:.5g}, or the times by {:.5g}", 1 / s, s), "", fitted_factor);
+                 fmt::format("multiply the step by {:.5g}, or the times by {:.5g}", 1 / s, s),
+                 {"", true, rates_left(rate_at)}, fitted_factor);
     }
 
     // scenes that an engine was given in place of this one
     void find_other_scenes() {
         const auto try_one = [&](const char* fault, const Scene& scene, const std::string& what, const char* remedy) {
-            consider(fault, attitude_error(scene, {}), what, remedy);
+            const double explained = attitude_error(scene, {});
+            if (explains(explained)) consider(fault, explained, what, remedy, {"", false, rates_left(scene, {})});
         };
         Scene other = *scene_;
         if (length(scene_->body.center_of_mass) > 0) {
@@ -441,7 +491,17 @@ class Examination {
                          [&](const Found& a, const Found& b) { return left(a) < left(b); });
         std::vector<Diagnosis> result;
         for (const Found& f : found_) {
-            const auto better = [&](const Found& g) { return g.about == f.about && dominated * left(g) < left(f); };
+            const auto better = [&](const Found& g) {
+                if (g.about != f.about) return false;
+                if (dominated * left(g) < left(f)) return true;
+                // as good by the attitude: the file's own w, or that nothing had to be fitted, speaks for one of them
+                if (!(left(g) <= dominated * left(f))) return false;
+                const bool contradicted = f.rates_left && g.rates_left && *f.rates_left > plain_rates &&
+                                          *f.rates_left > rates_factor * *g.rates_left;
+                const bool supported = !f.rates_left || !g.rates_left ||
+                                       *g.rates_left <= rates_factor * *f.rates_left || *g.rates_left <= plain_rates;
+                return contradicted || (f.fitted && !g.fitted && supported);
+            };
             if (std::none_of(found_.begin(), found_.end(), better)) result.push_back(f.diagnosis);
         }
         return result;

@@ -102,6 +102,27 @@ TEST(Diagnosis, WrongTimeStep) {
             expect_told(scene, {.step_factor = step_factor}, "wrong_time_step");
 }
 
+// What the attitude alone cannot tell apart: a body that spins almost steadily, clamped, is also one whose time runs
+// slower, and a start that is 57 times too slow is also a clamped one. The file's w decides, or that nothing is fitted.
+TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
+    Scene scene = tilted_free_body();
+    scene.loads.clear();
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 1.5, 2));
+    scene.initial.angular_velocity = {0.2, 0.1, 3};
+    scene.duration = 5;
+    const auto only = [&](const TrajectoryFile& file, const std::string& fault) {
+        const std::vector<Diagnosis> found = diagnose(scene, file, altered_motion);
+        EXPECT_EQ(found.size(), 1U) << fault << ": " << faults(found);
+        EXPECT_TRUE(is_told(scene, file, fault));
+    };
+    const Vector3<double>& w = scene.initial.angular_velocity;
+    only(engine_run<double>(scene, {.speed_limit = 0.8 * std::sqrt(dot(w, w))}, 1.0 / 960, 16), "speed_clamped");
+    only(engine_run<double>(scene, {.step_factor = 0.8}, 1.0 / 960, 16), "wrong_time_step");
+    Scene slow = scene;
+    slow.initial.angular_velocity = (std::numbers::pi / 180) * slow.initial.angular_velocity;
+    only(engine_run<double>(slow, {}, 1.0 / 960, 16), "degrees_for_radians");
+}
+
 TEST(Diagnosis, FirstOrderQuaternionUpdate) {
     for (const Scene& scene : scenes()) {
         // below this step less than 1e-6 rad a row is to be seen: binary32 files have as much noise

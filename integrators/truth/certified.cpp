@@ -192,27 +192,40 @@ class Certifier {
     }
 };
 
-// log2 of the largest length of each block over the run; -infinity where it is zero
-std::array<double, 4> block_sizes(const std::vector<Columns>& all) {
-    std::array<double, 4> sizes{};
+// The largest length of each block over the run; 1 where it is not known to be more than zero.
+std::array<Ball, 4> block_sizes(const std::vector<Columns>& all) {
+    std::array<Ball, 4> sizes;
     for (int b = 0; b < 4; ++b) {
-        sizes[b] = -std::numeric_limits<double>::infinity();
         for (const Columns& columns : all) {
             Ball sum;
             for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) sum += columns[c] * columns[c];
-            sizes[b] = std::max(sizes[b], sum.log2_near() / 2);
+            if (arb_gt(sum.raw(), sizes[b].raw())) sizes[b] = std::move(sum);
         }
+        sizes[b] = sizes[b].is_positive() ? sqrt(sizes[b]) : Ball(1);
     }
     return sizes;
 }
 
-// What a radius in a block of that size may be for `digits` proven digits: at most 10^-digits, and that times the size.
-double allowed_log2(double log2_size, int digits) {
-    return -digits * bits_per_digit + (std::isfinite(log2_size) ? std::min(log2_size, 0.0) : 0.0);
+// The most digits d such that error <= 10^-d size for certain.
+int proven_digits(const Bound& error, const Ball& size) {
+    const truth::WorkingPrecision precision(128);
+    int digits = static_cast<int>(std::floor((size.log2_near() - error.log2_near()) / bits_per_digit)) + 1;
+    for (;; --digits) {
+        Ball power, scaled = error.ball();
+        arb_ui_pow_ui(power.raw(), 10, static_cast<ulong>(std::abs(digits)), Ball::precision());
+        if (digits < 0)
+            scaled /= power;
+        else
+            scaled *= power;
+        if (arb_le(scaled.raw(), size.raw())) return digits;
+    }
 }
 
+// What a radius in a block of that size may be for `digits` proven digits: at most 10^-digits, and that times the size.
+double allowed_log2(const Ball& size, int digits) { return -digits * bits_per_digit + std::min(size.log2_near(), 0.0); }
+
 void write(const std::vector<Columns>& all, int digits, CertifiedReference& result) {
-    const std::array<double, 4> sizes = block_sizes(all);
+    const std::array<Ball, 4> sizes = block_sizes(all);
     Bound largest;
     result.digits = digits;
     bool any = false;
@@ -231,8 +244,7 @@ void write(const std::vector<Columns>& all, int digits, CertifiedReference& resu
                 number.radius = truth::decimal_above(error);
                 number.digits = digits;
                 if (error.is_zero()) continue;
-                const double size = std::isfinite(sizes[b]) ? sizes[b] : 0.0;
-                number.digits = static_cast<int>(std::floor((size - error.log2_near()) / bits_per_digit - 1e-6));
+                number.digits = proven_digits(error, sizes[b]);
                 result.digits = any ? std::min(result.digits, number.digits) : number.digits;
                 any = true;
                 if (widest < error) widest = error;
@@ -245,7 +257,7 @@ void write(const std::vector<Columns>& all, int digits, CertifiedReference& resu
 
 // log2 of the largest radius over what is allowed
 double excess_bits(const std::vector<Columns>& all, int digits) {
-    const std::array<double, 4> sizes = block_sizes(all);
+    const std::array<Ball, 4> sizes = block_sizes(all);
     double worst = -std::numeric_limits<double>::infinity();
     for (const Columns& columns : all)
         for (int b = 0; b < 4; ++b)

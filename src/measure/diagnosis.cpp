@@ -423,7 +423,8 @@ class Examination {
         for (double s = 0.25; s <= most_s; s *= 1.03) grid.push_back(s);
         for (int i = -10; i <= 10; ++i) grid.push_back(1 + 0.1 * i / std::max(turned_, 1.0));
         std::sort(grid.begin(), grid.end());
-        const auto [s, explained] = least([&](double x) { return error(std::clamp(x, 0.0, most_s)); }, grid);
+        const std::pair<double, double> best = least([&](double x) { return error(std::clamp(x, 0.0, most_s)); }, grid);
+        const double s = best.first, explained = best.second;
         // methods of low order run fast or slow by a little as well; a small turn fits many a time
         if (std::abs(s - 1) < 0.02 || turned_ < 1) return;
         if (!explains(explained, fitted_factor)) return;

@@ -47,7 +47,8 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
             moved[j] += small;
             const std::vector<Ball> there = flowed(series, moved, h);
             for (int i = 0; i < n; ++i) {
-                const Ball slope = (there[i] - end[i]) / small, entry = W[i * n + j];
+                const Ball slope = (there[i] - end[i]) / small;
+                const Ball& entry = W[i * n + j];
                 // the mean of W over the line between the two beginnings lies in it
                 EXPECT_TRUE((slope - entry).contains_zero()) << pivoted << ' ' << i << ' ' << j;
                 EXPECT_LT(Bound::radius_of(entry).near(), 1e-9) << i << ' ' << j;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "integrators/scenes.h"
 #include "integrators/truth/ball_flow.h"
 
 namespace polhode::truth {
@@ -64,7 +65,7 @@ TEST(SweptBoxes, HoldTheMotionOnTheirPart) {
         }
 }
 
-class EncloseByTaylor : public testing::TestWithParam<Carry> {};
+class EncloseByTaylor : public ::testing::TestWithParam<Carry> {};
 
 // a body turning about a principal axis under drag: w = w0 e^(-c t / I), angle = w0 I / c (1 - e^(-c t / I))
 TEST_P(EncloseByTaylor, HoldsADraggedSpin) {
@@ -113,21 +114,14 @@ TEST_P(EncloseByTaylor, GivesUpWhereErrorsOutgrowThePrecision) {
     EXPECT_NE(enclosure.fault.find("64 bits"), std::string::npos) << enclosure.fault;
 }
 
-INSTANTIATE_TEST_SUITE_P(Carried, EncloseByTaylor, testing::Values(Carry::norm, Carry::parallelepiped),
+INSTANTIATE_TEST_SUITE_P(Carried, EncloseByTaylor, ::testing::Values(Carry::norm, Carry::parallelepiped),
                          [](const auto& way) { return way.param == Carry::norm ? "norm" : "parallelepiped"; });
 
 // What each way of carrying errors loses of 160 bits on a fast top: the sphere's radius after 30 s against what an
 // error of the start alone becomes (kappa about 2^10). The logarithmic norm has lost every bit by then.
 TEST(EncloseByTaylorFar, ParallelepipedsLoseWhatTheMotionLoses) {
     const WorkingPrecision precision(160);
-    Scene scene;
-    scene.name = "top", scene.duration = 30;
-    scene.body.inertia_B = diagonal(Vector3<double>(0.75, 0.75, 0.5));
-    scene.body.center_of_mass = {0, 0, 0.5};
-    scene.pivot = Vector3<double>(0, 0, 0);
-    scene.initial.orientation = {0.96, 0.28, 0, 0};
-    scene.initial.angular_velocity = {0, 0, 20};
-    scene.loads = {Gravity{{0, 0, -9.8}, {}}};
+    const Scene scene = polhode::testing::heavy_top(30);
     EulerForm<Ball> form(scene);
     std::vector<Ball> y(13);
     form.initial(y.data());

@@ -20,22 +20,37 @@ std::vector<Ball> flowed(Series<Ball>& series, const std::vector<Ball>& y, const
     return end;
 }
 
+// a scene at its start, exactly a point
+struct Start {
+    Scene scene;
+    EulerForm<Ball> form;
+    std::vector<Ball> point;
+    PiecePlan plan;
+
+    explicit Start(const Scene& from)
+        : scene(from), form(scene), point(form.dimension()), plan(plan_pieces(pose(scene)).front()) {
+        form.initial(point.data());
+        form.enter(0, point.data());
+        for (Ball& y : point) y = y.midpoint();
+    }
+    // beginnings that differ by so much in each variable
+    Bound length(const WeightedNorm& norm, double each) const {
+        return norm.length(std::vector<Bound>(point.size(), Bound(each)));
+    }
+};
+
 // y + 2^-60 e_j goes where W(h) 2^-60 e_j takes it, to the second order in 2^-60; so for every column and load.
 TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
     for (const bool pivoted : {true, false}) {
         const WorkingPrecision precision(400);
-        const Scene scene = loaded_scene(3, pivoted);
-        EulerForm<Ball> form(scene);
+        const Start start(loaded_scene(3, pivoted));
+        const EulerForm<Ball>& form = start.form;
+        const std::vector<Ball>& point = start.point;
         const int n = form.dimension();
-        std::vector<Ball> point(n);
-        form.initial(point.data());
-        form.enter(0, point.data());
-        for (Ball& y : point) y = y.midpoint();
-        const PiecePlan plan = plan_pieces(pose(scene)).front();
-        const WeightedNorm norm(plan);
+        const WeightedNorm norm(start.plan);
         Transition transition(form, 40);
         const Ball h(0x1p-5);
-        const Bound growth(16.0), nearby = norm.length(std::vector<Bound>(n, Bound(0x1p-58)));
+        const Bound growth(16.0), nearby = start.length(norm, 0x1p-58);
         transition.expand(point, Bound(h), growth * nearby, growth, norm);
         const std::vector<Ball> W = transition.at(h);
         Series<Ball> series(record<Ball>(form, n), 60);
@@ -62,25 +77,21 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
 // Beginnings a thousandth apart: the matrix is as wide as their motions differ, and holds each.
 TEST(Transition, WidensWithTheBeginnings) {
     const WorkingPrecision precision(200);
-    const Scene scene = loaded_scene(1, true);
-    EulerForm<Ball> form(scene);
-    const int n = form.dimension();
-    std::vector<Ball> point(n);
-    form.initial(point.data());
-    form.enter(0, point.data());
-    for (Ball& y : point) y = y.midpoint();
-    const WeightedNorm norm(plan_pieces(pose(scene)).front());
+    const Start start(loaded_scene(1, true));
+    const EulerForm<Ball>& form = start.form;
+    const std::vector<Ball>& point = start.point;
+    const WeightedNorm norm(start.plan);
     const Ball h(0x1p-6);
     const double apart = 0x1p-10;
     const Bound growth(4.0);
     Transition near(form, 40), far(form, 40);
-    near.expand(point, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(0x1p-60))), growth, norm);
-    far.expand(point, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(apart))), growth, norm);
+    near.expand(point, Bound(h), growth * start.length(norm, 0x1p-60), growth, norm);
+    far.expand(point, Bound(h), growth * start.length(norm, apart), growth, norm);
     const std::vector<Ball> W = far.at(h);
     std::vector<Ball> elsewhere(point);
     for (Ball& y : elsewhere) y += Ball(apart / 2);
     Transition there(form, 40);
-    there.expand(elsewhere, Bound(h), growth * norm.length(std::vector<Bound>(n, Bound(0x1p-60))), growth, norm);
+    there.expand(elsewhere, Bound(h), growth * start.length(norm, 0x1p-60), growth, norm);
     const std::vector<Ball> W_near = near.at(h), W_there = there.at(h);
     double widest = 0;
     bool differs = false;

@@ -151,7 +151,7 @@ Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const P
     const std::string fault =
         collocate(step, piece.begin, piece.end, y, blocks, {stages, digits, max_steps}, steps, accept);
     Enclosure result = follower.finish(steps);
-    if (result.fault.empty()) result.fault = fault;
+    if (result.fault.empty()) result.fault = fault, result.hopeless = steps > max_steps;
     return result;
 }
 

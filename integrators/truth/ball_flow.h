@@ -19,7 +19,8 @@ struct Piece {
 
 /// States as balls; every state of the true motion lies in its balls.
 struct Enclosure {
-    std::string fault;  ///< why there is none; empty where there is one
+    std::string fault;      ///< why there is none; empty where there is one
+    bool hopeless = false;  ///< the fault stays at any precision
     long steps = 0;
     std::vector<std::vector<Ball>> samples;
     std::vector<Ball> end;

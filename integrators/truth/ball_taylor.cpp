@@ -15,7 +15,8 @@ namespace polhode::truth {
 namespace {
 
 constexpr long bound_bits = 64;
-constexpr long max_steps = 400'000;  // a run of so many has gone astray
+constexpr long max_steps = 400'000;    // hours
+constexpr long foreseen_after = 1000;  // steps, as the many to come are likely to be
 
 // exact sums and differences: times have few bits
 Ball exact_sum(const Ball& a, const Ball& b) {
@@ -157,6 +158,7 @@ struct StepBounds {
     Ball h;
     Bound local;  ///< how far the motion from the point leaves the polynomial but for its growth, in the norm
     Ball exponent, most;
+    Bound allowed;  ///< as far as the exponents hold
 };
 
 // The distance of the motion from the point, as one length in the norm.
@@ -202,7 +204,7 @@ class ParallelepipedErrors {
         const Bound growth = exponential(step.most);
         h_ = step.h, local_ = norm_.components(growth * step.local);
         transition_.set_order(order_for(terms));
-        transition_.expand(point, Bound(step.h), growth * (length() + step.local), growth, norm_);
+        transition_.expand(point, Bound(step.h), growth * (length() + step.local), growth, step.allowed, norm_);
     }
     std::vector<Bound> distance_at(const Ball& t) const {
         std::vector<Bound> distance = set_.components_after(transition_.at(t));
@@ -267,10 +269,15 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
     const Ball end(piece.end);
     std::size_t next = 0;
     while (!(t == end)) {
-        if (result.steps++ >= max_steps) {
-            result.fault = "more steps than are allowed";
+        const double passed = t.near() - piece.begin;
+        const bool too_many =
+            result.steps == foreseen_after && (piece.end - piece.begin) / passed * foreseen_after > 2.0 * max_steps;
+        if (too_many || result.steps >= max_steps) {
+            result.fault = fmt::format("{:.2g} s took {} steps of at most {}", passed, result.steps, max_steps);
+            result.hopeless = true;
             return result;
         }
+        ++result.steps;
         if (Allowance::is_spent()) {
             result.fault = Allowance::fault;
             return result;
@@ -279,9 +286,11 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         const double wanted = on_grid(wanted_step(series, plan, bits));
         if (!(wanted > 0)) {
             result.fault = "the step vanishes";
+            result.hopeless = true;
             return result;
         }
         StepBounds step;
+        step.allowed = allowed;
         Ball t_after = end;
         step.h = exact_difference(end, t);
         if (std::isfinite(wanted) && arb_gt(step.h.raw(), Ball(wanted).raw()))

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "motion/dual.h"
 
@@ -65,7 +66,7 @@ Transition::Transition(const EulerForm<Ball>& form, int order)
     : n_(form.dimension()), entries_(entries_of(form)), series_(recorded(form, entries_), order) {}
 
 void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
-                        const WeightedNorm& norm) {
+                        const Bound& allowed, const WeightedNorm& norm) {
     const WorkingPrecision precision(bits);
     std::vector<Ball> start(point);
     for (Ball& y : start) arb_set_round(y.raw(), y.raw(), bits);
@@ -73,12 +74,15 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
     series_.expand(start.data());
 
     const Defect defects = defect(series_.recording(), term_bounds(series_, h));
-    // y against the polynomial p of this order
-    std::vector<Bound> own(defects.rate.begin(), defects.rate.begin() + n_);
-    std::vector<Bound> moved = norm.components(distance + growth * h * norm.length(own));
+    // The motion against the polynomial p of this order. What grows by no more than `growth` as long as it is within
+    // `allowed`, and comes to less, never leaves it.
+    const std::vector<Bound> own(defects.rate.begin(), defects.rate.begin() + n_);
+    const Bound apart = distance + growth * h * norm.length(own);
+    error_.assign(static_cast<std::size_t>(n_) * n_, Bound(std::numeric_limits<double>::infinity()));
+    if (!(apart < allowed)) return;
+    std::vector<Bound> moved = norm.components(apart);
     moved.resize(start.size());
     const std::vector<Bound> change = change_of_rates(series_.recording(), defects.node, moved);
-    error_.assign(static_cast<std::size_t>(n_) * n_, Bound());
     std::vector<std::vector<Bound>> columns(n_, std::vector<Bound>(n_));
     for (std::size_t k = 0; k < entries_.size(); ++k)
         columns[entries_[k].column][entries_[k].row] = change[n_ + k] + defects.rate[n_ + k];

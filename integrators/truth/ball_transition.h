@@ -27,10 +27,10 @@ class Transition {
 
     /// Of the expansions to come, at most that of the constructor.
     void set_order(int order) { series_.set_order(order); }
-    /// For t in [0, h] and beginnings such that the motion stays within `distance` of that from `point` (both in the
-    /// norm); an error grows at most by `growth` on the way.
+    /// For t in [0, h] and beginnings such that the motion stays within `distance` of that from `point`. An error grows
+    /// at most by `growth` on the way, within `allowed` of the motion from `point` (lengths in the norm).
     void expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
-                const WeightedNorm& norm);
+                const Bound& allowed, const WeightedNorm& norm);
     /// W(t), row by row: true for the mean of W over any line of such beginnings, too.
     std::vector<Ball> at(const Ball& t) const;
 

@@ -41,7 +41,8 @@ constexpr int block_begin[] = {0, 4, 7, 10, 13};
 
 struct Attempt {
     std::string fault;
-    double wanted_bits = 0;                 ///< to get over the fault
+    bool hopeless = false;                  ///< no precision gets over the fault
+    double wanted_bits = 0;                 ///< does
     double most_bits = polhode::most_bits;  ///< that all ways together can carry
     // the ways taken
     bool by_series = false, by_parallelepiped = false, by_collocation = false;
@@ -187,7 +188,8 @@ class Certifier {
         }
         Enclosure enclosure = stiff ? truth::enclose_by_collocation(scene_, piece, route.plan, y)
                                     : truth::enclose_by_taylor(piece, route.plan, y, route.carry);
-        if (!enclosure.fault.empty()) result.fault = enclosure.fault, result.wanted_bits = 1.3 * bits + 64;
+        if (!enclosure.fault.empty())
+            result.fault = enclosure.fault, result.hopeless = enclosure.hopeless, result.wanted_bits = 1.3 * bits + 64;
         return enclosure;
     }
 };
@@ -292,12 +294,17 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     const truth::Allowance allowance(seconds_limit);
     Certifier certifier(scene, result.times, digits);
     double bits = certifier.least_bits(), limit = most_bits;
+    std::string hopeless;
     while (bits <= limit) {
         result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
         const Attempt attempt = certifier.attempt();
         if (truth::Allowance::is_spent()) break;
         limit = std::min(limit, attempt.most_bits);
+        if (attempt.hopeless) {
+            hopeless = attempt.fault;
+            break;
+        }
         if (!attempt.fault.empty()) {
             bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
             continue;
@@ -330,6 +337,10 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     result.times.clear();
     if (truth::Allowance::is_spent()) {
         result.message = fmt::format("no certified truth within the limit of {} s", seconds_limit);
+        return result;
+    }
+    if (!hopeless.empty()) {
+        result.message = "no certified truth: " + hopeless;
         return result;
     }
     // with room for what an attempt may find missing

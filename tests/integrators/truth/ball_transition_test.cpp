@@ -20,6 +20,8 @@ std::vector<Ball> flowed(Series<Ball>& series, const std::vector<Ball>& y, const
     return end;
 }
 
+const Bound anywhere(0x1p40);
+
 // a scene at its start, exactly a point
 struct Start {
     Scene scene;
@@ -51,7 +53,7 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
         Transition transition(form, 40);
         const Ball h(0x1p-5);
         const Bound growth(16.0), nearby = start.length(norm, 0x1p-58);
-        transition.expand(point, Bound(h), growth * nearby, growth, norm);
+        transition.expand(point, Bound(h), growth * nearby, growth, anywhere, norm);
         const std::vector<Ball> W = transition.at(h);
         Series<Ball> series(record<Ball>(form, n), 60);
         const std::vector<Ball> end = flowed(series, point, h);
@@ -74,6 +76,19 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
     }
 }
 
+// A growth that is known only nearer than the motions come says nothing.
+TEST(Transition, KnowsNothingBeyondWhatIsAllowed) {
+    const WorkingPrecision precision(200);
+    const Start start(loaded_scene(1, true));
+    const WeightedNorm norm(start.plan);
+    Transition transition(start.form, 40);
+    const Bound growth(4.0), distance(0x1p-30);
+    transition.expand(start.point, Bound(0x1p-6), distance, growth, Bound(0x1p-29), norm);
+    EXPECT_TRUE(transition.at(Ball(0x1p-6))[0].is_finite());
+    transition.expand(start.point, Bound(0x1p-6), distance, growth, Bound(0x1p-31), norm);
+    for (const Ball& entry : transition.at(Ball(0x1p-6))) EXPECT_FALSE(entry.is_finite());
+}
+
 // Beginnings a thousandth apart: the matrix is as wide as their motions differ, and holds each.
 TEST(Transition, WidensWithTheBeginnings) {
     const WorkingPrecision precision(200);
@@ -85,13 +100,13 @@ TEST(Transition, WidensWithTheBeginnings) {
     const double apart = 0x1p-10;
     const Bound growth(4.0);
     Transition near(form, 40), far(form, 40);
-    near.expand(point, Bound(h), growth * start.length(norm, 0x1p-60), growth, norm);
-    far.expand(point, Bound(h), growth * start.length(norm, apart), growth, norm);
+    near.expand(point, Bound(h), growth * start.length(norm, 0x1p-60), growth, anywhere, norm);
+    far.expand(point, Bound(h), growth * start.length(norm, apart), growth, anywhere, norm);
     const std::vector<Ball> W = far.at(h);
     std::vector<Ball> elsewhere(point);
     for (Ball& y : elsewhere) y += Ball(apart / 2);
     Transition there(form, 40);
-    there.expand(elsewhere, Bound(h), growth * start.length(norm, 0x1p-60), growth, norm);
+    there.expand(elsewhere, Bound(h), growth * start.length(norm, 0x1p-60), growth, anywhere, norm);
     const std::vector<Ball> W_near = near.at(h), W_there = there.at(h);
     double widest = 0;
     bool differs = false;

@@ -252,6 +252,16 @@ TEST(Certified, SaysHowManyDigitsCanBeHad) {
     EXPECT_GE(all.digits, had);
 }
 
+// A spring that swings 10^8 times: told after a thousand steps, and at one precision.
+TEST(Certified, SaysThatStepsWouldBeTooMany) {
+    Scene scene = body("hard spring", {1, 2, 3}, {1, 2, 3}, 100);
+    scene.loads.push_back(Spring{1e14, {0.6, 0.8, 0, 0}, {}});
+    const CertifiedReference refused = certified_reference(scene, 1, 15);
+    EXPECT_FALSE(refused.available);
+    EXPECT_NE(refused.message.find("steps of at most"), std::string::npos) << refused.message;
+    EXPECT_LT(refused.seconds, optimised_build ? 60 : 300);
+}
+
 TEST(Certified, RefusesWhatHasNoTruth) {
     Scene scene = heavy_top();
     EXPECT_THROW(certified_reference(scene, 0, 30), std::invalid_argument);

@@ -169,16 +169,17 @@ TEST(FreeAsymmetricBody, TendsToTheSymmetricBody) {
 }
 
 RC_GTEST_PROP(FreeSymmetricBody, AgreesWithTaylorSeries, ()) {
-    FreeMotion m = testing::any_free_motion();
-    const int axis = *rc::gen::inRange(0, 3);
-    m.moments[(axis + 1) % 3] = m.moments[(axis + 2) % 3];
-    const FreeSymmetricBody<double> body(axis, m.moments[(axis + 1) % 3], m.moments[axis], m.w, m.q);
-    const Rotation<double> end = body.at(m.t);
-    int steps = 0;
-    const auto y = testing::by_taylor(testing::FreeEquations{m.moments}, m, steps);
-    const double bound = 100 * ulp * (1 + steps + testing::size(m.w) * std::abs(m.t));
-    RC_ASSERT(testing::distance(end.q, quaternion_at(y.data(), 3)) <= bound);
-    RC_ASSERT(testing::size(end.w - vector_at(y.data(), 0)) <= bound * testing::size(m.w));
+    for_bodies([](FreeMotion m) {
+        const int axis = *rc::gen::inRange(0, 3);
+        m.moments[(axis + 1) % 3] = m.moments[(axis + 2) % 3];
+        const FreeSymmetricBody<double> body(axis, m.moments[(axis + 1) % 3], m.moments[axis], m.w, m.q);
+        const Rotation<double> end = body.at(m.t);
+        int steps = 0;
+        const auto y = testing::by_taylor(testing::FreeEquations{m.moments}, m, steps);
+        const double bound = 100 * ulp * (1 + steps + testing::size(m.w) * std::abs(m.t));
+        RC_ASSERT(testing::distance(end.q, quaternion_at(y.data(), 3)) <= bound);
+        RC_ASSERT(testing::size(end.w - vector_at(y.data(), 0)) <= bound * testing::size(m.w));
+    });
 }
 
 // dw/dt = a - k w about one axis
@@ -192,17 +193,18 @@ struct DrivenAxis {
     }
 };
 RC_GTEST_PROP(AxisRotation, AgreesWithTaylorSeries, ()) {
-    FreeMotion m = testing::any_free_motion();
-    m.w = {0, 0, testing::moderate(-2, 2)};
-    m.t = std::abs(m.t);
-    const double a = testing::moderate(-1, 1), k = *rc::gen::element(0.0, 1e-12, 1e-5, 0.2, 1.0, 3.0);
-    const AxisRotation<double> body({0, 0, 1}, m.w[2], m.q, a, k);
-    const Rotation<double> end = body.at(m.t);
-    int steps = 0;
-    const auto y = testing::by_taylor(DrivenAxis{a, k}, m, steps);
-    const double bound = 40 * ulp * (1 + m.t) * (3 + std::abs(a) * m.t) * (1 + steps);
-    RC_ASSERT(testing::distance(end.q, quaternion_at(y.data(), 3)) <= bound);
-    RC_ASSERT(testing::size(end.w - vector_at(y.data(), 0)) <= bound);
+    for_bodies([](FreeMotion m) {
+        m.w = {0, 0, testing::moderate(-2, 2)};
+        m.t = std::abs(m.t);
+        const double a = testing::moderate(-1, 1), k = *rc::gen::element(0.0, 1e-12, 1e-5, 0.2, 1.0, 3.0);
+        const AxisRotation<double> body({0, 0, 1}, m.w[2], m.q, a, k);
+        const Rotation<double> end = body.at(m.t);
+        int steps = 0;
+        const auto y = testing::by_taylor(DrivenAxis{a, k}, m, steps);
+        const double bound = 40 * ulp * (1 + m.t) * (3 + std::abs(a) * m.t) * (1 + steps);
+        RC_ASSERT(testing::distance(end.q, quaternion_at(y.data(), 3)) <= bound);
+        RC_ASSERT(testing::size(end.w - vector_at(y.data(), 0)) <= bound);
+    });
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ RC_GTEST_PROP(LagrangeTop, KeepsEnergyAndBothMomenta, ()) {
 }
 
 RC_GTEST_PROP(LagrangeTop, RunsBackwardsAndGoesOn, ()) {
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 100; ++i) {
         const Top top = any_top();
         const FreeMotion& m = top.motion;
         const auto at = [&](const FreeMotion& n) { return top.at(n); };

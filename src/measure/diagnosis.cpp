@@ -490,7 +490,7 @@ class Examination {
         const auto left = [](const Found& f) { return std::max(same, f.diagnosis.explained / f.diagnosis.error); };
         std::stable_sort(found_.begin(), found_.end(),
                          [&](const Found& a, const Found& b) { return left(a) < left(b); });
-        std::vector<Diagnosis> result;
+        std::vector<const Found*> told;
         for (const Found& f : found_) {
             const auto better = [&](const Found& g) {
                 if (g.about != f.about) return false;
@@ -503,8 +503,15 @@ class Examination {
                                        *g.rates_left <= rates_factor * *f.rates_left || *g.rates_left <= plain_rates;
                 return contradicted || (f.fitted && !g.fitted && supported);
             };
-            if (std::none_of(found_.begin(), found_.end(), better)) result.push_back(f.diagnosis);
+            // of two ways to the same fault the nearer
+            const auto is_told = [&](const Found* g) {
+                return g->about == f.about && g->diagnosis.fault == f.diagnosis.fault;
+            };
+            if (std::none_of(found_.begin(), found_.end(), better) && std::none_of(told.begin(), told.end(), is_told))
+                told.push_back(&f);
         }
+        std::vector<Diagnosis> result;
+        for (const Found* f : told) result.push_back(f->diagnosis);
         return result;
     }
 };

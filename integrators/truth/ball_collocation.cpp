@@ -33,10 +33,6 @@ class Follower {
         : piece_(piece), norm_(plan), recording_(record<Ball>(piece.form, piece.form.dimension())), reached_(start) {
         const WorkingPrecision precision(bound_bits);
         coarse_ = rounded(recording_);
-        double least = 0;
-        const std::vector<Bound> unit = norm_.components(Bound(1.0));
-        for (std::size_t i = 0; i < unit.size(); ++i) least = std::max(least, unit[i].near() / plan.scales[i]);
-        allowed_ = Bound(0x1p-20 / least);
     }
 
     const std::string& fault() const { return result_.fault; }
@@ -63,7 +59,7 @@ class Follower {
         Ball exponent, most;
         {
             const WorkingPrecision precision(bound_bits);
-            const std::vector<Bound> margin = norm_.components(allowed_);
+            const std::vector<Bound> margin = norm_.components(norm_.allowed());
             std::vector<Bound> slope;
             for (const ChebyshevSeries& series : p) slope.push_back(slope_of(series) * Bound(1.0 / parts));
             for (int part = 0; part < parts; ++part) {
@@ -77,7 +73,7 @@ class Follower {
             }
         }
         const Bound largest = exponential(most) * (before + local);
-        if (!largest.is_finite() || allowed_ < largest) {
+        if (!largest.is_finite() || norm_.allowed() < largest) {
             result_.fault = "errors grow beyond what the collocation polynomials carry";
             return;
         }
@@ -107,7 +103,7 @@ class Follower {
     WeightedNorm norm_;
     Recording<Ball> recording_, coarse_;
     std::vector<Ball> reached_;  // the last polynomial's end, the motion within error_ of it; at first the start
-    Bound error_, allowed_;
+    Bound error_;
     std::size_t next_ = 0;
     Enclosure result_;
 };

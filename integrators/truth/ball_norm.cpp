@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/truth/ball_matrix.h"
 #include "integrators/truth/damping.h"
 #include "integrators/truth/euler_form.h"
 #include "integrators/truth/series.h"
@@ -169,21 +170,13 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
     return plans;
 }
 
-WeightedNorm::WeightedNorm(const PiecePlan& plan) : n_(plan.dimension), S_(plan.weights.size()), inverse_(S_.size()) {
-    arb_mat_t S, inverse;
-    arb_mat_init(S, n_, n_);
-    arb_mat_init(inverse, n_, n_);
-    for (int i = 0; i < n_; ++i)
-        for (int j = 0; j < n_; ++j) {
-            S_[i * n_ + j] = Ball(plan.weights[i * n_ + j]);
-            arb_set(arb_mat_entry(S, i, j), S_[i * n_ + j].raw());
-        }
-    // a matrix that cannot be inverted leaves balls that are not finite, and every bound made of them is infinite
-    if (!arb_mat_inv(inverse, S, 2 * bound_bits)) arb_mat_indeterminate(inverse);
-    for (int i = 0; i < n_; ++i)
-        for (int j = 0; j < n_; ++j) arb_set(inverse_[i * n_ + j].raw(), arb_mat_entry(inverse, i, j));
-    arb_mat_clear(S);
-    arb_mat_clear(inverse);
+WeightedNorm::WeightedNorm(const PiecePlan& plan)
+    : n_(plan.dimension), inverse_(inverse_of(plan.weights, static_cast<std::size_t>(n_), 2 * bound_bits)) {
+    for (const double weight : plan.weights) S_.emplace_back(weight);
+    double most = 0;
+    const std::vector<Bound> unit = components(Bound(1.0));
+    for (int i = 0; i < n_; ++i) most = std::max(most, unit[i].near() / plan.scales[i]);
+    allowed_ = Bound(0x1p-20 / most);
 }
 
 Bound WeightedNorm::length(const std::vector<Bound>& component) const {
@@ -213,18 +206,8 @@ std::vector<Bound> WeightedNorm::components(const Bound& length) const {
 Ball WeightedNorm::logarithmic_norm(const Recording<Ball>& recording, const std::vector<Ball>& box) const {
     const WorkingPrecision precision(bound_bits);
     const std::vector<Ball> J = jacobian_of(recording, box.data());
-    const auto product = [&](const std::vector<Ball>& a, const std::vector<Ball>& b) {
-        std::vector<Ball> c(a.size());
-        for (int i = 0; i < n_; ++i)
-            for (int k = 0; k < n_; ++k) {
-                const Ball& factor = a[i * n_ + k];
-                if (factor.is_zero()) continue;
-                for (int j = 0; j < n_; ++j)
-                    if (!b[k * n_ + j].is_zero()) c[i * n_ + j] += factor * b[k * n_ + j];
-            }
-        return c;
-    };
-    const std::vector<Ball> B = product(product(S_, J), inverse_);
+    const auto n = static_cast<std::size_t>(n_);
+    const std::vector<Ball> B = product(product(S_, J, n), inverse_, n);
     // (B + B^T)/2 = exact doubles M + rest, and the rest is no longer than its largest row sum
     Eigen::MatrixXd M(n_, n_);
     Bound rest;

@@ -82,6 +82,9 @@ class WeightedNorm {
     explicit WeightedNorm(const PiecePlan& plan);
 
     int dimension() const { return n_; }
+    /// A length within which every variable moves by at most 2^-20 of its scale: as far as the motion may be from a
+    /// point whose logarithmic norm is to hold for it.
+    const Bound& allowed() const { return allowed_; }
     /// |S y| where |y_i| <= component[i].
     Bound length(const std::vector<Bound>& component) const;
     /// |y_i| where |S y| <= length.
@@ -92,6 +95,7 @@ class WeightedNorm {
   private:
     int n_;
     std::vector<Ball> S_, inverse_;
+    Bound allowed_;
 };
 
 /// The recording with its factors at the working precision (wider balls).

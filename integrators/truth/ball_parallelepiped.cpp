@@ -1,7 +1,5 @@
 #include "integrators/truth/ball_parallelepiped.h"
 
-#include <arb_mat.h>
-
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -9,27 +7,12 @@
 #include <numeric>
 #include <utility>
 
+#include "integrators/truth/ball_matrix.h"
+
 namespace polhode::truth {
 namespace {
 
 constexpr long bits = 64;
-
-// Q^-1; balls that are not finite where Q cannot be inverted
-std::vector<Ball> inverse_of(const std::vector<double>& Q, std::size_t n) {
-    const auto size = static_cast<slong>(n);
-    arb_mat_t matrix, inverse;
-    arb_mat_init(matrix, size, size);
-    arb_mat_init(inverse, size, size);
-    for (slong i = 0; i < size; ++i)
-        for (slong j = 0; j < size; ++j) arb_set_d(arb_mat_entry(matrix, i, j), Q[i * n + j]);
-    if (!arb_mat_inv(inverse, matrix, 2 * bits)) arb_mat_indeterminate(inverse);
-    std::vector<Ball> result(n * n);
-    for (slong i = 0; i < size; ++i)
-        for (slong j = 0; j < size; ++j) arb_set_round(result[i * n + j].raw(), arb_mat_entry(inverse, i, j), bits);
-    arb_mat_clear(matrix);
-    arb_mat_clear(inverse);
-    return result;
-}
 
 }  // namespace
 
@@ -50,14 +33,9 @@ std::vector<Bound> Parallelepiped::components() const {
 }
 
 std::vector<Ball> Parallelepiped::times_Q(const std::vector<Ball>& W) const {
-    std::vector<Ball> M(n_ * n_);
-    for (std::size_t i = 0; i < n_; ++i)
-        for (std::size_t k = 0; k < n_; ++k) {
-            const Ball& factor = W[i * n_ + k];
-            if (factor.is_zero()) continue;
-            for (std::size_t j = 0; j < n_; ++j) M[i * n_ + j] += factor * Ball(Q_[k * n_ + j]);
-        }
-    return M;
+    std::vector<Ball> Q;
+    for (const double entry : Q_) Q.emplace_back(entry);
+    return product(W, Q, n_);
 }
 
 std::vector<Bound> Parallelepiped::times_r(const std::vector<Ball>& M) const {
@@ -100,12 +78,8 @@ void Parallelepiped::advance(const std::vector<Ball>& W, const std::vector<Bound
                 Q_[i * n_ + k] = scales_[i] * axes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
     }
     // r' = |Q'^-1 (W Q)| r + |Q'^-1| added
-    const std::vector<Ball> inverse = inverse_of(Q_, n_);
-    std::vector<Ball> turned(n_ * n_);
-    for (std::size_t i = 0; i < n_; ++i)
-        for (std::size_t k = 0; k < n_; ++k)
-            for (std::size_t j = 0; j < n_; ++j) turned[i * n_ + j] += inverse[i * n_ + k] * M[k * n_ + j];
-    std::vector<Bound> next = times_r(turned);
+    const std::vector<Ball> inverse = inverse_of(Q_, n_, 2 * bits);
+    std::vector<Bound> next = times_r(product(inverse, M, n_));
     for (std::size_t i = 0; i < n_; ++i)
         for (std::size_t k = 0; k < n_; ++k) next[i] += Bound(inverse[i * n_ + k]) * added[k];
     r_ = std::move(next);

@@ -153,12 +153,12 @@ std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const Ter
 
 namespace {
 
-// What a step from an exact point is made of; an error of the point grows by e^exponent over it, by e^most on the way.
+// What a step from an exact point is made of; lengths in the norm.
 struct StepBounds {
     Ball h;
-    Bound local;  ///< how far the motion from the point leaves the polynomial but for its growth, in the norm
-    Ball exponent, most;
-    Bound allowed;  ///< as far as the exponents hold
+    Bound local;           ///< how far the motion from the point leaves the polynomial but for its growth
+    Bound growth, at_end;  ///< what an error of the point is multiplied by, at most on the way and at the end
+    Bound largest;         ///< how far the motion is from the polynomial, with what errors there were
 };
 
 // The distance of the motion from the point, as one length in the norm.
@@ -173,11 +173,11 @@ class NormErrors {
     std::vector<Bound> components() const { return norm_.components(length_); }
 
     void begin(const std::vector<Ball>&, const TermBounds&, const StepBounds& step) {
-        step_ = step, distance_ = norm_.components(exponential(step.most) * (length_ + step.local));
+        step_ = step, distance_ = norm_.components(step.largest);
     }
     std::vector<Bound> distance_at(const Ball&) const { return distance_; }
     void end(const std::vector<Bound>& radius) {
-        length_ = exponential(step_.exponent) * length_ + exponential(step_.most) * step_.local + norm_.length(radius);
+        length_ = step_.at_end * length_ + step_.growth * step_.local + norm_.length(radius);
     }
 
   private:
@@ -188,7 +188,7 @@ class NormErrors {
 };
 
 // The distance as a parallelepiped that turns and shears with the motion. The logarithmic norm is left with what is
-// small beside it, so one over the whole step does.
+// small beside it, so that few over a step do.
 class ParallelepipedErrors {
   public:
     static constexpr int parts = 2;
@@ -201,10 +201,9 @@ class ParallelepipedErrors {
     std::vector<Bound> components() const { return set_.components(); }
 
     void begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
-        const Bound growth = exponential(step.most);
-        h_ = step.h, local_ = norm_.components(growth * step.local);
+        h_ = step.h, local_ = norm_.components(step.growth * step.local);
         transition_.set_order(order_for(terms));
-        transition_.expand(point, Bound(step.h), growth * (length() + step.local), growth, step.allowed, norm_);
+        transition_.expand(point, Bound(step.h), step.largest, step.growth, norm_.allowed(), norm_);
     }
     std::vector<Bound> distance_at(const Ball& t) const {
         std::vector<Bound> distance = set_.components_after(transition_.at(t));
@@ -258,12 +257,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
     };
     split(start);
     Errors errors(piece, plan, norm, order, radius);
-    // as far as the motion may be from the point for the logarithmic norm to hold: small beside every variable
-    double least = 0;
-    const std::vector<Bound> unit = norm.components(Bound(1.0));
-    for (int i = 0; i < n; ++i) least = std::max(least, unit[i].near() / plan.scales[i]);
-    const Bound allowed(0x1p-20 / least);
-    const std::vector<Bound> margin = norm.components(allowed);
+    const std::vector<Bound> margin = norm.components(norm.allowed());
 
     Ball t(piece.begin);
     const Ball end(piece.end);
@@ -290,7 +284,6 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
             return result;
         }
         StepBounds step;
-        step.allowed = allowed;
         Ball t_after = end;
         step.h = exact_difference(end, t);
         if (std::isfinite(wanted) && arb_gt(step.h.raw(), Ball(wanted).raw()))
@@ -301,14 +294,16 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         {
             const WorkingPrecision precision(bound_bits);
             const Ball part = step.h / Ball(Errors::parts);
+            Ball exponent, most;
             for (const std::vector<Ball>& box : swept_boxes(series, terms, step.h, margin, Errors::parts)) {
                 const Ball mu = norm.logarithmic_norm(coarse, box);
-                step.exponent += mu * part;
-                if (!mu.is_negative()) step.most += mu * part;
+                exponent += mu * part;
+                if (!mu.is_negative()) most += mu * part;
             }
+            step.growth = exponential(most), step.at_end = exponential(exponent);
         }
-        const Bound largest = exponential(step.most) * (errors.length() + step.local);
-        if (!largest.is_finite() || allowed < largest) {
+        step.largest = step.growth * (errors.length() + step.local);
+        if (!step.largest.is_finite() || norm.allowed() < step.largest) {
             result.fault = fmt::format("errors grow beyond what {} bits can carry", Ball::precision());
             return result;
         }

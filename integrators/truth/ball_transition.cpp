@@ -10,10 +10,10 @@ namespace polhode::truth {
 namespace {
 
 // y and W by the one right-hand side on dual numbers
-template <int n, class Entries>
+template <int n>
 struct TransitionForm {
     const EulerForm<Ball>& form;
-    const Entries& entries;
+    const std::vector<TransitionEntry>& entries;
 
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -27,10 +27,8 @@ struct TransitionForm {
     }
 };
 
-}  // namespace
-
 // W(i, j) is zero throughout unless j reaches i along the arrows "the rate of .. depends on ..".
-std::vector<Transition::Entry> Transition::entries_of(const EulerForm<Ball>& form) {
+std::vector<TransitionEntry> entries_of(const EulerForm<Ball>& form) {
     const int n = form.dimension();
     const Recording<Ball> recording = record<Ball>(form, n);
     const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
@@ -47,20 +45,22 @@ std::vector<Transition::Entry> Transition::entries_of(const EulerForm<Ball>& for
     for (int k = 0; k < n; ++k)
         for (int i = 0; i < n; ++i)
             if (reached[i] >> k & 1U) reached[i] |= reached[k];
-    std::vector<Entry> entries;
+    std::vector<TransitionEntry> entries;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
             if (reached[i] >> j & 1U) entries.push_back({i, j});
     return entries;
 }
 
-Recording<Ball> Transition::recorded(const EulerForm<Ball>& form, const std::vector<Entry>& entries) {
+Recording<Ball> recorded(const EulerForm<Ball>& form, const std::vector<TransitionEntry>& entries) {
     const int n = form.dimension(), all = n + static_cast<int>(entries.size());
-    Recording<Ball> exact = n == 7 ? record<Ball>(TransitionForm<7, std::vector<Entry>>{form, entries}, all)
-                                   : record<Ball>(TransitionForm<13, std::vector<Entry>>{form, entries}, all);
-    const WorkingPrecision precision(bits);
+    Recording<Ball> exact = n == 7 ? record<Ball>(TransitionForm<7>{form, entries}, all)
+                                   : record<Ball>(TransitionForm<13>{form, entries}, all);
+    const WorkingPrecision precision(Transition::bits);
     return rounded(exact);
 }
+
+}  // namespace
 
 Transition::Transition(const EulerForm<Ball>& form, int order)
     : n_(form.dimension()), entries_(entries_of(form)), series_(recorded(form, entries_), order) {}
@@ -70,7 +70,7 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
     const WorkingPrecision precision(bits);
     std::vector<Ball> start(point);
     for (Ball& y : start) arb_set_round(y.raw(), y.raw(), bits);
-    for (const Entry& entry : entries_) start.emplace_back(entry.row == entry.column ? 1 : 0);
+    for (const TransitionEntry& entry : entries_) start.emplace_back(entry.row == entry.column ? 1 : 0);
     series_.expand(start.data());
 
     const Defect defects = defect(series_.recording(), term_bounds(series_, h));

@@ -18,6 +18,11 @@
 
 namespace polhode::truth {
 
+/// Where an entry of W stands.
+struct TransitionEntry {
+    int row, column;
+};
+
 class Transition {
   public:
     static constexpr long bits = 96;
@@ -36,16 +41,10 @@ class Transition {
 
   private:
     // the variables: y, then the entries of W that are not zero throughout
-    struct Entry {
-        int row, column;
-    };
     int n_;
-    std::vector<Entry> entries_;
+    std::vector<TransitionEntry> entries_;
     Series<Ball> series_;
     std::vector<Bound> error_;  // |E|, row by row
-
-    static std::vector<Entry> entries_of(const EulerForm<Ball>& form);
-    static Recording<Ball> recorded(const EulerForm<Ball>& form, const std::vector<Entry>& entries);
 };
 
 }  // namespace polhode::truth

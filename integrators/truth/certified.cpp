@@ -110,8 +110,8 @@ class Certifier {
     const std::vector<double>& times_;
     std::vector<double> events_;
     double least_bits_;
-    std::vector<Route> routes_;  // made when first needed
-    double sensitivity_bits_ = 0;
+    std::vector<Route> routes_;    // made when first needed
+    double sensitivity_bits_ = 0;  // lost by parallelepipeds
     // of the pieces that were met so far and have no closed form
     double growth_ = 0, spread_ = 0;
     bool sheared_ = false;
@@ -132,26 +132,35 @@ class Certifier {
             if (!closed) growth += plan.growth_bits, spread = std::max(spread, plan.spread_bits);
             routes_.push_back({std::move(plan), closed, Carry::norm});
         }
-        sensitivity_bits_ = sensitivity(problem);
         const auto is_dear = [&](double growth_bits, double spread_bits) {
             return least_bits_ + growth_bits + spread_bits > 1.4 * (least_bits_ + sensitivity_bits_ + spread_bits);
         };
-        const bool all_dear = is_dear(growth, spread);
-        for (Route& route : routes_) {
-            const double own = route.plan.growth_bits;
-            const bool dear = route.closed ? is_dear(own, route.plan.spread_bits) : all_dear && own > least_growth;
-            if (dear) route.carry = Carry::parallelepiped;
-        }
+        const auto choose = [&] {
+            const bool all_dear = is_dear(growth, spread);
+            bool any = false;
+            for (Route& route : routes_) {
+                const double own = route.plan.growth_bits;
+                const bool dear = route.closed ? is_dear(own, route.plan.spread_bits) : all_dear && own > least_growth;
+                route.carry = dear ? Carry::parallelepiped : Carry::norm;
+                any = any || dear;
+            }
+            return any;
+        };
+        // what they lose at least decides most scenes; kappa takes a solver's run
+        sensitivity_bits_ = 24;
+        if (!choose()) return;
+        sensitivity_bits_ += kappa_bits(problem);
+        choose();
     }
 
-    // log2 of kappa, and what parallelepipeds lose beside it. A guide only: where it is too low the precision rises.
-    double sensitivity(const Problem& problem) const {
+    // log2 of the largest kappa. A guide only: where it is too low the precision rises once more.
+    double kappa_bits(const Problem& problem) const {
         constexpr int times = 32;
-        constexpr double unknown = 64, turning = 24;
+        constexpr double unknown = 64;
         ConditioningSettings settings;
         settings.max_steps = prompt_conditioning_steps;
         const Conditioning found = conditioning(problem, sample_times(scene_.duration, times), settings);
-        return turning + (found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown);
+        return found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown;
     }
 
     Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, Attempt& result) {

@@ -74,16 +74,16 @@ enum class About { attitude, rate, position };
 
 // what is known of a hypothesis beside what it explains
 struct Evidence {
-    std::string convention = "";                      // that would mend the file
-    bool fitted = false;                              // a number of it was fitted to the file
-    std::optional<double> rates_left = std::nullopt;  // how far the file's w is from the one predicted, relative
+    std::string convention = "";                             // that would mend the file
+    bool fitted = false;                                     // a number of it was fitted to the file
+    std::function<std::optional<double>()> rates_left = {};  // asked only of what explains the file
 };
 
 struct Found {
     About about;
     Diagnosis diagnosis;
     bool fitted = false;
-    std::optional<double> rates_left = std::nullopt;
+    std::optional<double> rates_left = std::nullopt;  // how far the file's w is from the one predicted, relative
 };
 
 class Examination {
@@ -181,16 +181,15 @@ class Examination {
                                        reach(), remedy),
                            evidence.convention, error, explained},
                           evidence.fitted,
-                          evidence.rates_left});
+                          evidence.rates_left ? evidence.rates_left() : std::nullopt});
     }
     // by the attitude; true where it explains the file
     bool consider(const char* fault, double explained, const std::string& what, const std::string& remedy,
                   const Evidence& evidence = {}, double needed = factor) {
-        if (!explains(explained, needed)) return false;
+        if (!(needed * explained <= attitude_error_)) return false;
         add(About::attitude, fault, attitude_error_, explained, what, remedy, evidence);
         return true;
     }
-    bool explains(double explained, double needed = factor) const { return needed * explained <= attitude_error_; }
 
     // w in other units or axes, beside the scene's motion
     void find_in_rates() {
@@ -330,13 +329,10 @@ class Examination {
         constexpr double none = std::numeric_limits<double>::infinity();
         const double missing = error(0, 0, none);
         const std::string turn_on = "turn the engine's gyroscopic term on";
-        if (explains(missing))
-            consider("gyroscopic_term_missing", missing, "the gyroscopic term is missing" + steadiness(), turn_on,
-                     {"", false, rates_left(*scene_, {.gyroscopic = 0})});
-        const double reversed = error(-1, 0, none);
-        if (explains(reversed))
-            consider("gyroscopic_term_reversed", reversed, "the gyroscopic term has the wrong sign",
-                     "let I dw/dt = tau - w x I w", {"", false, rates_left(*scene_, {.gyroscopic = -1})});
+        consider("gyroscopic_term_missing", missing, "the gyroscopic term is missing" + steadiness(), turn_on,
+                 {"", false, [&] { return rates_left(*scene_, {.gyroscopic = 0}); }});
+        consider("gyroscopic_term_reversed", error(-1, 0, none), "the gyroscopic term has the wrong sign",
+                 "let I dw/dt = tau - w x I w", {"", false, [&] { return rates_left(*scene_, {.gyroscopic = -1}); }});
         find_speed_limit(error, missing);
         find_damping(error, missing);
     }
@@ -372,7 +368,9 @@ class Examination {
                                      own, gyroscopic == 0 ? ", and the gyroscopic term is missing" : ""),
                          gyroscopic == 0 ? "raise the engine's limit on angular speed and turn its gyroscopic term on"
                                          : "raise the engine's limit on angular speed",
-                         {"", true, rates_left(*scene_, {.gyroscopic = gyroscopic, .speed_limit = limit})}))
+                         {"", true, [&, limit = limit] {
+                              return rates_left(*scene_, {.gyroscopic = gyroscopic, .speed_limit = limit});
+                          }}))
                 return;
         }
     }
@@ -394,7 +392,8 @@ class Examination {
             if (consider("damping_left_on", explained, what,
                          gyroscopic == 0 ? "turn the engine's angular damping off and its gyroscopic term on"
                                          : "turn the engine's angular damping off",
-                         {"", true, rates_left(*scene_, {.gyroscopic = gyroscopic, .damping = rate})}, fitted_factor))
+                         {"", true, [&] { return rates_left(*scene_, {.gyroscopic = gyroscopic, .damping = rate}); }},
+                         fitted_factor))
                 return;
         }
     }
@@ -427,7 +426,6 @@ class Examination {
         const double s = best.first, explained = best.second;
         // methods of low order run fast or slow by a little as well; a small turn fits many a time
         if (std::abs(s - 1) < 0.02 || turned_ < 1) return;
-        if (!explains(explained, fitted_factor)) return;
         // the scene's w at those times, from the nearest of the grid
         const auto rate_at = [&](std::size_t k) {
             const double place = std::round(s * times_[k] * count / end);
@@ -436,14 +434,14 @@ class Examination {
         consider("wrong_time_step", explained,
                  fmt::format("the time is wrong: the body moves as the scene does, {:.5g} times as fast", s),
                  fmt::format("multiply the step by {:.5g}, or the times by {:.5g}", 1 / s, s),
-                 {"", true, rates_left(rate_at)}, fitted_factor);
+                 {"", true, [&] { return rates_left(rate_at); }}, fitted_factor);
     }
 
     // scenes that an engine was given in place of this one
     void find_other_scenes() {
         const auto try_one = [&](const char* fault, const Scene& scene, const std::string& what, const char* remedy) {
-            const double explained = attitude_error(scene, {});
-            if (explains(explained)) consider(fault, explained, what, remedy, {"", false, rates_left(scene, {})});
+            consider(fault, attitude_error(scene, {}), what, remedy,
+                     {"", false, [&] { return rates_left(scene, Alteration{}); }});
         };
         Scene other = *scene_;
         if (length(scene_->body.center_of_mass) > 0) {

@@ -1,4 +1,4 @@
-// The transition matrix against differences of motions in 400 bits, and against its closed form.
+// The transition matrix against differences of motions in 400 bits.
 #include "integrators/truth/ball_transition.h"
 
 #include <gtest/gtest.h>

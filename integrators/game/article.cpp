@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "integrators/kernels/binary32.h"
-#include "integrators/kernels/linear_growth.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <array>
 
-#include "integrators/kernels/binary32.h"
+#include "integrators/run/binary32.h"
 #include "motion/problem.h"
 
 namespace polhode {

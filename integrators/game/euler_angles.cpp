@@ -16,11 +16,11 @@
 #include <span>
 
 #include "body/orientation.h"
-#include "integrators/cvode_session.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
-#include "integrators/kernels/linear_growth.h"
-#include "integrators/sundials_run.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/sundials/cvode_session.h"
+#include "integrators/sundials/sundials_run.h"
 
 namespace polhode {
 namespace {

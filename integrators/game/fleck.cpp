@@ -16,9 +16,10 @@
 #include <span>
 
 #include "body/orientation.h"
-#include "integrators/game/world_loads.h"
-#include "integrators/kernels/linear_growth.h"
-#include "integrators/march.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
+#include "motion/world_loads.h"
 
 namespace polhode {
 namespace {

@@ -15,9 +15,9 @@
 
 #include "body/mass_properties.h"
 #include "body/orientation.h"
-#include "integrators/game/world_loads.h"
-#include "integrators/kernels/binary32.h"
-#include "integrators/kernels/linear_growth.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
+#include "motion/world_loads.h"
 
 namespace polhode {
 namespace {

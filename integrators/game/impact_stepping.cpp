@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "integrators/kernels/linear_growth.h"
-#include "integrators/march.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
 
 namespace polhode {
 namespace {

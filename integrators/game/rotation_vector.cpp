@@ -9,8 +9,8 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
-#include "integrators/kernels/linear_growth.h"
-#include "integrators/march.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
 
 namespace polhode {
 namespace {

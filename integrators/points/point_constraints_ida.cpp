@@ -10,7 +10,7 @@
 
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
-#include "integrators/sundials_run.h"
+#include "integrators/sundials/sundials_run.h"
 
 namespace polhode {
 namespace {

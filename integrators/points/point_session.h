@@ -16,10 +16,10 @@
 #include <string>
 #include <utility>
 
-#include "integrators/kernels/sundials_handles.h"
-#include "integrators/march.h"
 #include "integrators/points/point_motion.h"
-#include "integrators/sundials_session.h"
+#include "integrators/run/march.h"
+#include "integrators/sundials/sundials_handles.h"
+#include "integrators/sundials/sundials_session.h"
 
 namespace polhode {
 

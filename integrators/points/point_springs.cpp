@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrators/kernels/linear_growth.h"
-#include "integrators/march.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/spring_network.h"
 #include "integrators/points/stiffness.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
 
 namespace polhode {
 namespace {

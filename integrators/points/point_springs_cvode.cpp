@@ -1,10 +1,10 @@
 // Bodies made of points on stiff springs by CVODE's backward differentiation formulas.
-#include "integrators/cvode_session.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
 #include "integrators/points/spring_network.h"
 #include "integrators/points/stiffness.h"
-#include "integrators/sundials_run.h"
+#include "integrators/sundials/cvode_session.h"
+#include "integrators/sundials/sundials_run.h"
 
 namespace polhode {
 namespace {

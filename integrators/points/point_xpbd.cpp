@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrators/march.h"
 #include "integrators/points/point_runs.h"
+#include "integrators/run/march.h"
 
 namespace polhode {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "integrators/kernels/processor_time.h"
+#include "integrators/run/processor_time.h"
 
 namespace polhode::truth {
 

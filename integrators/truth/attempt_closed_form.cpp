@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "integrators/kernels/closed_form.h"
+#include "integrators/closed_form/closed_form.h"
 #include "integrators/truth/attempt_taylor.h"
 
 namespace polhode::truth {

@@ -12,8 +12,8 @@
 #include <stdexcept>
 
 #include "scene/scene_file.h"
-#include "table/atomic_file.h"
-#include "table/content_hash.h"
+#include "text/atomic_file.h"
+#include "text/content_hash.h"
 
 namespace polhode::truth {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "integrators/truth/radau.h"
+#include "integrators/series/radau_nodes.h"
 #include "integrators/truth/taylor.h"
 #include "motion/dual.h"
 

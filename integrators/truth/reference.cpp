@@ -11,11 +11,11 @@
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/cache.h"
-#include "integrators/truth/damping.h"
 #include "integrators/truth/decimal.h"
+#include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
-#include "table/content_hash.h"
+#include "text/content_hash.h"
 
 namespace polhode {
 namespace {

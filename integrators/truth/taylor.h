@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/series/real.h"
+#include "integrators/series/series.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/motion.h"
-#include "integrators/truth/real.h"
-#include "integrators/truth/series.h"
 #include "motion/contact.h"
 #include "motion/problem.h"
 

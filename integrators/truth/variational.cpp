@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "integrators/kernels/spectral_norm.h"
+#include "integrators/analysis/spectral_norm.h"
 #include "integrators/truth/taylor.h"
 #include "motion/dual.h"
 #include "motion/exact_body.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "integrators/conditioning.h"
+#include "integrators/analysis/conditioning.h"
 #include "motion/problem.h"
 
 namespace polhode {

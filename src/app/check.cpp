@@ -9,19 +9,19 @@
 #include <thread>
 #include <vector>
 
-#include "app/check_report.h"
 #include "app/commands.h"
-#include "app/tolerated.h"
-#include "experiment/altered_motion.h"
-#include "integrators/conditioning.h"
+#include "check/altered_motion.h"
+#include "check/convention.h"
+#include "check/report.h"
+#include "check/sample_clock.h"
+#include "check/tolerated.h"
+#include "integrators/analysis/conditioning.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
-#include "motion/convention.h"
-#include "motion/sample_clock.h"
-#include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/decimal.h"
-#include "table/parallel.h"
+#include "text/decimal.h"
+#include "text/message.h"
+#include "text/parallel.h"
 
 namespace polhode {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "motion/convention.h"
+#include "check/convention.h"
 
 namespace polhode {
 

@@ -11,9 +11,9 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "app/polhode_picture.h"
-#include "integrators/linear_stability.h"
-#include "scene/message.h"
+#include "integrators/analysis/linear_stability.h"
 #include "scene/scene_file.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -8,16 +8,16 @@
 
 #include "app/describe.h"
 #include "app/polhode_picture.h"
-#include "app/tolerated.h"
 #include "body/orientation.h"
-#include "integrators/auto.h"
-#include "integrators/conditioning.h"
+#include "check/tolerated.h"
+#include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
+#include "integrators/run/stiffness.h"
 #include "motion/conserved.h"
 #include "motion/problem.h"
-#include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -12,10 +12,10 @@
 
 #include "app/commands.h"
 #include "app/lookup.h"
-#include "integrators/ensemble.h"
+#include "integrators/own/ensemble.h"
 #include "motion/ensemble_table.h"
-#include "scene/message.h"
 #include "scene/scene_file.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

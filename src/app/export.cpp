@@ -7,9 +7,9 @@
 #include <string>
 
 #include "app/commands.h"
-#include "app/golden.h"
-#include "scene/message.h"
+#include "check/golden.h"
 #include "scene/scene_file.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -11,9 +11,9 @@
 #include "app/scene_index.h"
 #include "integrators/method.h"
 #include "scene/builtin.h"
-#include "scene/json_document.h"
 #include "scene/scene_file.h"
 #include "table/table.h"
+#include "text/json_document.h"
 
 namespace polhode {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "scene/message.h"
+#include "text/message.h"
 
 namespace polhode {
 

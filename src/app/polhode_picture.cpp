@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "app/polhode_view.h"
-#include "table/atomic_file.h"
-#include "table/gnuplot.h"
-#include "table/gnuplot_terminal.h"
+#include "figure/gnuplot.h"
+#include "figure/gnuplot_terminal.h"
+#include "text/atomic_file.h"
 
 namespace polhode {
 namespace {

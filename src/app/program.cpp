@@ -9,11 +9,11 @@
 #include <sstream>
 
 #include "app/commands.h"
-#include "integrators/versions.h"
-#include "scene/message.h"
+#include "experiment/run/versions.h"
 #include "scene/scene.h"
-#include "table/atomic_file.h"
-#include "table/decimal.h"
+#include "text/atomic_file.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -10,14 +10,14 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "experiment/case_store.h"
-#include "experiment/experiment.h"
-#include "experiment/locks.h"
-#include "experiment/pattern.h"
-#include "experiment/report.h"
-#include "experiment/study.h"
-#include "experiment/sweep.h"
-#include "scene/message.h"
+#include "experiment/kinds/report.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/plan/pattern.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/locks.h"
+#include "experiment/run/study.h"
+#include "experiment/run/sweep.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

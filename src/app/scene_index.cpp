@@ -10,11 +10,11 @@
 
 #include "integrators/truth/reference.h"
 #include "motion/problem.h"
-#include "scene/message.h"
 #include "scene/scene_family.h"
 #include "scene/scene_file.h"
-#include "table/decimal.h"
 #include "table/table.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -10,8 +10,8 @@
 #include "app/lookup.h"
 #include "integrators/method.h"
 #include "motion/trajectory_csv.h"
-#include "scene/message.h"
 #include "scene/scene_file.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "app/commands.h"
-#include "integrators/truth/certified.h"
+#include "integrators/truth/balls/certified.h"
 #include "integrators/truth/reference.h"
-#include "scene/json_document.h"
-#include "scene/message.h"
 #include "scene/scene_file.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

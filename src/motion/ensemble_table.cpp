@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "body/fast_principal_frame.h"
-#include "scene/csv_lines.h"
-#include "scene/json_document.h"
-#include "scene/message.h"
-#include "table/decimal.h"
+#include "text/csv_lines.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -1,7 +1,7 @@
 #include "motion/trajectory_csv.h"
 
 #include "motion/exact_body.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
 
 namespace polhode {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "scene/json_values.h"
 #include "scene/mesh_file.h"
-#include "scene/message.h"
 #include "scene/robot_file.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

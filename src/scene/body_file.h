@@ -4,7 +4,7 @@
 #include <string>
 
 #include "scene/body_source.h"
-#include "scene/json_document.h"
+#include "text/json_document.h"
 
 namespace polhode {
 

@@ -6,7 +6,7 @@
 
 #include "body/orientation.h"
 #include "body/rigid_body.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
 
 namespace polhode {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "body/algebra.h"
-#include "scene/json_document.h"
+#include "text/json_document.h"
 
 namespace polhode {
 

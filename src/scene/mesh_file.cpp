@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "scene/json_document.h"
-#include "scene/message.h"
-#include "table/content_hash.h"
-#include "table/decimal.h"
+#include "text/content_hash.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "text/message.h"
 
 namespace polhode {
 
@@ -131,15 +132,6 @@ struct Scene {
     std::vector<Load> loads;
     std::vector<Plane> planes;                 ///< beside a body that has a shape, without a pivot
     std::optional<double> tolerated_attitude;  ///< rad
-};
-
-/// A fault in a scene, experiment or table: where it is (a JSON pointer, or line and column), what is wrong and what
-/// would be right. what() is one line: "FILE: PLACE: FAULT; REMEDY".
-class InputError : public std::runtime_error {
-  public:
-    InputError(const std::string& file, const std::string& place, const std::string& fault, const std::string& remedy);
-    /// A fault in what `file` brings in at `place`: "FILE: PLACE: " and the fault's own line.
-    InputError(const std::string& file, const std::string& place, const InputError& inner);
 };
 
 /// Throws InputError (file = the scene's name) where the scene breaks a rule of the file format: not finite, mass or

@@ -8,7 +8,7 @@
 #include "scene/body_file.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
-#include "scene/message.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "scene/body_file.h"
-#include "scene/json_document.h"
 #include "scene/scene_file.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
 
 namespace polhode {
 namespace {

@@ -7,9 +7,9 @@
 #include "body/rigid_body.h"
 #include "scene/body_hull.h"
 #include "scene/body_source.h"
-#include "scene/message.h"
 #include "scene/scene.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "table/decimal.h"
+#include "text/decimal.h"
 
 namespace polhode {
 

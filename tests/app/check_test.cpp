@@ -6,7 +6,7 @@
 #include "bad_files.h"
 #include "build_kind.h"
 #include "motion/trajectory_csv.h"
-#include "table/decimal.h"
+#include "text/decimal.h"
 
 namespace polhode {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "app/program_fixture.h"
 #include "build_kind.h"
-#include "integrators/conditioning.h"
+#include "integrators/analysis/conditioning.h"
 #include "scene/scene_file.h"
 
 namespace polhode {

@@ -5,7 +5,7 @@
 
 #include "app/program_fixture.h"
 #include "build_kind.h"
-#include "integrators/truth/certified.h"
+#include "integrators/truth/balls/certified.h"
 
 namespace polhode {
 namespace {

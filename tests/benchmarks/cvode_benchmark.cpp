@@ -5,9 +5,9 @@
 #include <chrono>
 #include <limits>
 
-#include "integrators/cvode_session.h"
-#include "integrators/serial_vector.h"
-#include "integrators/versions.h"
+#include "integrators/sundials/build.h"
+#include "integrators/sundials/cvode_session.h"
+#include "integrators/sundials/serial_vector.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // general heavy bodies by Taylor series; on one thread and on two.
 #include <benchmark/benchmark.h>
 
-#include "integrators/ensemble_scenes.h"
+#include "integrators/own/ensemble_scenes.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "experiment/report.h"
+#include "experiment/kinds/report.h"
 
 namespace polhode {
 namespace {

@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "build_kind.h"
-#include "experiment/case_store.h"
+#include "experiment/run/case_store.h"
 #include "integrators/truth/cache.h"
 #include "table/table.h"
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "experiment/experiment.h"
-#include "experiment/study.h"
-#include "scene/json_document.h"
-#include "table/decimal.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/study.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
 
 namespace polhode {
 

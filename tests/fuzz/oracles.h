@@ -12,22 +12,22 @@
 #include <string_view>
 
 #include "body/mesh.h"
-#include "experiment/result.h"
+#include "check/convention.h"
+#include "check/sample_clock.h"
+#include "experiment/run/result.h"
 #include "experiment/write_experiment.h"
-#include "integrators/ensemble.h"
+#include "integrators/own/ensemble.h"
 #include "integrators/truth/cache.h"
-#include "motion/convention.h"
 #include "motion/ensemble_table.h"
 #include "motion/problem.h"
-#include "motion/sample_clock.h"
 #include "motion/trajectory_csv.h"
 #include "scene/body_source.h"
 #include "scene/builtin.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
 #include "scene/scene_file.h"
-#include "table/content_hash.h"
 #include "table/table.h"
+#include "text/content_hash.h"
 
 namespace polhode::oracles {
 

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "build_kind.h"
-#include "integrators/auto.h"
-#include "integrators/kernels/processor_time.h"
-#include "integrators/march.h"
+#include "integrators/run/march.h"
+#include "integrators/run/processor_time.h"
+#include "integrators/run/stiffness.h"
 #include "integrators/scenes.h"
 #include "integrators/truth/reference.h"
 

@@ -8,8 +8,8 @@
 
 #include "body/orientation.h"
 #include "build_kind.h"
-#include "integrators/kernels/composition.h"
-#include "integrators/kernels/free_flows.h"
+#include "integrators/geometric/composition.h"
+#include "integrators/geometric/free_flows.h"
 #include "integrators/scenes.h"
 #include "measure/growth.h"
 #include "motion/conserved.h"

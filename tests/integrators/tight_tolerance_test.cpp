@@ -1,7 +1,7 @@
 // What is asked of each integrator of our own near the end of binary64: 10^-12 rad at a tolerance of 10^-14.
 #include <gtest/gtest.h>
 
-#include "integrators/march.h"
+#include "integrators/run/march.h"
 #include "integrators/scenes.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene_file.h"

@@ -1,5 +1,5 @@
 // Trajectories that were broken just so are told what broke them; sound ones, however coarse, are told nothing.
-#include "measure/diagnosis.h"
+#include "check/diagnosis.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 
 #include "build_kind.h"
 #include "catalogue.h"
-#include "experiment/altered_motion.h"
+#include "check/altered_motion.h"
+#include "check/convention.h"
 #include "integrators/method.h"
-#include "motion/convention.h"
 #include "scene/scene_file.h"
 #include "whole/broken_engine.h"
 

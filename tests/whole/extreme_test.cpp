@@ -9,7 +9,7 @@
 
 #include "build_kind.h"
 #include "catalogue.h"
-#include "integrators/conditioning.h"
+#include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
 #include "measure/errors.h"
 #include "motion/dual.h"

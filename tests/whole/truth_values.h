@@ -4,8 +4,8 @@
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
+#include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
-#include "integrators/truth/real.h"
 #include "integrators/truth/reference.h"
 #include "motion/exact_body.h"
 #include "scene/scene_file.h"

@@ -10,8 +10,8 @@
 #include <limits>
 #include <numbers>
 
+#include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
-#include "integrators/truth/real.h"
 #include "motion/exact_body.h"
 
 namespace polhode {

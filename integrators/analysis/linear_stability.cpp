@@ -1,0 +1,62 @@
+#include "integrators/analysis/linear_stability.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace polhode {
+namespace {
+
+constexpr double excess = 1e-12;  ///< over 1: what rounding does not make of it
+
+/// growth(r) <= 1 from 0 on.
+template <class Growth>
+double length_of(const Growth& growth) {
+    constexpr double first = 1e-3, fine = 100, last = 1e8;
+    if (growth(first) > 1 + excess) return 0;
+    double low = first, high = 0;
+    bool dipped = false;  // below 1 by more than rounding
+    for (double r = first; r <= last;) {
+        r += r < fine ? 1e-3 : 0.01 * r;
+        const double g = growth(r);
+        if (g > 1 + excess) {
+            high = r;
+            break;
+        }
+        dipped = dipped || g < 1 - excess;
+        low = r;
+    }
+    if (high == 0) return std::numeric_limits<double>::infinity();
+    while (high - low > 1e-9 * high) {
+        const double middle = (low + high) / 2;
+        (growth(middle) > 1 + excess ? high : low) = middle;
+    }
+    // an excess like r^n, n > 1, has been there from the beginning, lost in rounding at first
+    if (!dipped && growth(0.8 * low) > 1 + 0.01 * excess) return 0;
+    return low;
+}
+
+}  // namespace
+
+std::optional<double> linear_growth(const Method& method, std::complex<double> z) {
+    if (method.growth) return method.growth(z);
+    if (!method.pendulum_growth) return std::nullopt;
+    if (z.imag() == 0) return method.pendulum_growth(-z.real(), 0);
+    return method.pendulum_growth(-2 * z.real(), std::norm(z));
+}
+
+std::optional<double> stable_length(const Method& method, double angle) {
+    if (!method.growth && !method.pendulum_growth) return std::nullopt;
+    // the axes exactly
+    const double pi = std::numbers::pi;
+    const std::complex<double> direction = angle == pi       ? std::complex<double>(-1, 0)
+                                           : angle == pi / 2 ? std::complex<double>(0, 1)
+                                                             : std::polar(1.0, angle);
+    return length_of([&](double r) { return *linear_growth(method, r * direction); });
+}
+
+std::optional<double> real_interval(const Method& method) { return stable_length(method, std::numbers::pi); }
+
+std::optional<double> imaginary_interval(const Method& method) { return stable_length(method, std::numbers::pi / 2); }
+
+}  // namespace polhode

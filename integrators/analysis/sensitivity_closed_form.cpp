@@ -1,0 +1,69 @@
+#include "integrators/analysis/sensitivity_closed_form.h"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "integrators/closed_form/closed_form.h"
+
+namespace polhode {
+namespace {
+
+using Form = ClosedForm<Wide>;
+constexpr int directions = 6;
+constexpr double distance = 1e-16;
+
+// q turned by the rotation vector a, in the body's axes; |a| so small that its square is nothing
+Quaternion<Wide> turned(const Quaternion<Wide>& q, const Vector3<Wide>& a) {
+    return normalized(q * Quaternion<Wide>{1, a[0] / 2, a[1] / 2, a[2] / 2});
+}
+
+// the rotation vector that leads from a to b, likewise
+Vector3<Wide> turn_between(const Quaternion<Wide>& a, const Quaternion<Wide>& b) {
+    const Quaternion<Wide> d = conjugate(a) * b;
+    const Wide twice = d.w < 0 ? -2 : 2;
+    return {twice * d.x, twice * d.y, twice * d.z};
+}
+
+}  // namespace
+
+std::vector<Eigen::Matrix<double, 6, 6>> sensitivity_by_closed_form(const Problem& problem,
+                                                                    const std::vector<double>& times) {
+    if (problem.segments.size() != 1 || !problem.segments.front().impulses.empty() || problem.needs.user_torque ||
+        problem.needs.translation == Translation::integrated)
+        return {};
+    const WidePrincipalFrame& frame = problem.wide_principal;
+    const ExactBody<Wide> body = exact_body<Wide>(problem.scene);
+    const Forcing<Wide> forcing = forcing_at<Wide>(problem.scene, body, 0, frame.q_BP);
+    const Vector3<Wide>& w = problem.wide_initial_angular_velocity;
+    const Quaternion<Wide> q = body.q * frame.q_BP;
+    const Wide scale = problem.scales.angular_velocity;
+
+    // to either side of the start
+    std::vector<std::pair<Form, Form>> beside;
+    for (int k = 0; k < directions; ++k) {
+        const auto moved = [&](const Wide& by) {
+            Vector3<Wide> a, b;
+            (k < 3 ? a : b)[k % 3] = by;
+            return Form::find(frame.moments, forcing, w + scale * b, turned(q, a), Wide(0x1p-100));
+        };
+        const std::optional<Form> after = moved(distance), before = moved(-distance);
+        if (!after || !before) return {};
+        beside.emplace_back(*before, *after);
+    }
+    std::vector<Eigen::Matrix<double, 6, 6>> result;
+    for (const double t : times) {
+        Eigen::Matrix<double, 6, 6>& S = result.emplace_back();
+        for (int k = 0; k < directions; ++k) {
+            const Rotation<Wide> before = beside[k].first.at(t), after = beside[k].second.at(t);
+            const Vector3<Wide> turn = turn_between(before.q, after.q), change = after.w - before.w;
+            for (int i = 0; i < 3; ++i) {
+                S(i, k) = static_cast<double>(turn[i] / (2 * distance));
+                S(3 + i, k) = static_cast<double>(change[i] / (2 * distance * scale));
+            }
+        }
+    }
+    return result;
+}
+
+}  // namespace polhode

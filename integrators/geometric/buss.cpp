@@ -1,0 +1,78 @@
+// The augmented second-order method of S. R. Buss (2000): one turn by
+//
+//   h (w + h/2 dw/dt + h^2/12 dw/dt x w)
+//
+// the vectors in world axes. A turn by a vector of the world is one by its components in the body's axes of that
+// moment, applied from the other side, so the formula is read there: dw/dt = I^-1 (tau - w x y) are the components of
+// either frame's derivative. (It is the sign of the rates' second derivative that tells the frames apart.)
+#include <span>
+
+#include "integrators/geometric/momentum_state.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
+
+namespace polhode {
+namespace {
+
+template <class S>
+class Buss : public MomentumStateOf<S> {
+    using Base = MomentumStateOf<S>;
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W;
+
+  public:
+    explicit Buss(const Problem& problem) : Base(problem) {}
+
+    void step(double t, double step) {
+        const S h = S(step);
+        const Quaternion<S> q = attitude_.value();
+        const Matrix3<S> R = rotation_matrix(q), back = transposed(R);
+        const Vector3<S> L = momentum_.value(), y = back * L, w = rates(y);
+        const bool torque_acts = loaded();
+        Vector3<S> torque, acceleration = rates(cross(y, w));
+        if (torque_acts) {
+            torque = torque_W(t, R, q, w, {}, {});
+            acceleration = rates(cross(y, w) + back * torque);
+        }
+        ++evaluations_;
+        attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
+        if (!torque_acts) return;
+        // the mean of both ends' torques; that at the end by the rates of the momentum foreseen
+        const Quaternion<S> q_later = attitude_.value();
+        const Matrix3<S> R_later = rotation_matrix(q_later);
+        const Vector3<S> w_later = rates(transposed(R_later) * (L + h * torque));
+        momentum_.add((h / 2) * (torque + torque_W(t + h, R_later, q_later, w_later, {}, {})));
+        ++evaluations_;
+    }
+};
+
+// a = -c v - s theta, theta+ = theta + v + a/2, v+ = v + (a - c (v + a) - s theta+) / 2; the cross product is of second
+// order in the angle.
+double buss_pendulum_growth(double c, double s) {
+    const double theta_of_theta = 1 - s / 2, theta_of_v = 1 - c / 2;
+    return spectral_radius(theta_of_theta, theta_of_v, (-s + c * s - s * theta_of_theta) / 2,
+                           1 + (-c - c * (1 - c) - s * theta_of_v) / 2);
+}
+
+constexpr Method in_binary64[] = {
+    {.name = "buss",
+     .documentation =
+         "The augmented second-order method of Buss: one turn by a rate corrected with the angular acceleration and "
+         "its cross product with the rate. The momentum is carried in world axes; torques change it by their mean at "
+         "both ends of the step. Explicit; all loads of a body whose rotation does not depend on its translation. "
+         "Order 2.",
+     .source = "S. R. Buss 2000, J. Comput. Phys. 164, 377",
+     .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
+     .control = Control::fixed_step,
+     .order = 2,
+     .solve = march_rotation<Buss<double>>,
+     .pendulum_growth = buss_pendulum_growth},
+};
+
+constexpr auto family = with_binary32<in_binary64, march_rotation<Buss<float>>>();
+
+}  // namespace
+
+extern const std::span<const Method> buss_methods;
+const std::span<const Method> buss_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,174 @@
+// The implicit midpoint rule on the first-order system: y+ = y + h k, k = f(t + h/2, y + h k/2).
+//
+// Every quadratic form that f keeps is kept, since (y+ - y) . Q (y+ + y) = 2 h k . Q (y + h k/2) = 0 (G. J. Cooper
+// 1987, IMA J. Numer. Anal. 7, 1): |q|^2; |I w|^2 and energy of a free body; energy where gravity acts about a pivot or
+// springs do, as the right-hand side's rotations |q|^2 R(q) make it quadratic in q.
+#include <Eigen/Dense>
+#include <cmath>
+#include <span>
+
+#include "integrators/closed_form/turn.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
+#include "motion/dual.h"
+
+namespace polhode {
+namespace {
+
+template <class SystemType>
+class ImplicitMidpoint {
+    static constexpr int N = SystemType::dimension;
+    using S = typename ScalarOf<SystemType>::type;
+    using Column = Eigen::Matrix<S, N, 1>;
+    using Square = Eigen::Matrix<S, N, N, Eigen::RowMajor>;
+
+  public:
+    explicit ImplicitMidpoint(const Problem& problem)
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        component_scales<SystemType>(problem, scales_);
+        restart();
+    }
+    void restart() {
+        initial_state<SystemType>(*problem_, y_);
+        forget();
+        evaluations_ = 0, failed_ = false;
+    }
+    void enter(const Segment& segment) {
+        polhode::enter<SystemType>(*problem_, segment, y_);
+        system_ = system_on<SystemType>(*problem_, segment);
+        forget();
+    }
+    void step(double t, double step) {
+        const S h = S(step);
+        Column k = guess(t, h);
+        if (stiff_ || !iterate(t, h, k)) {
+            stiff_ = true;
+            k = slope(t, Column(Eigen::Map<const Column>(y_)));
+            if (!newton(t, h, k)) {
+                failed_ = true, failed_at_ = t;
+                return;
+            }
+        }
+        before_last_ = last_, last_ = k, steps_known_ = h == last_h_ ? steps_known_ + 1 : 1, last_h_ = h;
+        for (int i = 0; i < N; ++i) {
+            CompensatedSumOf<S> sum{y_[i], lost_[i]};
+            sum.add(h * k[i]);
+            y_[i] = sum.value, lost_[i] = sum.lost;
+        }
+    }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
+    bool finite() const { return all_finite(y_); }
+    long rhs_evaluations() const { return evaluations_; }
+    bool failed() const { return failed_; }
+    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+
+  private:
+    const Problem* problem_;
+    SystemType system_;
+    alignas(32) S y_[N];
+    S lost_[N] = {};
+    double scales_[N] = {};
+    Column last_ = Column::Zero(), before_last_ = Column::Zero();  ///< k of the steps before
+    S last_h_ = 0;
+    int steps_known_ = 0;
+    bool stiff_ = false;  ///< the iteration that needs no Jacobian does not contract
+    long evaluations_ = 0;
+    double failed_at_ = 0;
+    bool failed_ = false;
+
+    void forget() {
+        for (S& lost : lost_) lost = 0;
+        steps_known_ = 0, last_h_ = 0, stiff_ = false;
+    }
+    Column slope(double t, const Column& z) {
+        alignas(32) S from[N], to[N];
+        Eigen::Map<Column>(from, N) = z;
+        system_.derivative(t, from, to);
+        ++evaluations_;
+        return Eigen::Map<const Column>(to);
+    }
+    // what the step before or the two before it let expect
+    Column guess(double t, S h) {
+        if (h == last_h_ && steps_known_ > 1) return 2 * last_ - before_last_;
+        return slope(t, Eigen::Map<const Column>(y_));
+    }
+    // the change h dk, largest in units of the components' scales
+    double size(S h, const Column& change) const {
+        double worst = 0;
+        for (int i = 0; i < N; ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
+        return worst;
+    }
+    static constexpr double rounding = std::numeric_limits<S>::epsilon() / 4, near = 256 * rounding;
+
+    // k <- f(y + h k/2), to round-off: false where that does not contract well
+    bool iterate(double t, S h, Column& k) {
+        constexpr int most = 30;
+        const Column y = Eigen::Map<const Column>(y_);
+        double before = INFINITY;
+        for (int i = 0; i < most; ++i) {
+            const Column next = slope(t + h / 2, y + (S(0.5) * h) * k);
+            const double moved = size(h, next - k);
+            k = next;
+            if (moved <= rounding) return true;
+            if (moved >= 0.25 * before) return moved <= near;
+            before = moved;
+        }
+        return false;
+    }
+    // Newton's method for k - f(y + h k/2) = 0 with the Jacobian at the guess, formed anew where it contracts slowly
+    bool newton(double t, S h, Column& k) {
+        constexpr int most = 60;
+        const Column y = Eigen::Map<const Column>(y_);
+        Eigen::PartialPivLU<Square> factors;
+        const auto factorise = [&] {
+            const Eigen::Matrix<double, N, 1> middle = (y + (S(0.5) * h) * k).template cast<double>();
+            Eigen::Matrix<double, N, N, Eigen::RowMajor> J;
+            jacobian(system_, t + h / 2, middle.data(), J.data());
+            factors.compute(Square::Identity() - (S(0.5) * h) * J.template cast<S>());
+        };
+        factorise();
+        double before = INFINITY;
+        for (int i = 0; i < most; ++i) {
+            const Column change = factors.solve(k - slope(t + h / 2, y + (S(0.5) * h) * k));
+            k -= change;
+            const double moved = size(h, change);
+            if (!(moved < INFINITY)) return false;
+            if (moved <= rounding || (moved >= 0.25 * before && moved <= near)) return true;
+            if (moved > 0.1 * before) factorise();
+            before = moved;
+        }
+        return false;
+    }
+};
+
+template <class S>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    return with_system_in<S>(
+        problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
+}
+
+constexpr Method in_binary64[] = {
+    {.name = "implicit_midpoint",
+     .documentation =
+         "The implicit midpoint rule on the first-order system, solved to round-off: by simple iteration, and by "
+         "Newton's method where that does not contract (stiff loads). It keeps every quadratic form that the equations "
+         "keep. All loads. Order 2.",
+     .source = "E. Hairer, C. Lubich & G. Wanner 2006, Geometric Numerical Integration, IV.2; G. J. Cooper 1987, IMA "
+               "J. Numer. Anal. 7, 1",
+     .conserves = "|q|; energy, of a free body, in uniform gravity about a pivot and under springs; |L|, but not L, of "
+                  "a free body; all to round-off",
+     .control = Control::fixed_step,
+     .order = 2,
+     .solve = solve<double>,
+     .growth = midpoint_growth},
+};
+
+constexpr auto family = with_binary32<in_binary64, solve<float>>();
+
+}  // namespace
+
+extern const std::span<const Method> implicit_midpoint_methods;
+const std::span<const Method> implicit_midpoint_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,127 @@
+// Runge-Kutta methods of order 4 on the rotation group: q by exponentials of body rates, L_W (and p, v) as vectors.
+#include <cmath>
+#include <span>
+
+#include "integrators/geometric/momentum_state.h"
+#include "integrators/run/linear_growth.h"
+
+namespace polhode {
+namespace {
+
+/// The vectors of the state, and their rates.
+struct Vectors {
+    Vector3<double> momentum_W, position_W, velocity_W;
+};
+
+template <class Scheme>
+class LieGroupStepper : public MomentumState {
+  public:
+    explicit LieGroupStepper(const Problem& problem) : MomentumState(problem) {}
+
+    void step(double t, double h) {
+        const Quaternion<double> q = attitude_.value();
+        const Vectors start{momentum_.value(), position_.value(), velocity_.value()};
+        Vectors k[4];
+        // body rates at time t + c h, where the attitude is q (1 + d) and the vectors have moved by c h times `before`;
+        // the vectors' rates go to `slope`
+        const auto rates_at = [&](double c, const Turn& d, const Vectors& before, Vectors& slope) {
+            const Quaternion<double> turned = q * Quaternion<double>{1 + d.w, d.v[0], d.v[1], d.v[2]};
+            const Matrix3<double> R = rotation_matrix(turned);
+            Vector3<double> L = start.momentum_W;
+            if (!loaded()) return rates(transposed(R) * L);
+            L = L + (c * h) * before.momentum_W;
+            const Vector3<double> w = rates(transposed(R) * L);
+            Vector3<double> p, v;
+            if (translates_) {
+                p = start.position_W + (c * h) * before.position_W;
+                v = start.velocity_W + (c * h) * before.velocity_W;
+                slope.position_W = v;
+                slope.velocity_W = acceleration_W(R, v);
+            }
+            slope.momentum_W = torque_W(t + c * h, R, turned, w, p, v);
+            return w;
+        };
+        Scheme::turn(h, rates_at, k, attitude_);
+        evaluations_ += 4;
+        if (!loaded()) return;
+        const auto sum = [&](Vector3<double> Vectors::*part) {
+            return (h / 6) * ((k[0].*part + k[3].*part) + 2.0 * (k[1].*part + k[2].*part));
+        };
+        momentum_.add(sum(&Vectors::momentum_W));
+        if (!translates_) return;
+        position_.add(sum(&Vectors::position_W));
+        velocity_.add(sum(&Vectors::velocity_W));
+    }
+};
+
+/// The classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
+struct MuntheKaas {
+    template <class RatesAt>
+    static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {
+        const auto pulled_back = [](const Vector3<double>& u, const Vector3<double>& w) {
+            const Vector3<double> across = cross(u, w);
+            return w + (0.5 * across + (1.0 / 12) * cross(u, across));
+        };
+        const Vector3<double> k1 = rates_at(0, Turn{}, k[0], k[0]);
+        const Vector3<double> u2 = (h / 2) * k1;
+        const Vector3<double> k2 = pulled_back(u2, rates_at(0.5, turn_by(u2), k[0], k[1]));
+        const Vector3<double> u3 = (h / 2) * k2;
+        const Vector3<double> k3 = pulled_back(u3, rates_at(0.5, turn_by(u3), k[1], k[2]));
+        const Vector3<double> u4 = h * k3;
+        const Vector3<double> k4 = pulled_back(u4, rates_at(1, turn_by(u4), k[2], k[3]));
+        attitude.turn(turn_by((h / 6) * ((k1 + k4) + 2.0 * (k2 + k3))));
+    }
+};
+
+/// Five exponentials, no commutator.
+struct CommutatorFree {
+    template <class RatesAt>
+    static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {
+        const Vector3<double> k1 = rates_at(0, Turn{}, k[0], k[0]);
+        const Turn half = turn_by((h / 2) * k1);
+        const Vector3<double> k2 = rates_at(0.5, half, k[0], k[1]);
+        const Vector3<double> k3 = rates_at(0.5, turn_by((h / 2) * k2), k[1], k[2]);
+        const Vector3<double> k4 = rates_at(1, then(half, turn_by(h * (k3 - 0.5 * k1))), k[2], k[3]);
+        const Vector3<double> middle = 2.0 * (k2 + k3);
+        attitude.turn(then(turn_by((h / 12) * (3.0 * k1 + middle - k4)), turn_by((h / 12) * (3.0 * k4 + middle - k1))));
+    }
+};
+
+template <class Scheme>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    return march_momentum<LieGroupStepper<Scheme>>(problem, settings);
+}
+
+constexpr std::string_view kept = "|q|; L in world axes exactly where no torque acts; energy not";
+
+const Method family[] = {
+    {.name = "munthe_kaas4",
+     .documentation =
+         "The classical Runge-Kutta method on the rotation group: the stages are rotation vectors from the step's "
+         "start, their rates pulled back by the inverse differential of exp. The momentum is carried in world axes, so "
+         "that it is constant without torque. All loads. Order 4.",
+     .source = "H. Munthe-Kaas 1998, BIT 38, 92; H. Munthe-Kaas & B. Owren 1999, Phil. Trans. R. Soc. A 357, 957",
+     .conserves = kept,
+     .control = Control::fixed_step,
+     .order = 4,
+     .solve = solve<MuntheKaas>,
+     .growth = classical_growth},
+    {.name = "commutator_free4",
+     .documentation =
+         "A Runge-Kutta method on the rotation group by products of exponentials alone, five a step, without "
+         "commutators. The momentum is carried in world axes, so that it is constant without torque. All loads. "
+         "Order 4.",
+     .source = "E. Celledoni, A. Marthinsen & B. Owren 2003, Future Gener. Comput. Syst. 19, 341",
+     .conserves = kept,
+     .control = Control::fixed_step,
+     .order = 4,
+     .solve = solve<CommutatorFree>,
+     .growth = classical_growth},
+};
+
+}  // namespace
+
+extern const std::span<const Method> lie_group_methods;
+const std::span<const Method> lie_group_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,132 @@
+// The state that methods on the rotation group share: the angular momentum in world axes and the attitude.
+//
+//   y = L_W, q (and p, v where the forces tie them to the attitude),   w_B = I^-1 R(q)^T L_W   in principal axes
+//
+// L_W changes by the loads alone: without them it is constant to the last bit, whatever the method does to q.
+#pragma once
+
+#include <cmath>
+
+#include "body/orientation.h"
+#include "integrators/closed_form/turn.h"
+#include "integrators/run/march.h"
+#include "motion/world_loads.h"
+
+namespace polhode {
+
+/// The part of a Stepper that does not depend on the method. Of a problem in principal axes. S: the scalar of its
+/// state.
+template <class S>
+class MomentumStateOf {
+  public:
+    explicit MomentumStateOf(const Problem& problem)
+        : problem_(&problem),
+          loads_(problem),
+          translates_(problem.needs.dimension == 13 && !problem.body.pivoted),
+          moments_(cast<S>(problem.principal.moments)),
+          inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {
+        restart();
+    }
+    void restart() {
+        attitude_ = TurnedAttitudeOf<S>(cast<S>(problem_->initial_q));
+        set_angular_velocity(problem_->initial_angular_velocity);
+        position_ = CompensatedVectorOf<S>(cast<S>(problem_->body.position_W));
+        velocity_ = CompensatedVectorOf<S>(cast<S>(problem_->body.velocity_W));
+        evaluations_ = 0;
+        failed_ = false;
+    }
+    void enter(const Segment& segment) {
+        loads_.enter(segment);
+        if (segment.impulses.empty()) return;
+        double y[13];
+        write(y);
+        if (translates_) {
+            polhode::enter<LoadedMotion<double>>(*problem_, segment, y);
+            velocity_ = CompensatedVectorOf<S>(cast<S>(vector_at(y, 10)));
+        } else {
+            polhode::enter<FreeRotation<double>>(*problem_, segment, y);
+        }
+        set_angular_velocity(vector_at(y, 0));
+    }
+    Sample sample(double t) const {
+        double y[13];
+        write(y);
+        if (problem_->needs.dimension != 13) return sample_of<FreeRotation<double>>(*problem_, t, y);
+        if (!translates_) {
+            Vector3<double> p, v;
+            pivoted_center(quaternion_at(y, 3), vector_at(y, 0), problem_->segments.front().forcing.arm, p, v);
+            put(y, 7, p);
+            put(y, 10, v);
+        }
+        return sample_of<LoadedMotion<double>>(*problem_, t, y);
+    }
+    bool finite() const {
+        return all_finite(momentum_.value(), position_.value(), velocity_.value()) && all_finite(attitude_.value());
+    }
+    long rhs_evaluations() const { return evaluations_; }
+    bool failed() const { return failed_; }
+    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+
+  protected:
+    /// Whether anything acts that ties L, p or v to the attitude, the rates or the time.
+    bool loaded() const { return translates_ || forcing().any_torque(); }
+    const Forcing<S>& forcing() const { return loads_.forcing(); }
+
+    Vector3<S> rates(const Vector3<S>& y_B) const {
+        const Vector3<S>& r = inverse_moments_;
+        return {r[0] * y_B[0], r[1] * y_B[1], r[2] * y_B[2]};
+    }
+    /// Torque in world axes at an attitude R = R(q), angular velocity w in principal axes, place and velocity.
+    Vector3<S> torque_W(double t, const Matrix3<S>& R, const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& p,
+                        const Vector3<S>& v) const {
+        return loads_.torque_W(
+            t, R, [&] { return q; }, R * w, p, v);
+    }
+    Vector3<S> acceleration_W(const Matrix3<S>& R, const Vector3<S>& v) const { return loads_.acceleration_W(R, v); }
+
+    const Problem* problem_;
+    WorldLoads<S> loads_;
+    bool translates_;
+    Vector3<S> moments_, inverse_moments_;
+    CompensatedVectorOf<S> momentum_, position_, velocity_;
+    TurnedAttitudeOf<S> attitude_;
+    long evaluations_ = 0;
+    bool failed_ = false;
+    double failed_at_ = 0;  ///< s, the step's begin
+
+  private:
+    void set_angular_velocity(const Vector3<double>& w) {
+        const Quaternion<double> q = cast<double>(attitude_.value());
+        const Vector3<double>& moments = problem_->principal.moments;
+        const Vector3<double> y_B(moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]);
+        momentum_ = CompensatedVectorOf<S>(cast<S>((1 / squared_norm(q)) * rotate(q, y_B)));
+    }
+    void write(double* y) const {
+        const Quaternion<double> q = cast<double>(attitude_.value());
+        const Vector3<double>& inverse = problem_->principal_inertia.inverse_moments;
+        const Vector3<double> y_B = rotate_back(q, cast<double>(momentum_.value()));
+        put(y, 0, Vector3<double>(inverse[0] * y_B[0], inverse[1] * y_B[1], inverse[2] * y_B[2]));
+        put(y, 3, q);
+        put(y, 7, cast<double>(position_.value()));
+        put(y, 10, cast<double>(velocity_.value()));
+    }
+};
+using MomentumState = MomentumStateOf<double>;
+
+/// march() of a stepper on MomentumState, in principal axes whatever the problem was posed in.
+template <class S, class... Options>
+Trajectory march_momentum(const Problem& problem, const Settings& settings, const Options&... options) {
+    if (problem.formulation == Formulation::full)
+        return march<S>(pose(problem.scene, Formulation::full_principal), settings, options...);
+    return march<S>(problem, settings, options...);
+}
+
+/// The same of a stepper that knows the rotation alone: `unsupported` where translation is integrated beside it.
+template <class S>
+Trajectory march_rotation(const Problem& problem, const Settings& settings) {
+    if (problem.needs.dimension == 13 && !problem.body.pivoted)
+        return unsupported("its equations are those of the rotation: where translation is integrated beside it, not");
+    return march_momentum<S>(problem, settings);
+}
+
+}  // namespace polhode

@@ -1,0 +1,66 @@
+// The discrete Moser-Veselov motion with modified moments of inertia.
+#include <span>
+
+#include "integrators/geometric/kicked_growth.h"
+#include "integrators/geometric/split_flow.h"
+#include "integrators/run/binary32.h"
+
+namespace polhode {
+namespace {
+
+template <int order, class S = double>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
+    bool loaded = problem.needs.dimension == 13 && !problem.body.pivoted;
+    for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
+    if (loaded && composition(order).empty())
+        return unsupported("no composition of kicks of this order: under loads moser_veselov8 is the highest");
+    return march_momentum<Splitting<DiscreteMoserVeselov<order / 2, S>, true, S>>(problem, settings, order);
+}
+
+constexpr std::string_view source =
+    "J. Moser & A. P. Veselov 1991, Commun. Math. Phys. 139, 217; E. Hairer & G. Vilmart 2006, J. Phys. A 39, 13225";
+constexpr std::string_view kept =
+    "|q|; L in world axes exactly and energy to round-off where no torque acts, else L along a uniform field of force "
+    "and energy without drift (its error stays of the order of the step's)";
+
+template <int order>
+constexpr Method moser_veselov(std::string_view name, std::string_view documentation) {
+    return {.name = name,
+            .documentation = documentation,
+            .source = source,
+            .conserves = kept,
+            .control = Control::fixed_step,
+            .order = order,
+            .solve = solve<order>,
+            // to first order in the angle the free motion is theta + h theta'; order 10 takes no loads
+            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>};
+}
+
+constexpr Method in_binary64[] = {
+    moser_veselov<2>("moser_veselov2",
+                     "The discrete Moser-Veselov motion of a free body, integrable like the motion itself: three "
+                     "quadratic equations a step, solved to round-off. Loads act as half kicks before and after it. "
+                     "A step of about one radian and more has no solution. Order 2."),
+    moser_veselov<4>("moser_veselov4",
+                     "moser_veselov2 with moments of inertia modified by the first term of Hairer & Vilmart's series: "
+                     "the same equations, order 4. Under loads composed of five stages after Suzuki (1990)."),
+    moser_veselov<6>("moser_veselov6",
+                     "moser_veselov2 with moments of inertia modified by two terms of Hairer & Vilmart's series: the "
+                     "same equations, order 6. Under loads composed of nine stages after Kahan & Li (1997)."),
+    moser_veselov<8>("moser_veselov8",
+                     "moser_veselov2 with moments of inertia modified by three terms of Hairer & Vilmart's series: the "
+                     "same equations, order 8. Under loads composed of seventeen stages after Kahan & Li (1997)."),
+    moser_veselov<10>("moser_veselov10",
+                      "moser_veselov2 with moments of inertia modified by four terms of Hairer & Vilmart's series: the "
+                      "same equations, order 10. Free bodies only."),
+};
+
+constexpr auto family = with_binary32<in_binary64, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
+
+}  // namespace
+
+extern const std::span<const Method> moser_veselov_methods;
+const std::span<const Method> moser_veselov_methods = family;
+
+}  // namespace polhode

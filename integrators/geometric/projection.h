@@ -1,0 +1,195 @@
+// Projection of a state onto the manifold of what the motion keeps.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "integrators/geometric/kept_quantities.h"
+#include "integrators/run/march.h"
+#include "motion/conserved.h"
+#include "motion/dual.h"
+
+namespace polhode {
+
+/// |q| = 1 and, of what motion/conserved.h finds, energy, angular and linear momentum (vectors, or the components that
+/// stay) and the spin about an axis of symmetry, each at its value at t = 0. (The integrals of
+/// special tops are left out: Kovalevskaya's has no gradient at its zero, where the simplest of those motions run, and
+/// Goryachev and Chaplygin's stays on one level of L_z only.) At a pivot p and v are not projected.
+///
+/// The nearest point in the norm of |dy_i| / scale_i, by Gauss-Newton: with g the constraints, J their Jacobian by
+/// forward differentiation and D = diag(scale^2),
+///
+///   y <- y - D J^T (J D J^T)^-1 g                    (Hairer, Lubich & Wanner 2006, IV.4)
+///
+/// Where constraints depend on each other (energy and momentum of a steady rotation, or of a sphere) the later are left
+/// out: a Cholesky factorisation that takes the largest pivot first and ends below 10^-6.
+template <class SystemType>
+class Projection {
+  public:
+    static constexpr int N = SystemType::dimension;
+
+    explicit Projection(const Problem& problem) : problem_(&problem) {
+        std::array<double, N> scale{};
+        component_scales<SystemType>(problem, scale.data());
+        for (int i = 0; i < N; ++i) weight_[i] = scale[i] * scale[i];
+        find_kept();
+        std::array<double, N> start{};
+        initial_state<SystemType>(problem, start.data());
+        enter<SystemType>(problem, problem.segments.front(), start.data());
+        evaluate(start.data(), target_.data());
+        target_[0] = 1;
+    }
+
+    /// How many constraints there are.
+    int count() const { return count_; }
+
+    /// Moves y onto the manifold, to round-off. False, and y as it was, where no point of it was found.
+    bool project(double* y) {
+        constexpr int iterations = 8;
+        constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
+        std::array<double, N> moved{};
+        std::copy(y, y + N, moved.begin());
+        for (int k = 0; k < iterations; ++k) {
+            std::array<Dual<N>, N> state;
+            std::array<Dual<N>, most> values;
+            for (int i = 0; i < N; ++i) state[i] = Dual<N>(moved[i]), state[i].slope[i] = 1;
+            evaluate(state.data(), values.data());
+            double worst = 0;
+            factorise(values);
+            std::array<double, most> g{};
+            for (int r = 0; r < rank_; ++r) {
+                const int c = order_[r];
+                g[r] = (values[c].value - target_[c]) / length_[c];
+                worst = std::max(worst, std::abs(g[r]));
+            }
+            if (!std::isfinite(worst) || !all_finite(moved)) return false;
+            if (worst <= round_off) {
+                std::copy(moved.begin(), moved.end(), y);
+                return true;
+            }
+            solve(g);
+            for (int r = 0; r < rank_; ++r)
+                for (int i = 0; i < N; ++i) moved[i] -= g[r] * weight_[i] * slope_[order_[r]][i];
+            // quadratic: what this iteration leaves is the square of what it found
+            if (worst <= 1e-9) {
+                std::copy(moved.begin(), moved.end(), y);
+                return true;
+            }
+        }
+        return false;
+    }
+
+  private:
+    static constexpr int most = N == 3 ? 2 : 9;
+
+    void find_kept() {
+        const bool full = problem_->formulation == Formulation::full;
+        const Problem reduced = full ? pose(problem_->scene) : *problem_;
+        for (const Conserved& one : conserved(reduced)) {
+            switch (one.kind) {
+                case ConservedKind::energy:
+                    energy_ = true;
+                    break;
+                case ConservedKind::angular_momentum:
+                    angular_ = {Vector3<double>(1, 0, 0), Vector3<double>(0, 1, 0), Vector3<double>(0, 0, 1)};
+                    angular_count_ = 3;
+                    break;
+                case ConservedKind::angular_momentum_component:
+                    angular_[angular_count_++] = one.direction;
+                    break;
+                case ConservedKind::linear_momentum:
+                    linear_ = {Vector3<double>(1, 0, 0), Vector3<double>(0, 1, 0), Vector3<double>(0, 0, 1)};
+                    linear_count_ = 3;
+                    break;
+                case ConservedKind::linear_momentum_component:
+                    linear_[linear_count_++] = one.direction;
+                    break;
+                case ConservedKind::spin:
+                    spin_ = true;
+                    spin_axis_ = full ? rotate(reduced.q_BP, one.direction) : one.direction;
+                    break;
+                case ConservedKind::integral_of_a_special_top:
+                    break;
+            }
+        }
+        count_ = N == 3 ? 1 + energy_ : 1 + angular_count_ + (N == 13 ? linear_count_ : 0) + spin_ + energy_;
+    }
+
+    // the constraints' left sides; energy last, for it is the one that depends on others
+    template <class S>
+    void evaluate(const S* y, S* values) const {
+        int k = 0;
+        if constexpr (N == 3) {
+            values[k++] = y[1] * y[1] + y[2] * y[2];
+        } else {
+            const Quaternion<S> q = quaternion_at(y, 3);
+            const Vector3<S> L = angular_momentum_posed<SystemType>(*problem_, vector_at(y, 0));
+            values[k++] = squared_norm(q);
+            if (angular_count_ > 0) {
+                const Vector3<S> L_W = rotate(q, L);
+                for (int i = 0; i < angular_count_; ++i) values[k++] = dot(angular_[i], L_W);
+            }
+            if constexpr (N == 13)
+                for (int i = 0; i < linear_count_; ++i) values[k++] = dot(linear_[i], vector_at(y, 10));
+            if (spin_) values[k++] = dot(spin_axis_, L);
+        }
+        if (energy_) values[k++] = state_energy<SystemType>(*problem_, y);
+    }
+
+    // J D J^T with each constraint divided by the length of its gradient, C = G G^T by rows in the order of the pivots
+    void factorise(const std::array<Dual<N>, most>& values) {
+        constexpr double least_pivot = 1e-6;
+        std::array<std::array<double, most>, most> C{};
+        std::array<bool, most> taken{};
+        for (int c = 0; c < count_; ++c) {
+            double square = 0;
+            for (int i = 0; i < N; ++i) square += weight_[i] * values[c].slope[i] * values[c].slope[i];
+            length_[c] = std::sqrt(square);
+            taken[c] = !(length_[c] > 0);
+            for (int i = 0; i < N; ++i) slope_[c][i] = taken[c] ? 0 : values[c].slope[i] / length_[c];
+        }
+        for (int a = 0; a < count_; ++a)
+            for (int b = 0; b < count_; ++b)
+                for (int i = 0; i < N; ++i) C[a][b] += weight_[i] * slope_[a][i] * slope_[b][i];
+        for (rank_ = 0; rank_ < count_; ++rank_) {
+            int pivot = -1;
+            // a later one is taken before an earlier one only where it is better by more than rounding
+            for (int c = 0; c < count_; ++c)
+                if (!taken[c] && (pivot < 0 || C[c][c] > C[pivot][pivot] * (1 + 1e-9))) pivot = c;
+            if (pivot < 0 || !(C[pivot][pivot] > least_pivot)) break;
+            taken[pivot] = true, order_[rank_] = pivot;
+            const double root = std::sqrt(C[pivot][pivot]);
+            for (int c = 0; c < count_; ++c) column_[rank_][c] = C[c][pivot] / root;
+            for (int a = 0; a < count_; ++a)
+                for (int b = 0; b < count_; ++b)
+                    if (!taken[a] && !taken[b]) C[a][b] -= column_[rank_][a] * column_[rank_][b];
+        }
+    }
+
+    // g <- C^-1 g, in the order of the pivots
+    void solve(std::array<double, most>& g) const {
+        for (int r = 0; r < rank_; ++r) {
+            for (int k = 0; k < r; ++k) g[r] -= column_[k][order_[r]] * g[k];
+            g[r] /= column_[r][order_[r]];
+        }
+        for (int r = rank_ - 1; r >= 0; --r) {
+            for (int k = r + 1; k < rank_; ++k) g[r] -= column_[r][order_[k]] * g[k];
+            g[r] /= column_[r][order_[r]];
+        }
+    }
+
+    const Problem* problem_;
+    std::array<double, N> weight_{};
+    bool energy_ = false, spin_ = false;
+    int angular_count_ = 0, linear_count_ = 0, count_ = 0, rank_ = 0;
+    std::array<Vector3<double>, 3> angular_, linear_;
+    Vector3<double> spin_axis_;
+    std::array<double, most> target_{}, length_{};
+    std::array<std::array<double, N>, most> slope_{};      // gradients of unit length
+    std::array<std::array<double, most>, most> column_{};  // of the factor, one for each pivot
+    std::array<int, most> order_{};
+};
+
+}  // namespace polhode

@@ -1,0 +1,107 @@
+// A body's motion split into the free motion and kicks by the loads at a fixed attitude.
+//
+//   one stage:  kick(g h/2)  free(g h)  kick(g h/2)      (G. Strang 1968, SIAM J. Numer. Anal. 5, 506)
+//   one step:   stages g_1 .. g_s of a symmetric composition; kicks that meet are one
+//
+// A kick takes L_W (and v) along the flow of the torque (and force) at the attitude and place of the moment, exactly,
+// drag included; the free motion turns q and moves p.
+#pragma once
+
+#include <span>
+
+#include "integrators/geometric/composition.h"
+#include "integrators/geometric/free_flows.h"
+#include "integrators/geometric/kick.h"
+#include "integrators/geometric/momentum_state.h"
+
+namespace polhode {
+
+/// Flow: see free_flows.h. Where nothing acts, `whole_when_free` takes the step as one stage: of a flow that has the
+/// method's order by itself.
+template <class Flow, bool whole_when_free, class S = double>
+class Splitting : public MomentumStateOf<S> {
+    using Base = MomentumStateOf<S>;
+    using Base::attitude_, Base::momentum_, Base::position_, Base::velocity_, Base::translates_, Base::failed_,
+        Base::failed_at_, Base::evaluations_, Base::forcing, Base::loaded, Base::torque_W, Base::acceleration_W;
+
+  public:
+    Splitting(const Problem& problem, const int& order) : Base(problem), flow_(problem), stages_(composition(order)) {}
+
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        R_ = rotation_matrix(attitude_.value());
+        flow_.prepare(transposed(R_) * momentum_.value());
+        if (!loaded()) return;
+        if (forcing().has_damping)
+            damping_ = RotationalDampingOf<S>(this->problem_->principal.moments, segment.forcing.damping);
+        find_forces();
+    }
+    void step(double t, double step) {
+        const S h = S(step);
+        failed_at_ = t;
+        if (!loaded() && whole_when_free) {
+            drift(h);
+            return;
+        }
+        S before = 0;
+        for (const double stage : stages_) {
+            const S g = S(stage);
+            if (loaded()) kick(S(0.5) * (before + g) * h);
+            drift(g * h);
+            if (failed_) return;
+            if (loaded()) find_forces();
+            before = g;
+        }
+        if (loaded()) kick(S(0.5) * before * h);
+    }
+
+  private:
+    Flow flow_;
+    std::span<const double> stages_;
+    RotationalDampingOf<S> damping_;
+    Matrix3<S> R_;              ///< of the attitude
+    Vector3<S> torque_, push_;  ///< world axes, at the attitude and place: torque without drag, acceleration
+
+    // the rates enter the torque by drag alone, which a kick follows by itself
+    void find_forces() {
+        const Vector3<S> p = translates_ ? position_.value() : Vector3<S>();
+        torque_ = torque_W(0, R_, attitude_.value(), {}, p, {});
+        if (translates_) push_ = acceleration_W(R_, {});
+    }
+    void kick(S h) {
+        if (forcing().has_damping) {
+            const Matrix3<S> back = transposed(R_);
+            momentum_.add(R_ * damping_.change(h, back * momentum_.value(), back * torque_));
+        } else {
+            momentum_.add(h * torque_);
+        }
+        if (!translates_) return;
+        if (forcing().has_translational_drag) {
+            velocity_.add(damped_change(velocity_.value(), push_, forcing().specific_drag, h));
+        } else {
+            velocity_.add(h * push_);
+        }
+    }
+    void drift(S h) {
+        ++evaluations_;
+        const Vector3<S> y = transposed(R_) * momentum_.value();
+        if (loaded()) flow_.prepare(y);
+        TurnOf<S> d;
+        if (!flow_.turn(y, h, d)) {
+            failed_ = true;
+            return;
+        }
+        attitude_.turn(d);
+        R_ = rotation_matrix(attitude_.value());
+        if (translates_) position_.add(h * velocity_.value());
+    }
+};
+
+/// What a kick at a fixed attitude cannot follow; empty where it can.
+inline std::string_view refused_by_kicks(const Problem& problem) {
+    return problem.needs.user_torque
+               ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"
+               : "";
+}
+
+}  // namespace polhode

@@ -1,0 +1,92 @@
+// Splitting methods: a body's free motion, by turns about its axes or exactly, and kicks by the loads.
+#include <span>
+
+#include "integrators/geometric/kicked_growth.h"
+#include "integrators/geometric/split_flow.h"
+#include "integrators/run/binary32.h"
+
+namespace polhode {
+namespace {
+
+template <class Flow, bool whole_when_free, int order, class S = double>
+Trajectory solve(const Problem& problem, const Settings& settings) {
+    if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
+    return march_momentum<Splitting<Flow, whole_when_free, S>>(problem, settings, order);
+}
+
+constexpr std::string_view rotations_source =
+    "S. Reich 1994, Physica D 76, 375; R. I. McLachlan 1993, Phys. Rev. Lett. 71, 3043; A. Dullweber, B. Leimkuhler & "
+    "R. McLachlan 1997, J. Chem. Phys. 107, 5840";
+constexpr std::string_view exact_source =
+    "R. I. McLachlan & A. Zanna 2005, Found. Comput. Math. 5, 87; E. Celledoni, F. Fasso, N. Safstrom & A. Zanna 2008, "
+    "SIAM J. Sci. Comput. 30, 2084; free motion by series, and by C. G. J. Jacobi 1849 where they are long";
+constexpr std::string_view rotations_keep =
+    "|q|; L in world axes exactly where no torque acts, else its component along a uniform field of force; energy "
+    "without drift (its error stays of the order of the step's) where there is one";
+constexpr std::string_view exact_keeps =
+    "|q|; L in world axes exactly and energy to round-off where no torque acts, else L along a uniform field of force "
+    "and energy without drift (its error stays of the order of the step's)";
+
+template <int order>
+constexpr Method rotations(std::string_view name, std::string_view documentation) {
+    return {.name = name,
+            .documentation = documentation,
+            .source = rotations_source,
+            .conserves = rotations_keep,
+            .control = Control::fixed_step,
+            .order = order,
+            .solve = solve<ThreeRotations<>, false, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
+}
+template <int order>
+constexpr Method exact_flow(std::string_view name, std::string_view documentation) {
+    return {.name = name,
+            .documentation = documentation,
+            .source = exact_source,
+            .conserves = exact_keeps,
+            .control = Control::fixed_step,
+            .order = order,
+            .solve = solve<ExactFreeMotion, true, order>,
+            .pendulum_growth = kicked_pendulum_growth<order>};
+}
+
+constexpr Method in_binary64[] = {
+    rotations<2>(
+        "splitting2",
+        "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
+        "between two half kicks by the loads. Symplectic where the loads have a potential, time-reversible, "
+        "explicit. Drag is followed exactly within a kick; a user's torque is refused. Order 2."),
+    rotations<4>("splitting4",
+                 "splitting2 composed of five stages after Suzuki (1990). One stage goes backwards: strong drag "
+                 "grows in it. Order 4."),
+    rotations<6>("splitting6",
+                 "splitting2 composed of nine stages after Kahan & Li (1997). Some go backwards: strong drag grows in "
+                 "them. Order 6."),
+    rotations<8>("splitting8",
+                 "splitting2 composed of seventeen stages after Kahan & Li (1997). Some go backwards: strong drag "
+                 "grows in them. Order 8."),
+    exact_flow<2>("splitting_exact2",
+                  "The exact free motion between two half kicks by the loads: without torque its only error is "
+                  "round-off. Fast rotation under slow loads is its ground. Symplectic where the loads have a "
+                  "potential, time-reversible, explicit. A user's torque is refused. Order 2."),
+    exact_flow<4>("splitting_exact4",
+                  "splitting_exact2 composed of five stages after Suzuki (1990). One stage goes backwards: strong "
+                  "drag grows in it. Order 4."),
+    exact_flow<6>("splitting_exact6",
+                  "splitting_exact2 composed of nine stages after Kahan & Li (1997). Some go backwards: strong drag "
+                  "grows in them. Order 6."),
+    exact_flow<8>("splitting_exact8",
+                  "splitting_exact2 composed of seventeen stages after Kahan & Li (1997). Some go backwards: strong "
+                  "drag grows in them. Order 8."),
+};
+
+constexpr auto family = with_binary32<in_binary64, solve<ThreeRotations<float>, false, 2, float>,
+                                      solve<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr>();
+
+}  // namespace
+
+extern const std::span<const Method> splitting_methods;
+const std::span<const Method> splitting_methods = family;
+
+}  // namespace polhode

@@ -1,0 +1,284 @@
+// The GNU Scientific Library's solvers of ordinary differential equations, as peers to be measured beside.
+#include "integrators/gsl/gsl.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <gsl/gsl_version.h>
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "integrators/run/solver_run.h"
+#include "integrators/run/tolerance.h"
+#include "motion/dual.h"
+
+namespace polhode {
+namespace {
+
+/// The library's names are variables that the dynamic linker sets.
+struct Scheme {
+    const gsl_odeiv2_step_type* const* type;
+    /// What goes from a step's start to a sample inside it: the library has no dense output.
+    const gsl_odeiv2_step_type* const* sideways;
+    int order;  ///< of its first step
+};
+
+struct Failure {
+    Status status;
+    std::string message;
+};
+
+/// The problem must outlive the session. Not to be moved: the library points into it.
+template <class SystemType>
+class GslSession {
+  public:
+    static constexpr std::size_t dimension = SystemType::dimension;
+
+    /// Relative tolerance R, absolute tolerance R times each component's scale.
+    /// Throws std::bad_alloc where there is no memory for it.
+    GslSession(const Problem& problem, const Scheme& scheme, double tolerance)
+        : problem_(&problem),
+          system_(system_on<SystemType>(problem, problem.segments.front())),
+          order_(scheme.order),
+          tolerance_(tolerance) {
+        // the library's default is to abort the program
+        [[maybe_unused]] static const auto former = gsl_set_error_handler_off();
+        component_scales<SystemType>(problem, scales_.data());
+        driver_ = driver(main_, *scheme.type);
+        sideways_ = driver(side_, *scheme.sideways);
+    }
+    GslSession(const GslSession&) = delete;
+    GslSession& operator=(const GslSession&) = delete;
+
+    void restart() {
+        initial_state<SystemType>(*problem_, y_.data());
+        main_.evaluations = 0;
+        steps_ = rejected_ = 0;
+        gsl_odeiv2_driver_reset(driver_.get());
+    }
+
+    /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
+    int enter(const Segment& segment) {
+        polhode::enter<SystemType>(*problem_, segment, y_.data());
+        system_ = system_on<SystemType>(*problem_, segment);
+        t_ = segment.begin, end_ = segment.end;
+        if (!(end_ > t_)) return GSL_SUCCESS;
+        rejected_ += static_cast<long>(driver_->e->failed_steps);
+        gsl_odeiv2_driver_reset(driver_.get());
+        h_ = first_step();
+        return GSL_SUCCESS;
+    }
+
+    /// One step, tried until its error is tolerated, cut at the segment's end; below zero if that is not reached.
+    int step() {
+        const double left = end_ - t_;
+        ++steps_;
+        // a remainder of a few rounding errors joins the step; one that is left alone is too short for the library
+        if (left <= 4 * std::numeric_limits<double>::epsilon() * end_) return leap();
+        if (h_ >= left * (1 - 1e-14)) h_ = left * (1 + 1e-14);
+        begin_ = t_;
+        side_t_.reset();
+        return flag_of(advance(*driver_, t_, end_, h_, y_));
+    }
+
+    double time() const { return t_; }
+    Sample sample() const { return sample_of<SystemType>(*problem_, t_, y_.data()); }
+
+    /// The motion at a time within the last step, by steps of their own from the step's start.
+    std::optional<Sample> sample_inside(double at) {
+        constexpr int most_steps = 1000;
+        if (!side_t_) {
+            // the library keeps the state at the start of the step
+            std::copy(driver_->e->y0, driver_->e->y0 + dimension, side_y_.begin());
+            side_t_ = begin_, side_h_ = at - begin_;
+            gsl_odeiv2_driver_reset(sideways_.get());
+        }
+        for (int i = 0; i < most_steps && *side_t_ < at; ++i)
+            if (flag_of(advance(*sideways_, *side_t_, at, side_h_, side_y_)) < 0) return {};
+        if (*side_t_ < at) {
+            status_ = GSL_EMAXITER;
+            return {};
+        }
+        return sample_of<SystemType>(*problem_, at, side_y_.data());
+    }
+    int inside_flag() const { return flag_of(status_); }
+
+    /// What a flag below zero means.
+    Failure failure(int) const {
+        if (main_.not_finite || side_.not_finite)
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
+                                                  moment(t_), last_state(sample()))};
+        return {Status::tolerance_not_met,
+                fmt::format(
+                    "GSL: {} at t = {:g} s",
+                    status_ == GSL_FAILURE ? "no step is small enough for the tolerance" : gsl_strerror(status_), t_)};
+    }
+
+    /// Since restart().
+    long steps() const { return steps_; }
+    long rhs_evaluations() const { return main_.evaluations; }
+    SolverCounts counts() const { return {rejected_ + static_cast<long>(driver_->e->failed_steps), {}, {}}; }
+
+  private:
+    using State = std::array<double, dimension>;
+
+    /// What the library hands through to the callbacks.
+    struct Context {
+        const GslSession* session;
+        gsl_odeiv2_system system{};
+        long evaluations = 0;
+        bool not_finite = false;  ///< what was asked for last
+        std::exception_ptr thrown{};
+    };
+    struct Free {
+        void operator()(gsl_odeiv2_driver* driver) const { gsl_odeiv2_driver_free(driver); }
+    };
+    using Driver = std::unique_ptr<gsl_odeiv2_driver, Free>;
+
+    // A status that is not GSL_EBADFUNC makes the library try again with half the step.
+    static int right_hand_side(double t, const double* y, double* dy, void* context) {
+        Context* self = static_cast<Context*>(context);
+        ++self->evaluations;
+        try {
+            self->session->system_.derivative(t, y, dy);
+        } catch (...) {  // C code lies between here and whoever called
+            self->thrown = std::current_exception();
+            return GSL_EBADFUNC;
+        }
+        self->not_finite = !all_finite({dy, dimension});
+        return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
+    }
+    // the right-hand side does not depend on time: every load of a scene file is constant in it between events
+    static int fill_jacobian(double t, const double* y, double* J, double* dfdt, void* context) {
+        Context* self = static_cast<Context*>(context);
+        jacobian(self->session->system_, t, y, J);
+        std::fill(dfdt, dfdt + dimension, 0.0);
+        self->not_finite = !all_finite({J, dimension * dimension});
+        return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
+    }
+
+    Driver driver(Context& context, const gsl_odeiv2_step_type* type) {
+        context.session = this;
+        context.system = {right_hand_side, fill_jacobian, dimension, &context};
+        Driver made(
+            gsl_odeiv2_driver_alloc_scaled_new(&context.system, type, 1, tolerance_, tolerance_, 1, 0, scales_.data()));
+        if (!made) throw std::bad_alloc();
+        return made;
+    }
+
+    // The driver's own loop, a step at a time.
+    int advance(gsl_odeiv2_driver& driver, double& t, double stop, double& h, State& y) {
+        status_ = gsl_odeiv2_evolve_apply(driver.e, driver.c, driver.s, driver.sys, &t, stop, &h, y.data());
+        for (Context* context : {&main_, &side_})
+            if (context->thrown) std::rethrow_exception(std::exchange(context->thrown, nullptr));
+        return status_;
+    }
+    static int flag_of(int status) { return status == GSL_SUCCESS ? 0 : -1; }
+
+    // one explicit Euler step is exact over a few rounding errors of time
+    int leap() {
+        State rate{};
+        system_.derivative(t_, y_.data(), rate.data());
+        ++main_.evaluations;
+        for (std::size_t i = 0; i < dimension; ++i) y_[i] += (end_ - t_) * rate[i];
+        t_ = end_;
+        return GSL_SUCCESS;
+    }
+
+    double first_step() {
+        State tolerated{};
+        for (std::size_t i = 0; i < dimension; ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(y_[i]));
+        const auto rate = [&](double later, const State& y, State& dy) {
+            system_.derivative(t_ + later, y.data(), dy.data());
+            ++main_.evaluations;
+        };
+        const double h = polhode::first_step<dimension>(rate, y_, tolerated, order_);
+        return h > 0 && std::isfinite(h) ? h : 1e-6 * problem_->scene.duration;
+    }
+
+    const Problem* problem_;
+    SystemType system_;
+    int order_;
+    double tolerance_;
+    State scales_{}, y_{}, side_y_{};
+    double t_ = 0, begin_ = 0, end_ = 0, h_ = 0, side_h_ = 0;
+    std::optional<double> side_t_;
+    long steps_ = 0, rejected_ = 0;
+    int status_ = GSL_SUCCESS;
+    Context main_{}, side_{};
+    Driver driver_, sideways_;
+};
+
+const Scheme rk8pd{&gsl_odeiv2_step_rk8pd, &gsl_odeiv2_step_rk8pd, 8};
+const Scheme msadams{&gsl_odeiv2_step_msadams, &gsl_odeiv2_step_rk8pd, 1};
+const Scheme bsimp{&gsl_odeiv2_step_bsimp, &gsl_odeiv2_step_bsimp, 4};
+const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
+
+template <const Scheme& scheme, bool implicit>
+Trajectory solve_by(const Problem& problem, const Settings& settings) {
+    if (implicit && problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
+    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        GslSession<SystemType> session(problem, scheme, *settings.tolerance);
+        return SolverRun(problem, settings, session).solve();
+    });
+}
+
+constexpr std::string_view source =
+    "Galassi, Davies, Theiler, Gough, Jungman, Alken, Booth & Rossi 2009, GNU Scientific Library Reference Manual, 3rd "
+    "ed.";
+
+constexpr Method list[] = {
+    {.name = "gsl_rk8pd",
+     .documentation =
+         "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R "
+         "times the "
+         "component's scale, by GSL's own step control (`control_scaled`). Steps stop exactly at events and at the end "
+         "alone; a sample inside a step is reached sideways, by steps of its own from the step's start that are "
+         "not counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
+     .source = "Prince & Dormand 1981, High order embedded Runge-Kutta formulae, J. Comput. Appl. Math. 7, 67-75; "
+               "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = solve_by<rk8pd, false>},
+    {.name = "gsl_msadams",
+     .documentation =
+         "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by "
+         "functional iteration; for non-stiff motion. Otherwise as `gsl_rk8pd`, which also goes to the samples; the "
+         "history is dropped at events.",
+     .source = source,
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = solve_by<msadams, false>},
+    {.name = "gsl_bsimp",
+     .documentation = "GSL's semi-implicit extrapolation with the exact Jacobian, for stiff motion. Otherwise as "
+                      "`gsl_rk8pd`. A torque of the user's own is `unsupported`: it has no Jacobian.",
+     .source = "Bader & Deuflhard 1983, A semi-implicit mid-point rule for stiff systems of ordinary differential "
+               "equations, Numer. Math. 41, 373-398; Galassi et al. 2009, GNU Scientific Library Reference Manual, "
+               "3rd ed.",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = solve_by<bsimp, true>},
+    {.name = "gsl_msbdf",
+     .documentation =
+         "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation "
+         "solved by a modified Newton iteration with the exact Jacobian; for stiff motion. Otherwise as `gsl_bsimp`, "
+         "which also goes to the samples; the history is dropped at events.",
+     .source = source,
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = solve_by<msbdf, true>},
+};
+
+}  // namespace
+
+const std::span<const Method> gsl_methods{list};
+
+std::string gsl_library_version() { return gsl_version; }
+
+}  // namespace polhode

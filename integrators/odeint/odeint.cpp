@@ -1,0 +1,207 @@
+// The explicit steppers of Boost.Odeint 1.74 on the one right-hand side.
+//
+// A NaN or an infinity goes through Odeint's steppers with a normal return, and a tolerance out of reach never ends:
+// so every attempt is looked at, and undone where it is not finite.
+#include "integrators/odeint/odeint.h"
+
+#include <fmt/format.h>
+
+#include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
+#include <boost/numeric/odeint/stepper/euler.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <limits>
+
+#include "integrators/odeint/odeint_pair.h"
+#include "integrators/run/linear_growth.h"
+
+namespace polhode {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+template <std::size_t N>
+using State = OdeintArray<N>;
+template <std::size_t N>
+using Euler = odeint::euler<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using CashKarp54 = odeint::runge_kutta_cash_karp54<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra>;
+
+/// Odeint's Bulirsch-Stoer takes two numbers as tolerances: R, and R times the smallest of the components' scales.
+template <class SystemType>
+class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
+    using Base = ControlledOdeintState<SystemType>;
+    static constexpr std::size_t N = SystemType::dimension;
+
+  public:
+    // the order it starts from: columns 2, 4, .., 10 of the midpoint rule
+    ControlledExtrapolation(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, 8), extrapolation_(tolerance * this->smallest_scale(), tolerance, 1.0, 0.0) {}
+
+    void restart() {
+        Base::restart();
+        forget();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        forget();
+    }
+    Attempt attempt(double& t, double& h) {
+        const double tried = h;
+        const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
+        if (!has_rate_) f(this->y_, rate_, t), has_rate_ = true;
+        State<N> next;
+        const bool accepted = extrapolation_.try_step(f, this->y_, rate_, t, next, h) == odeint::success;
+        // the state and the rate are untouched so far
+        const bool finite = all_finite(next) && std::isfinite(h);
+        if (accepted && finite) {
+            this->y_ = next, has_rate_ = false;
+            return Attempt::accepted;
+        }
+        if (accepted) t -= tried;
+        if (!finite) {
+            h = not_finite_shrinkage * tried;
+            extrapolation_.reset();
+            return Attempt::not_finite;
+        }
+        if (!(h < tried)) h = tried / 2;  // a second rejection in a row may leave it as it was
+        return Attempt::rejected;
+    }
+
+  private:
+    void forget() {
+        extrapolation_.reset();
+        has_rate_ = false;
+    }
+
+    BulirschStoer<N> extrapolation_;
+    State<N> rate_;
+    bool has_rate_ = false;
+};
+
+/// R(z) is what one step of length 1 from y = 1 on y' = z y reaches.
+template <template <std::size_t> class Scheme>
+double stepper_growth(std::complex<double> z) {
+    Scheme<2> scheme;
+    State<2> y;
+    y[0] = 1;
+    scheme.do_step([z](const State<2>& at, State<2>& rate, double) { linear_rate(z, at.data(), rate.data()); }, y, 0.0,
+                   1.0);
+    return magnitude({y[0], y[1]});
+}
+
+Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        return march_controlled(problem, settings, ControlledExtrapolation<SystemType>(problem, *settings.tolerance));
+    });
+}
+
+constexpr Method in_binary64[] = {
+    {.name = "odeint_euler",
+     .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
+     .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 1,
+     .solve = march_odeint<Euler>,
+     .growth = stepper_growth<Euler>},
+    {.name = "odeint_rk4",
+     .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
+                      "right-hand sides a step.",
+     .source = "Kutta 1901; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 4,
+     .solve = solve_rk4,
+     .growth = classical_growth},
+    {.name = "odeint_cash_karp54",
+     .documentation =
+         "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), the fifth order carried on. "
+         "Six right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
+         "largest error over the components.",
+     .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 5,
+     .solve = fixed_or_controlled<CashKarp54>,
+     .growth = stepper_growth<CashKarp54>},
+    {.name = "odeint_dopri5",
+     .documentation =
+         "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), the fifth order carried on. "
+         "Six right-hand sides a step, for the last stage is the next step's first. Controlled by Odeint's own rule, "
+         "each component held to R (scale + |y|), largest error over the components.",
+     .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 5,
+     .solve = fixed_or_controlled<Dopri5>,
+     .growth = stepper_growth<Dopri5>},
+    {.name = "odeint_fehlberg78",
+     .documentation =
+         "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), the eighth order carried on. "
+         "Thirteen right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
+         "largest error over the components.",
+     .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 8,
+     .solve = fixed_or_controlled<Fehlberg78>,
+     .growth = stepper_growth<Fehlberg78>},
+    {.name = "odeint_adams_bashforth_moulton",
+     .documentation =
+         "Adams-Bashforth's formula of six steps as predictor, Adams-Moulton's of order 6 as corrector, each followed "
+         "by "
+         "an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides a step. Odeint "
+         "has up to eight steps, but with seven or eight the predictor's share of the error falls behind the "
+         "corrector's only at steps so short that round-off hides both. The first five steps are Fehlberg's of order "
+         "8, "
+         "not the Runge-Kutta steps of order 4 that Odeint starts with, which would leave order 5. An event, or a step "
+         "of another length, drops the history and starts it again.",
+     .source = "Bashforth & Adams 1883; Moulton 1926; Hairer, Norsett & Wanner 1993, III.1; Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step,
+     .order = 6,
+     .solve = solve_adams_bashforth_moulton,
+     .growth = adams_bashforth_moulton_growth},
+    {.name = "odeint_bulirsch_stoer",
+     .documentation =
+         "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "
+         "eight columns). Its controller takes one absolute tolerance for all components: R times the smallest of "
+         "their scales, and it weighs the step's change h |f| beside |y|.",
+     .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .order = 0,
+     .solve = extrapolate},
+    {.name = "odeint_rosenbrock4",
+     .documentation =
+         "A linearly implicit method of order 4 for stiff scenes (Boost.Odeint's `rosenbrock4`: Shampine's and "
+         "Kaps-Rentrop's form with the coefficients of RODAS), Jacobian by forward differentiation of the right-hand "
+         "side, dense LU once a step. Six right-hand sides and one Jacobian a step; the count shows the former. Its "
+         "controller takes one absolute tolerance for all components: R times the smallest of their scales. No "
+         "user torques, for they have no derivative.",
+     .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
+     .conserves = "nothing",
+     .control = Control::fixed_step_or_tolerance,
+     .order = 4,
+     .solve = solve_rosenbrock4,
+     .growth = rosenbrock4_growth},
+};
+
+constexpr auto family = with_binary32<in_binary64, solve_euler_float32, solve_rk4_float32, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr, nullptr>();
+
+}  // namespace
+
+extern const std::span<const Method> odeint_methods;
+const std::span<const Method> odeint_methods = family;
+
+}  // namespace polhode

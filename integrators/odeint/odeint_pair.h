@@ -1,0 +1,92 @@
+// Boost.Odeint's Runge-Kutta pairs with its own step control, as a ControlledStepper.
+#pragma once
+
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <cmath>
+#include <limits>
+
+#include "integrators/odeint/odeint.h"
+
+namespace polhode {
+
+/// The largest error in units of R (scale_i + |y_i|); infinite where an error is not a number.
+template <std::size_t N>
+class ComponentError {
+  public:
+    ComponentError() = default;
+    ComponentError(double tolerance, const OdeintArray<N>& scales) : tolerance_(tolerance), scales_(scales) {}
+
+    template <class Algebra>
+    double error(Algebra&, const OdeintArray<N>& y, const OdeintArray<N>&, const OdeintArray<N>& difference,
+                 double) const {
+        OdeintArray<N> ratio;
+        for (std::size_t i = 0; i < N; ++i) ratio[i] = difference[i] / (tolerance_ * (scales_[i] + std::abs(y[i])));
+        return OdeintAlgebra::norm_inf(ratio);
+    }
+
+  private:
+    double tolerance_ = 1;
+    OdeintArray<N> scales_;
+};
+
+/// Odeint's own rule for the next step; an infinite error gives a NaN, which attempt() looks for.
+struct StepRule : boost::numeric::odeint::default_step_adjuster<double, double> {
+    double decrease_step(double h, double error, int error_order) const {
+        if (!std::isfinite(error)) return std::numeric_limits<double>::quiet_NaN();
+        return default_step_adjuster::decrease_step(h, error, error_order);
+    }
+};
+
+/// A Runge-Kutta pair with Odeint's step control.
+template <class SystemType, template <std::size_t> class Scheme>
+class ControlledPair : public ControlledOdeintState<SystemType> {
+    using Base = ControlledOdeintState<SystemType>;
+    static constexpr std::size_t N = SystemType::dimension;
+    using Error = ComponentError<N>;
+    using Controlled = boost::numeric::odeint::controlled_runge_kutta<Scheme<N>, Error, StepRule>;
+
+  public:
+    static constexpr int order = Scheme<N>::stepper_order_value;
+
+    ControlledPair(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, order), controlled_(Error(tolerance, this->scales_), StepRule()) {}
+
+    void restart() {
+        Base::restart();
+        forget();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        forget();
+    }
+    Attempt attempt(double& t, double& h) {
+        const OdeintArray<N> before = this->y_;
+        const double begin = t, tried = h;
+        const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
+        const bool accepted = controlled_.try_step(f, this->y_, t, h) == boost::numeric::odeint::success;
+        if (accepted && this->finite()) return Attempt::accepted;
+        if (!accepted && h < tried) return Attempt::rejected;
+        this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
+        forget();
+        return Attempt::not_finite;
+    }
+
+  private:
+    void forget() {
+        if constexpr (requires { controlled_.reset(); }) controlled_.reset();
+    }
+
+    Controlled controlled_;
+};
+
+/// The pair on the problem, by steps or by a tolerance.
+template <template <std::size_t> class Scheme>
+Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
+    if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);
+    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        return march_controlled(problem, settings, ControlledPair<SystemType, Scheme>(problem, *settings.tolerance));
+    });
+}
+
+}  // namespace polhode

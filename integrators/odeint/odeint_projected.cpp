@@ -1,0 +1,92 @@
+// Odeint's steppers with a projection after each step.
+#include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+
+#include "integrators/geometric/projection.h"
+#include "integrators/odeint/odeint_pair.h"
+
+namespace polhode {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+// neither keeps a rate from one step to the next, which a projection would make stale
+template <std::size_t N>
+using Rk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+template <std::size_t N>
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+
+template <class SystemType, template <std::size_t> class Scheme>
+class ProjectedFixedStepper : public OdeintFixedStepper<SystemType, Scheme> {
+    using Base = OdeintFixedStepper<SystemType, Scheme>;
+
+  public:
+    explicit ProjectedFixedStepper(const Problem& problem) : Base(problem), projection_(problem) {}
+    void step(double t, double h) {
+        Base::step(t, h);
+        projection_.project(this->y_.data());
+    }
+
+  private:
+    Projection<SystemType> projection_;
+};
+
+template <class SystemType>
+class ProjectedPair : public ControlledPair<SystemType, Fehlberg78> {
+    using Base = ControlledPair<SystemType, Fehlberg78>;
+
+  public:
+    ProjectedPair(const Problem& problem, double tolerance) : Base(problem, tolerance), projection_(problem) {}
+    Attempt attempt(double& t, double& h) {
+        const Attempt outcome = Base::attempt(t, h);
+        if (outcome == Attempt::accepted) projection_.project(this->y_.data());
+        return outcome;
+    }
+
+  private:
+    Projection<SystemType> projection_;
+};
+
+Trajectory projected_rk4(const Problem& problem, const Settings& settings) {
+    return with_system(
+        problem, [&]<class SystemType>() { return march<ProjectedFixedStepper<SystemType, Rk4>>(problem, settings); });
+}
+
+Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings) {
+    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        if (!settings.tolerance) return march<ProjectedFixedStepper<SystemType, Fehlberg78>>(problem, settings);
+        return march_controlled(problem, settings, ProjectedPair<SystemType>(problem, *settings.tolerance));
+    });
+}
+
+constexpr const char* kept = "|q| and, where the motion keeps them, E, momenta and spin, to round-off";
+
+const Method family[] = {
+    {.name = "odeint_rk4_projected",
+     .documentation =
+         "`odeint_rk4` with each step's end moved to the nearest state that has |q| = 1 and what the motion keeps at "
+         "its first value: energy, angular and linear momentum (or the components that stay), the spin about an axis "
+         "of symmetry. Nearest in units of the components' scales, by Gauss-Newton to round-off. It hides the error "
+         "along the manifold, which is most of the attitude's: those columns say nothing about it. What an event ends "
+         "is not kept, from the start on.",
+     .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Kutta 1901",
+     .conserves = kept,
+     .control = Control::fixed_step,
+     .order = 4,
+     .solve = projected_rk4},
+    {.name = "odeint_fehlberg78_projected",
+     .documentation = "`odeint_fehlberg78` with a projection after each accepted step, as in `odeint_rk4_projected`.",
+     .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Fehlberg 1968, NASA TR R-287",
+     .conserves = kept,
+     .control = Control::fixed_step_or_tolerance,
+     .order = 8,
+     .solve = projected_fehlberg78},
+};
+
+}  // namespace
+
+extern const std::span<const Method> odeint_projected_methods;
+const std::span<const Method> odeint_projected_methods = family;
+
+}  // namespace polhode

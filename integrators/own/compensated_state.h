@@ -1,0 +1,121 @@
+// What the tolerance-driven integrators of polhode's own share: the state with its compensation, on any of the systems
+// or on one register, what is allowed of each component, and a first step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "integrators/lanes/rotation_lanes.h"
+#include "integrators/run/march.h"
+
+namespace polhode {
+
+// squares of absurdly small scales vanish
+inline constexpr double least_square = 1e-290;
+
+/// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
+/// evaluations.
+template <class SystemType, std::size_t N>
+double first_step_of(const SystemType& system, double t, const double* y, const std::array<double, N>& scales,
+                     double longest) {
+    std::array<double, N> f{}, z{}, f_ahead{};
+    system.derivative(t, y, f.data());
+    double rate = 0;
+    for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::abs(f[i]) / scales[i]);
+    const double h = std::min(1e-3 / rate, 1e-3 * longest);
+    for (std::size_t i = 0; i < N; ++i) z[i] = y[i] + h * f[i];
+    system.derivative(t + h, z.data(), f_ahead.data());
+    for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::sqrt(std::abs(f_ahead[i] - f[i]) / h / scales[i]));
+    const double first = 0.8 / rate;
+    return first > 0 && first < longest ? first : longest;
+}
+
+/// y + lost on one of the systems; any right-hand side.
+template <class SystemType>
+class GeneralState {
+  public:
+    static constexpr int N = SystemType::dimension;
+    using Y = std::array<double, N>;
+
+    GeneralState(const Problem& problem, double tolerance)
+        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
+        component_scales<SystemType>(problem, scales_.data());
+        for (int i = 0; i < N; ++i)
+            squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+        restart();
+    }
+    void restart() {
+        initial_state<SystemType>(*problem_, y_.data());
+        lost_.fill(0);
+    }
+    void enter(const Segment& segment) {
+        if (polhode::enter<SystemType>(*problem_, segment, y_.data())) lost_.fill(0);
+        system_ = system_on<SystemType>(*problem_, segment);
+    }
+    double first_step(double t, double longest) { return first_step_of(system_, t, y_.data(), scales_, longest); }
+    void accept() { y_ = next_, lost_ = next_lost_; }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
+
+  protected:
+    /// next = y + lost + large + small, component i
+    void add(int i, double large, double small) {
+        const double sum = y_[i] + large;
+        const double rest = (small + lost_[i]) + rounded_away(y_[i], large, sum);
+        next_[i] = sum + rest;
+        next_lost_[i] = rounded_away(sum, rest, next_[i]);
+    }
+
+    const Problem* problem_;
+    SystemType system_;
+    Y scales_{}, squared_scale_{}, y_{}, lost_{}, next_{}, next_lost_{};
+};
+
+/// The same on registers, for rotations whose torques have coefficients.
+template <class SystemType>
+class RotationLanes {
+  public:
+    static bool serves(const Problem& problem) {
+        return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
+            return rotation_coefficients(problem.principal_inertia, forcing_of(segment)).has_value();
+        });
+    }
+    RotationLanes(const Problem& problem, double tolerance, double rounding) : problem_(&problem) {
+        component_scales<SystemType>(problem, scales_.data());
+        allowance_.rounding = rounding;
+        allowance_.squared_scale[7] = 1;
+        for (int i = 0; i < 7; ++i)
+            allowance_.squared_scale[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+        restart();
+    }
+    void restart() {
+        state_ = {};
+        initial_state<SystemType>(*problem_, state_.y);
+    }
+    void enter(const Segment& segment) {
+        if (polhode::enter<SystemType>(*problem_, segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
+        coefficients_ = *rotation_coefficients(problem_->principal_inertia, forcing_of(segment));
+        segment_ = &segment;
+    }
+    double first_step(double t, double longest) {
+        return first_step_of(system_on<SystemType>(*problem_, *segment_), t, state_.y, scales_, longest);
+    }
+    void accept() { state_ = next_.state; }
+    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, state_.y); }
+
+  protected:
+    static const Forcing<double>* forcing_of(const Segment& segment) {
+        return std::is_same_v<SystemType, FreeRotation<double>> ? nullptr : &segment.forcing;
+    }
+
+    const Problem* problem_;
+    const Segment* segment_ = nullptr;
+    RotationCoefficients coefficients_;
+    RotationAllowance allowance_;
+    std::array<double, 7> scales_{};
+    RotationState state_;
+    RotationStep next_;
+};
+
+}  // namespace polhode

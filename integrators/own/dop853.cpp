@@ -1,0 +1,158 @@
+// DOP853 by the tolerance, on registers for rotations and on any right-hand side.
+#include <limits>
+
+#include "integrators/own/compensated_state.h"
+#include "integrators/own/dormand_prince.h"
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/tolerance.h"
+
+namespace polhode {
+namespace {
+
+/// More is allowed of a component by this, times its increment.
+constexpr double rounding = 0x1p-52;
+
+struct PairErrors {
+    double fifth, third;  ///< squared, in units of what is allowed
+};
+
+template <class SystemType>
+class GeneralDop853 : public GeneralState<SystemType> {
+    using Base = GeneralState<SystemType>;
+    using Y = typename Base::Y;
+    static constexpr int N = SystemType::dimension;
+
+  public:
+    using Base::Base;
+
+    PairErrors attempt(double t, double h) {
+        std::array<Y, dop853_stages> k{};
+        this->system_.derivative(t, this->y_.data(), k[0].data());
+        Y y{};
+        for (int s = 1; s < dop853_stages; ++s) {
+            for (int i = 0; i < N; ++i) y[i] = this->y_[i] + h * weighted(k, dop853.a[s], s, i);
+            this->system_.derivative(t + dop853.c[s] * h, y.data(), k[s].data());
+        }
+        PairErrors errors{0, 0};
+        for (int i = 0; i < N; ++i) {
+            const double slope = weighted(k, dop853.b, dop853_stages, i), change = h * slope;
+            const double fifth = h * weighted(k, dop853.fifth_error, dop853_stages, i);
+            const double third = h * (slope - weighted(k, dop853.third, dop853_stages, i));
+            const double allowed = this->squared_scale_[i] + rounding * change * (rounding * change);
+            errors.fifth += fifth * fifth / allowed;
+            errors.third += third * third / allowed;
+            this->add(i, change, 0);
+        }
+        return errors;
+    }
+
+  private:
+    static double weighted(const std::array<Y, dop853_stages>& k, const double* weights, int count, int i) {
+        double sum = 0;
+        for (int j = 0; j < count; ++j)
+            if (weights[j] != 0) sum += weights[j] * k[j][i];
+        return sum;
+    }
+};
+
+template <class SystemType>
+class RotationDop853 : public RotationLanes<SystemType> {
+    using Base = RotationLanes<SystemType>;
+
+  public:
+    RotationDop853(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, rounding), step_(dop853_step(instruction_set())) {}
+
+    PairErrors attempt(double, double h) {
+        step_(this->coefficients_, this->allowance_, this->state_, h, this->next_);
+        return {this->next_.squared_error, this->next_.squared_error_before};
+    }
+
+  private:
+    Dop853Step* step_;
+};
+
+/// The step control of dop853.f: the error of order 8 that both estimates make together, h_new = 0.9 h error^(-1/8)
+/// between h/3 and 6 h, and no growth after a rejection.
+template <class State>
+class ControlledDop853 {
+  public:
+    ControlledDop853(const Problem& problem, double tolerance)
+        : duration_(problem.scene.duration), state_(problem, tolerance) {}
+
+    void restart() {
+        state_.restart();
+        evaluations_ = 0;
+    }
+    void enter(const Segment& segment) { state_.enter(segment); }
+    double first_step(double t) {
+        rejected_ = false;
+        evaluations_ += 2;
+        return 0.5 * state_.first_step(t, duration_);
+    }
+    Attempt attempt(double& t, double& h) {
+        const PairErrors errors = state_.attempt(t, h);
+        evaluations_ += dop853_stages;
+        if (!std::isfinite(errors.fifth) || !std::isfinite(errors.third)) {
+            h *= 0.1, rejected_ = true;
+            return Attempt::not_finite;
+        }
+        const double both = errors.fifth + 0.01 * errors.third;
+        const double squared_error = both > 0 ? errors.fifth * (errors.fifth / both) : 0;
+        const double tried = h;
+        const double factor = squared_error > 0 ? 0.9 * std::pow(squared_error, -1.0 / 16) : 6;
+        const bool accepted = squared_error <= 1;
+        h *= std::clamp(factor, 1.0 / 3, accepted && !rejected_ ? 6.0 : accepted ? 1.0 : 0.9);
+        rejected_ = !accepted;
+        if (!accepted) return Attempt::rejected;
+        state_.accept();
+        t += tried;
+        return Attempt::accepted;
+    }
+    Sample sample(double t) const { return state_.sample(t); }
+    long rhs_evaluations() const { return evaluations_; }
+
+  private:
+    double duration_;
+    State state_;
+    bool rejected_ = false;
+    long evaluations_ = 0;
+};
+
+Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
+    const double tolerance = *settings.tolerance;
+    if (!reachable(tolerance)) return out_of_reach(tolerance);
+    const double aim = aimed_at(tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        if constexpr (SystemType::dimension == 7)
+            if (RotationLanes<SystemType>::serves(problem))
+                return march_controlled(problem, settings, ControlledDop853<RotationDop853<SystemType>>(problem, aim));
+        return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, aim));
+    });
+}
+
+double growth(std::complex<double> z) {
+    return runge_kutta_growth({&dop853.a[0][0], dop853_stages * dop853_stages}, dop853.b, z);
+}
+
+const Method family[] = {
+    {.name = "dop853",
+     .documentation =
+         "Dormand & Prince's method of order 8 with the error estimates of orders 5 and 3 of Hairer, Norsett & Wanner, "
+         "steps by the tolerance, compensated summation; any right-hand side. Twelve right-hand sides a step. "
+         "Rotations under the loads of a scene file run on vector registers, with the same bits on every instruction "
+         "set. For loose tolerances and rough right-hand sides.",
+     .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .order = 0,
+     .solve = solve_dop853,
+     .growth = growth},
+};
+
+}  // namespace
+
+extern const std::span<const Method> dop853_methods;
+const std::span<const Method> dop853_methods = family;
+
+}  // namespace polhode

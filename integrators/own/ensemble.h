@@ -1,0 +1,47 @@
+// Bodies by the million: each with its own inertia and start, all under the loads of one scene.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "integrators/lanes/lanes.h"
+#include "motion/ensemble_table.h"
+#include "motion/trajectory.h"
+
+namespace polhode {
+
+struct EnsembleSettings {
+    /// Relative: a step's error is a tenth of this, in rad for the attitude. Bodies with a closed form are as near as
+    /// rounding leaves them.
+    double tolerance = 1e-10;
+    int threads = 1;                                  ///< at least 1
+    long max_steps = 1'000'000;                       ///< a body that needs more between two events is `failed`
+    double seconds_limit = 3600;                      ///< s; likewise, of the thread, for a body solved by itself
+    InstructionSet instructions = instruction_set();  ///< not beyond what the processor has; same bits in each
+};
+
+/// What became of one body.
+struct EnsembleRow {
+    Status status = Status::ok;
+    bool moved = false;   ///< `end` holds a motion: false for a body that could not begin
+    Sample end;           ///< the motion at the scene's duration, or where the body's run ended
+    std::string message;  ///< why, wherever status is not ok
+};
+
+/// The motion of each body at the scene's duration. A body that fails, or that cannot be (see fault_of), gets a row
+/// that says so and stops no other. A row depends on its own body, the scene and the tolerance alone: the same bits for
+/// any number of threads, any order of the bodies and any instruction set. Torque-free pieces go by the closed form,
+/// eight bodies at once; loads that are polynomial in attitude and rate by Taylor series, likewise. Other bodies are
+/// posed and solved one by one, by the method `auto`: scenes with planes, a user's torque, forces at world points, two
+/// springs at once, forces that turn with a body in flight; stiff damping; principal moments further apart than 10^8.
+/// Memory does not grow with the duration. Throws InputError where the scene is not valid, std::invalid_argument for
+/// settings out of range.
+std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
+                                        const EnsembleSettings& settings = {});
+
+/// The same into rows of the caller's, as many as bodies.
+void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, const EnsembleSettings& settings,
+                    std::span<EnsembleRow> rows);
+
+}  // namespace polhode

@@ -1,0 +1,145 @@
+// The closed form of a motion, where it has one: no steps, no error but round-off.
+#include "integrators/own/exact.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "integrators/closed_form/closed_form.h"
+#include "integrators/method.h"
+#include "integrators/run/march.h"
+
+namespace polhode {
+namespace {
+
+using Form = ClosedForm<double>;
+
+// Axes that had to be computed, and moments that were shifted there, are known to a rounding: what is within two units
+// of the last place of being equal, or along an axis, is taken for it, since the rounding cannot tell.
+double rounding_of(const Problem& problem) {
+    const bool as_given = problem.q_BP == Quaternion<double>{} && problem.body.arm == Vector3<double>();
+    return as_given ? 0 : 0x1p-51;
+}
+
+// A free body next to the separatrix, where a = I1 (I2 - I1) w1^2 and b = I3 (I3 - I2) w3^2 are nearly the same,
+// multiplies the rounding of its start, and that of a and b, by up to the inverse of how nearly.
+bool starts_next_to_separatrix(const Problem& problem) {
+    constexpr double next_to = 1e-3;
+    const Segment& segment = problem.segments.front();
+    if (!segment.impulses.empty() || segment.forcing.any_torque()) return false;
+    const Vector3<double>&I = problem.principal.moments, &w = problem.initial_angular_velocity;
+    const double middle = std::max(std::min(I[0], I[1]), std::min(std::max(I[0], I[1]), I[2]));
+    double a = 0, b = 0;
+    for (int i = 0; i < 3; ++i) (I[i] < middle ? a : b) += I[i] * std::abs(middle - I[i]) * w[i] * w[i];
+    return std::abs(a - b) < next_to * b;
+}
+
+std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
+    if (segment.begin == 0 && starts_next_to_separatrix(problem)) {
+        const FreeAsymmetricBody<Wide> form(problem.wide_principal.moments, problem.wide_initial_angular_velocity,
+                                            cast<Wide>(quaternion_at(y, 3)));
+        return std::optional<Form>(std::in_place, std::in_place_type<FreeAsymmetricBody<double>>, form);
+    }
+    return Form::find(problem.principal.moments, segment.forcing, vector_at(y, 0), quaternion_at(y, 3),
+                      rounding_of(problem));
+}
+
+void advance(const Form& form, double t, double* y) {
+    const Rotation<double> rotation = form.at(t);
+    put(y, 0, rotation.w);
+    put(y, 3, rotation.q);
+}
+
+// Every piece's form, from the state that the one before leads to; false where one has none.
+template <class Visit>
+bool through_pieces(const Problem& problem, Visit&& visit) {
+    double y[7];
+    put(y, 0, problem.initial_angular_velocity);
+    put(y, 3, problem.initial_q);
+    for (const Segment& segment : problem.segments) {
+        enter<FreeRotation<double>>(problem, segment, y);
+        const std::optional<Form> form = form_of(problem, segment, y);
+        if (!form || !visit(segment, *form)) return false;
+        if (&segment != &problem.segments.back()) advance(*form, segment.end - segment.begin, y);
+    }
+    return true;
+}
+
+// Why the scene has no closed form here; empty where it may have one.
+std::string_view refusal(const Problem& problem) {
+    if (problem.formulation != Formulation::reduced)
+        return "a closed form integrates nothing, whatever is left out: solve it without --full";
+    if (problem.needs.user_torque) return "a user's torque has no closed form";
+    if (problem.needs.translation == Translation::integrated)
+        return "the forces tie translation and rotation together: no closed form";
+    return "";
+}
+
+constexpr std::string_view no_form =
+    "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque and drag";
+
+Trajectory solve_exact(const Problem& problem, const Settings& settings) {
+    if (const std::string_view why = refusal(problem); !why.empty()) return unsupported(std::string(why));
+    const double bound = energy_bound(problem), duration = problem.scene.duration;
+    Trajectory trajectory;
+    double y[7];
+    Budget budget(settings);
+    const auto sample = [&](const Segment& segment, const Form& form, double t) {
+        if (!budget.goes_on()) {
+            budget.stop(trajectory);
+            return false;
+        }
+        advance(form, t - segment.begin, y);
+        return record(problem, sample_of<FreeRotation<double>>(problem, t, y), bound, trajectory);
+    };
+    const auto run = [&] {
+        trajectory.samples.clear();
+        long next = settings.record ? 0 : settings.samples;
+        return through_pieces(problem, [&](const Segment& segment, const Form& form) {
+            // a sample at an event belongs to the piece that it opens
+            const bool last = &segment == &problem.segments.back();
+            for (; next <= settings.samples; ++next) {
+                const double t = sample_time(duration, next, settings.samples);
+                if (!(t < segment.end || last)) return true;
+                if (!sample(segment, form, t)) return false;
+            }
+            return true;
+        });
+    };
+    if (settings.record) trajectory.samples.reserve(static_cast<std::size_t>(settings.samples) + 1);
+    const auto start = std::chrono::steady_clock::now();
+    bool complete = true;
+    for (int i = 0; i < settings.repetitions && complete; ++i) complete = run();
+    trajectory.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / settings.repetitions;
+    if (!complete && trajectory.status == Status::ok) return unsupported(std::string(no_form));
+    return trajectory;
+}
+
+constexpr Method exact_table[] = {{
+    .name = "exact",
+    .documentation =
+        "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs what 1 s costs. A free "
+        "body, attitude included, by Jacobi's theta functions on either side of the separatrix, on it and next to it; "
+        "symmetric bodies and spheres by turns; Lagrange's top with nutation, precession and spin as quotients of "
+        "theta functions; a turn about one axis under a constant torque and linear drag. Impulses and windows join "
+        "pieces. q is continuous. Its only error is round-off: that of the data, times the motion's conditioning, "
+        "which grows in proportion to t (for the phase of 10^6 rad some 10^-10 rad remain).",
+    .source = "C. G. J. Jacobi 1849; R. van Zon and J. Schofield 2007, J. Comput. Phys. 225, 145; F. Klein and "
+              "A. Sommerfeld 1897",
+    .conserves = "everything the motion does, to round-off",
+    .control = Control::none,
+    .solve = solve_exact,
+}};
+
+}  // namespace
+
+bool has_closed_form(const Problem& problem) {
+    return refusal(problem).empty() && through_pieces(problem, [](const Segment&, const Form&) { return true; });
+}
+
+extern const std::span<const Method> exact_methods;
+const std::span<const Method> exact_methods{exact_table};
+
+}  // namespace polhode

@@ -1,0 +1,269 @@
+// Gragg, Bulirsch and Stoer's extrapolation of the explicit midpoint rule, order and step by the tolerance.
+//
+// A step of K columns is carried out whole: all its columns are independent and run side by side, so that there is
+// nothing to gain from stopping early. After it the errors of orders 2K - 1 and 2K - 3 tell the best H of either, and
+// the one with less work to a unit of time is taken, or one order more (Deuflhard 1983; Hairer, Norsett & Wanner 1993,
+// II.9).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "integrators/own/binary_parts.h"
+#include "integrators/own/compensated_state.h"
+#include "integrators/own/midpoint_columns.h"
+#include "integrators/run/march.h"
+#include "integrators/run/tolerance.h"
+
+namespace polhode {
+namespace {
+
+/// Below this the order stays and the columns are summed with care: rounding is then what is left of the error.
+constexpr double least_of_variable_order = 3e-14;
+/// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
+double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
+
+/// log2 x within 0.01 and 2^x within 1 %, of normal numbers x >= 0: the same bits with every library.
+double rough_log2(double x) {
+    const double m = mantissa_of(x);
+    return exponent_of(x) + ((2 - m / 3) * m - 5.0 / 3);
+}
+double rough_exp2(double x) {
+    const int whole = static_cast<int>(x + 64) - 64;  // |x| < 64
+    const double r = x - whole;
+    return power_of_two(whole) * (1 + r * (2 + r) / 3);
+}
+
+struct StepErrors {
+    double squared, squared_before;  ///< see RotationStep
+};
+
+/// K and H of the next step.
+///
+/// The motion's own period is a few steps, and the error of a given H differs a hundredfold along it. So H follows the
+/// least of the last four steps' suggestions, and the order changes only for a clear gain: measured, a third of the
+/// steps were else rejected, and the worst accepted ones made the error.
+class OrderControl {
+  public:
+    explicit OrderControl(double tolerance)
+        : first_(tolerance < least_of_variable_order
+                     ? careful_row
+                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {
+        restart();
+    }
+    void restart() {
+        row_ = first_, rejected_ = false;
+        forget();
+    }
+    int row() const { return row_; }
+
+    /// After a step H by row(): the next H.
+    double next(double H, const StepErrors& errors, bool accepted) {
+        constexpr double gain_to_lower = 0.8, gain_to_raise = 0.7;
+        const int K = extrapolation_rows[row_].columns;
+        double same = H * factor(errors.squared, K), lower = H * factor(errors.squared_before, K - 1);
+        if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
+        suggested_ = {same, suggested_[0], suggested_[1], suggested_[2]};
+        const double least = std::min(std::min(same, suggested_[1]), std::min(suggested_[2], suggested_[3]));
+        lower *= least / same, same = least;
+        if (row_ == careful_row) return on_grid(same);
+        if (K > fewest_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
+            row_ = K - 1, same = lower;
+            forget();
+        } else if (accepted && !rejected_ && K < most_columns && work(K, same) < gain_to_raise * work(K - 1, lower)) {
+            // the step at which K + 1 columns would cost as much to a unit of time
+            row_ = K + 1, same *= evaluations(K + 1) / evaluations(K);
+            forget();
+        }
+        rejected_ = !accepted;
+        return on_grid(same);
+    }
+    /// After a step that gave no number.
+    double retreat(double H) {
+        if (row_ != careful_row) row_ = std::max(row_ - 2, fewest_columns);
+        rejected_ = true;
+        forget();
+        return 0.1 * H;
+    }
+    /// H cut to few binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is then exact. A
+    /// rounded H/n_j would be an error of the time itself, the same in every step and amplified.
+    double on_grid(double H) const {
+        if (H < 1e-200) return H;
+        const double unit = power_of_two(exponent_of(H) - 30);
+        const double grid = extrapolation_rows[row_].odd_multiple * unit;
+        return static_cast<double>(static_cast<long>(H / grid)) * grid;
+    }
+
+  private:
+    void forget() { suggested_.fill(std::numeric_limits<double>::infinity()); }
+    static double evaluations(int K) { return extrapolation_rows[K].evaluations; }
+    static double work(int K, double H) { return evaluations(K) / H; }
+    /// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)); with care the aim is so low that the
+    /// error of T_KK itself, at its worst along the motion, is below rounding.
+    double factor(double squared_error, int K) const {
+        const double log2_of_aim = row_ == careful_row ? -7 : -2.32;
+        const double exponent = (log2_of_aim - rough_log2(squared_error) / 2) / (2 * K - 1);
+        return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
+    }
+
+    int first_, row_ = first_;
+    bool rejected_ = false;
+    std::array<double, 4> suggested_{};
+};
+
+/// Any right-hand side, the columns one after the other.
+template <class SystemType>
+class GeneralColumns : public GeneralState<SystemType> {
+    using Base = GeneralState<SystemType>;
+    using Y = typename Base::Y;
+    static constexpr int N = SystemType::dimension;
+
+  public:
+    GeneralColumns(const Problem& problem, double tolerance)
+        : Base(problem, tolerance), rounding_(rounding(tolerance)) {}
+
+    StepErrors attempt(double t, double H, int number) {
+        const ExtrapolationRow& row = extrapolation_rows[number];
+        const int K = row.columns;
+        const bool careful = number == careful_row;
+        Y f{};
+        this->system_.derivative(t, this->y_.data(), f.data());
+        std::array<Y, most_columns> column{}, lost_column{};
+        for (int j = 0; j < K; ++j)
+            midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
+        const Y& finest = column[K - 1];
+        StepErrors errors{0, 0};
+        for (int i = 0; i < N; ++i) {
+            double value = 0, error = 0, error_before = 0;
+            for (int j = 0; j + 1 < K; ++j) {
+                const double difference = (column[j][i] - finest[i]) + (lost_column[j][i] - lost_column[K - 1][i]);
+                value += row.weights.value[j] * difference;
+                error += row.weights.error[j] * difference;
+                error_before += row.weights.error_before[j] * difference;
+            }
+            const double slack = rounding_ * row.amplification * finest[i];
+            const double allowed = this->squared_scale_[i] + slack * slack;
+            errors.squared += error * error / allowed;
+            errors.squared_before += error_before * error_before / allowed;
+            // y + z_K and what it rounds away, then the rest
+            value += lost_column[K - 1][i];
+            this->add(i, finest[i], value);
+        }
+        return errors;
+    }
+
+  private:
+    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded
+    /// away.
+    void midpoint(double t, const Y& f, double h, int n, bool careful, Y& now, Y& lost) const {
+        Y before{}, lost_before{}, y{}, rate{};
+        lost.fill(0);
+        for (int i = 0; i < N; ++i) now[i] = h * f[i];
+        for (int m = 1; m < n; ++m) {
+            for (int i = 0; i < N; ++i) y[i] = this->y_[i] + (now[i] + lost[i]);
+            this->system_.derivative(t + m * h, y.data(), rate.data());
+            for (int i = 0; i < N; ++i) {
+                const double change = 2 * h * rate[i] + lost_before[i], next = before[i] + change;
+                lost_before[i] = lost[i], lost[i] = careful ? rounded_away(before[i], change, next) : 0;
+                before[i] = now[i], now[i] = next;
+            }
+        }
+    }
+
+    double rounding_;
+};
+
+/// Rotations on registers, the columns side by side.
+template <class SystemType>
+class RotationColumns : public RotationLanes<SystemType> {
+    using Base = RotationLanes<SystemType>;
+
+  public:
+    RotationColumns(const Problem& problem, double tolerance)
+        : Base(problem, tolerance, rounding(tolerance)), step_(midpoint_step(instruction_set())) {}
+
+    StepErrors attempt(double, double H, int row) {
+        step_(this->coefficients_, this->allowance_, this->state_, H, row, this->next_);
+        return {this->next_.squared_error, this->next_.squared_error_before};
+    }
+
+  private:
+    MidpointStep* step_;
+};
+
+template <class Columns>
+class ControlledExtrapolation {
+  public:
+    ControlledExtrapolation(const Problem& problem, double tolerance)
+        : duration_(problem.scene.duration), columns_(problem, tolerance), control_(tolerance) {}
+
+    void restart() {
+        columns_.restart();
+        control_.restart();
+        evaluations_ = 0;
+    }
+    void enter(const Segment& segment) { columns_.enter(segment); }
+    double first_step(double t) {
+        control_.restart();
+        evaluations_ += 2;
+        return control_.on_grid(columns_.first_step(t, duration_));
+    }
+    Attempt attempt(double& t, double& h) {
+        const StepErrors errors = columns_.attempt(t, h, control_.row());
+        evaluations_ += extrapolation_rows[control_.row()].evaluations;
+        if (!std::isfinite(errors.squared) || !std::isfinite(errors.squared_before)) {
+            h = control_.retreat(h);
+            return Attempt::not_finite;
+        }
+        const bool accepted = errors.squared <= 1;
+        const double tried = h;
+        h = control_.next(h, errors, accepted);
+        if (!accepted) return Attempt::rejected;
+        columns_.accept();
+        t += tried;
+        return Attempt::accepted;
+    }
+    Sample sample(double t) const { return columns_.sample(t); }
+    long rhs_evaluations() const { return evaluations_; }
+
+  private:
+    double duration_;
+    Columns columns_;
+    OrderControl control_;
+    long evaluations_ = 0;
+};
+
+Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+    const double tolerance = *settings.tolerance;
+    if (!reachable(tolerance)) return out_of_reach(tolerance);
+    return with_system(problem, [&]<class SystemType>() {
+        if constexpr (SystemType::dimension == 7)
+            if (RotationLanes<SystemType>::serves(problem))
+                return march_controlled(problem, settings,
+                                        ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
+        return march_controlled(problem, settings,
+                                ControlledExtrapolation<GeneralColumns<SystemType>>(problem, tolerance));
+    });
+}
+
+const Method family[] = {
+    {.name = "extrapolation",
+     .documentation =
+         "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
+         "compensated summation; any right-hand side. Rotations under the loads of a scene file run on vector "
+         "registers, the columns side by side, with the same bits on every instruction set. Each component's error in "
+         "a step is held to R times its scale, or to what rounding leaves of it.",
+     .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "
+               "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .order = 0,
+     .solve = extrapolate},
+};
+
+}  // namespace
+
+extern const std::span<const Method> extrapolation_methods;
+const std::span<const Method> extrapolation_methods = family;
+
+}  // namespace polhode

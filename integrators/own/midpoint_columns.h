@@ -1,0 +1,210 @@
+// One extrapolated step of a rotation on registers of eight lanes, all columns side by side.
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "integrators/lanes/rotation_lanes.h"
+#include "integrators/own/extrapolation_columns.h"
+
+namespace polhode {
+
+/// The errors in units of what is allowed, and y + z_K + value.
+template <class Register>
+POLHODE_INLINE void finish_step(const RotationAllowance& allowance, const RotationState& from, const Register& y,
+                                const Register& finest, const Register& value, const Register& error,
+                                const Register& error_before, double amplification, RotationStep& to) {
+    const Register slack = broadcast<Register>(allowance.rounding * amplification) * finest;
+    const Register allowed = loaded<Register>(allowance.squared_scale) + slack * slack;
+    const Register inverse = broadcast<Register>(1) / allowed;
+    to.squared_error = sum_of((error * error) * inverse);
+    to.squared_error_before = sum_of((error_before * error_before) * inverse);
+    const Register sum = y + finest;
+    const Register rest = (value + loaded<Register>(from.lost)) + rounded_away(y, finest, sum);
+    const Register next = sum + rest;
+    store(to.state.y, next);
+    store(to.state.lost, rounded_away(sum, rest, next));
+}
+
+/// How a column of substeps h goes on: z_1 = h f(y), z_(m+1) = z_(m-1) + 2h f(y + z_m), on the increments z: their
+/// rounding is relative to the step's change, not to y.
+template <RotationTerms terms, class Register>
+class ColumnRule {
+  public:
+    struct Column {
+        Register twice_h;
+    };
+
+    POLHODE_INLINE ColumnRule(const RotationCoefficients& coefficients, const Register& y)
+        : rate_(coefficients), y_(y), f_(rate_(y)) {}
+    POLHODE_INLINE Column column(double h) const { return {broadcast<Register>(2 * h)}; }
+    POLHODE_INLINE Register first(const Column&, double h) const { return broadcast<Register>(h) * f_; }
+    POLHODE_INLINE Register change(const Column& column, const Register& z) const {
+        return column.twice_h * rate_(y_ + z);
+    }
+    /// z in the problem's units
+    POLHODE_INLINE Register increment(const Register& z, double) const { return z; }
+
+  private:
+    RotationRate<terms, Register> rate_;
+    Register y_, f_;
+};
+
+/// Without a torque: in units of the column's own, u = h w, and with s = -q_w
+///
+///   u_(m+1) - u_(m-1) = 2 c (u2 u3, ..),   q_(m+1) - q_(m-1) = q (0, u)
+///
+/// so that no product has a factor but those of the gyroscopic terms, and with -q_z in the eighth lane every component
+/// is a product and the difference of two: 14 operations instead of 17. (On y + z itself, without z, it would be 13,
+/// and the rounding next to a separatrix five times as much.)
+template <class Register>
+class FreeColumnRule {
+  public:
+    struct Column {
+        Register unit, y;
+    };
+
+    POLHODE_INLINE FreeColumnRule(const RotationCoefficients& coefficients, const Register& y)
+        : factor_(loaded<Register>(coefficients.product[0]) * loaded<Register>(doubled) + loaded<Register>(eighth)),
+          y_(eight_of(y)),
+          f_(eight_of(RotationRate<RotationTerms::none, Register>(coefficients)(y))) {}
+    POLHODE_INLINE Column column(double h) const {
+        const Register unit = broadcast<Register>(h) * loaded<Register>(of_rates) + loaded<Register>(signs);
+        return {unit, unit * y_};
+    }
+    POLHODE_INLINE Register first(const Column& column, double h) const {
+        return column.unit * (broadcast<Register>(h) * f_);
+    }
+    POLHODE_INLINE Register change(const Column& column, const Register& z) const {
+        const Register y = column.y + z;
+        const Register a = factor_ * (permuted<1, 2, 0, 4, 3, 3, 3, 3>(y) * permuted<2, 0, 1, 0, 0, 1, 2, 2>(y));
+        const Register b = permuted<6, 6, 6, 5, 5, 6, 4, 5>(y) * permuted<2, 2, 2, 1, 2, 0, 1, 0>(y);
+        const Register c = permuted<6, 6, 6, 7, 6, 4, 5, 4>(y) * permuted<2, 2, 2, 2, 1, 2, 0, 1>(y);
+        return a + (b - c);
+    }
+    POLHODE_INLINE Register increment(const Register& z, double inverse_h) const {
+        return z * (broadcast<Register>(inverse_h) * loaded<Register>(of_rates) + loaded<Register>(signs_back));
+    }
+
+  private:
+    POLHODE_INLINE static Register eight_of(const Register& y) { return permuted<0, 1, 2, 3, 4, 5, 6, 6>(y); }
+
+    alignas(64) static constexpr double doubled[8] = {2, 2, 2, -2, -2, -2, -2, 0};
+    alignas(64) static constexpr double eighth[8] = {0, 0, 0, 0, 0, 0, 0, 1};
+    alignas(64) static constexpr double of_rates[8] = {1, 1, 1, 0, 0, 0, 0, 0};
+    alignas(64) static constexpr double signs[8] = {0, 0, 0, -1, 1, 1, 1, -1};
+    alignas(64) static constexpr double signs_back[8] = {0, 0, 0, -1, 1, 1, 1, 0};
+
+    Register factor_, y_, f_;
+};
+
+/// With care what is rounded away is kept, and means nothing in a column's own units.
+template <RotationTerms terms, bool careful, class Register>
+using ColumnRuleFor =
+    std::conditional_t<terms == RotationTerms::none && !careful, FreeColumnRule<Register>, ColumnRule<terms, Register>>;
+
+/// All columns. The step then adds z_n, no last smoothing: n is even.
+template <int row, RotationTerms terms, class Register>
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, RotationStep& to) {
+    constexpr int K = columns_of<row>;
+    constexpr bool careful = row == careful_row;
+    constexpr auto n = substeps<row>();
+    constexpr auto weights = extrapolation_weights<row>();
+    constexpr auto chains = column_chains<row>();
+
+    using Rule = ColumnRuleFor<terms, careful, Register>;
+    const Register y = loaded<Register>(from.y), zero = broadcast<Register>(0);
+    const Rule rule(coefficients, y);
+    typename Rule::Column at[chains.chains];
+    Register before[chains.chains], now[chains.chains], column[K];
+    // what was rounded away from each of them; not used unless careful
+    Register lost_before[chains.chains], lost_now[chains.chains], lost_column[K];
+    // H / n_j, exact; one division for eight of them
+    alignas(64) static constexpr auto divisors = substeps_as_lanes<row>();
+    alignas(64) double h_of[divisors.size()];
+    for (std::size_t first = 0; first < divisors.size(); first += 8)
+        store(h_of + first, broadcast<Register>(H) / loaded<Register>(divisors.data() + first));
+    const auto start = [&](auto j) POLHODE_INLINE_LAMBDA {
+        constexpr int c = chains.chain[j];
+        const double h = h_of[j];
+        at[c] = rule.column(h);
+        before[c] = zero, now[c] = rule.first(at[c], h);
+        if constexpr (careful) lost_before[c] = zero, lost_now[c] = zero;
+    };
+    unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
+        if constexpr (chains.first[j] == 0) start(j);
+    });
+    const double inverse_H = 1 / H;
+    unrolled<chains.pieces>([&](auto piece) POLHODE_INLINE_LAMBDA {
+        constexpr int begin = chains.ends[piece], end = chains.ends[piece + 1];
+        for (int i = begin; i < end; ++i)
+            unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
+                if constexpr (chains.first[j] <= begin && end <= chains.last[j]) {
+                    constexpr int c = chains.chain[j];
+                    if constexpr (careful) {
+                        const Register change = rule.change(at[c], now[c] + lost_now[c]) + lost_before[c];
+                        const Register next = before[c] + change;
+                        lost_before[c] = lost_now[c], lost_now[c] = rounded_away(before[c], change, next);
+                        before[c] = now[c], now[c] = next;
+                    } else {
+                        const Register next = before[c] + rule.change(at[c], now[c]);
+                        before[c] = now[c], now[c] = next;
+                    }
+                }
+            });
+        unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
+            if constexpr (chains.last[j] == end) {
+                column[j] = rule.increment(now[chains.chain[j]], n[j] * inverse_H);
+                if constexpr (careful) lost_column[j] = lost_now[chains.chain[j]];
+            }
+        });
+        unrolled<K>([&](auto j) POLHODE_INLINE_LAMBDA {
+            if constexpr (chains.first[j] == end) start(j);
+        });
+    });
+
+    const Register& finest = column[K - 1];
+    Register value = zero, error = zero, error_before = zero;
+    unrolled<K - 1>([&](auto j) POLHODE_INLINE_LAMBDA {
+        Register difference = column[j] - finest;
+        if constexpr (careful) difference = difference + (lost_column[j] - lost_column[K - 1]);
+        value = value + broadcast<Register>(weights.value[j]) * difference;
+        error = error + broadcast<Register>(weights.error[j]) * difference;
+        error_before = error_before + broadcast<Register>(weights.error_before[j]) * difference;
+    });
+    if constexpr (careful) value = value + lost_column[K - 1];
+    finish_step(allowance, from, y, finest, value, error, error_before, extrapolation_rows[row].amplification, to);
+}
+
+/// The row chosen at run time.
+template <RotationTerms terms, class Register>
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, int row, RotationStep& to) {
+    unrolled<rows - fewest_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
+        constexpr int number = fewest_columns + i;
+        if (row == number) midpoint_step<number, terms, Register>(coefficients, allowance, from, H, to);
+    });
+}
+
+using MidpointStep = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double H,
+                          int row, RotationStep& to);
+/// The same step, and the same bits, by each instruction set.
+MidpointStep midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512;
+/// By the set at hand.
+MidpointStep* midpoint_step(InstructionSet set);
+
+template <class Register>
+POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                                  const RotationState& from, double H, int row, RotationStep& to) {
+    switch (coefficients.terms) {
+        case RotationTerms::none:
+            return midpoint_step<RotationTerms::none, Register>(coefficients, allowance, from, H, row, to);
+        case RotationTerms::axial_field:
+            return midpoint_step<RotationTerms::axial_field, Register>(coefficients, allowance, from, H, row, to);
+        case RotationTerms::quadratic:
+            return midpoint_step<RotationTerms::quadratic, Register>(coefficients, allowance, from, H, row, to);
+    }
+}
+
+}  // namespace polhode

@@ -1,0 +1,35 @@
+// A scalar that is a number at each of up to eight stages: the right-hand side run on it is evaluated at all of them at
+// once.
+#pragma once
+
+#include "integrators/lanes/lanes.h"
+
+namespace polhode {
+
+struct Stages {
+    Lanes8 lane{};
+
+    Stages() = default;
+    explicit Stages(double x) : lane{x, x, x, x, x, x, x, x} {}
+    explicit Stages(const Lanes8& lanes) : lane(lanes) {}
+    // not trivial, so that it is passed in memory whatever registers the caller's and the callee's instructions have
+    Stages(const Stages& other) : lane(other.lane) {}
+    Stages& operator=(const Stages& other) {
+        lane = other.lane;
+        return *this;
+    }
+    ~Stages() = default;
+
+    friend Stages operator+(const Stages& a, const Stages& b) { return Stages(a.lane + b.lane); }
+    friend Stages operator-(const Stages& a, const Stages& b) { return Stages(a.lane - b.lane); }
+    friend Stages operator*(const Stages& a, const Stages& b) { return Stages(a.lane * b.lane); }
+    friend Stages operator-(const Stages& a) { return Stages(-a.lane); }
+    friend Stages operator*(double a, const Stages& b) { return Stages(a * b.lane); }
+    friend Stages operator*(const Stages& a, double b) { return Stages(a.lane * b); }
+    friend Stages operator+(const Stages& a, double b) { return Stages(a.lane + b); }
+    friend Stages operator+(double a, const Stages& b) { return Stages(a + b.lane); }
+    friend Stages operator-(const Stages& a, double b) { return Stages(a.lane - b); }
+    friend Stages operator-(double a, const Stages& b) { return Stages(a - b.lane); }
+};
+
+}  // namespace polhode

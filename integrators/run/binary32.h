@@ -1,0 +1,212 @@
+// Fixed-step methods in binary32 beside those in binary64: the same steppers, their scalar a parameter.
+//
+// Rounded to 24 bits are the state, the body's constants and the loads, once each, the step's length, and the result of
+// every operation of a step. Times, events and the impulses at them stay in binary64; samples are widened as they are.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "integrators/run/march.h"
+#include "motion/rounded.h"
+#include "motion/segment_forcing.h"
+
+namespace polhode {
+
+/// The same system over floats.
+template <class SystemType>
+struct RoundedSystem;
+template <template <class> class SystemOf>
+struct RoundedSystem<SystemOf<double>> {
+    using type = SystemOf<float>;
+};
+template <template <class> class Inertia, bool translation>
+struct RoundedSystem<LoadedBody<double, Inertia<double>, translation>> {
+    using type = LoadedBody<float, Inertia<float>, translation>;
+};
+
+/// One of the systems of motion/systems.h in binary32: what it is posed as, with its constants rounded. No user's
+/// torques.
+template <class SystemType>
+class Binary32 {
+  public:
+    using Scalar = float;
+    using Posed = SystemType;
+    static constexpr int dimension = SystemType::dimension;
+
+    Binary32(const Problem& problem, const Segment& segment) {
+        const SystemType posed = polhode::system_on<SystemType>(problem, segment);
+        if constexpr (requires { posed.forcing; }) {
+            forcing_ = std::make_shared<const Forcing<float>>(rounded<float>(*posed.forcing));
+            system_ = {rounded<float>(posed.inertia), forcing_.get()};
+        } else if constexpr (requires { posed.inertia; }) {
+            system_ = {rounded<float>(posed.inertia)};
+        } else {
+            system_ = rounded<float>(posed);
+        }
+    }
+
+    template <class S>
+    void derivative(double t, const S* y, S* dy) const {
+        system_.derivative(t, y, dy);
+    }
+
+  private:
+    std::shared_ptr<const Forcing<float>> forcing_;  // shared: copies of the system point to the same
+    typename RoundedSystem<SystemType>::type system_;
+};
+
+template <class SystemType>
+concept InBinary32 = std::is_same_v<SystemType, Binary32<typename SystemType::Posed>>;
+
+/// The scalar of a system's state.
+template <class SystemType>
+struct ScalarOf {
+    using type = double;
+};
+template <class SystemType>
+struct ScalarOf<Binary32<SystemType>> {
+    using type = float;
+};
+
+// What problem.h declares of every system.
+template <class SystemType>
+requires InBinary32<SystemType> SystemType system_on(const Problem& problem, const Segment& segment) {
+    return SystemType(problem, segment);
+}
+template <class SystemType>
+requires InBinary32<SystemType>
+void initial_state(const Problem& problem, float* y) {
+    double wide[SystemType::dimension];
+    initial_state<typename SystemType::Posed>(problem, wide);
+    for (int i = 0; i < SystemType::dimension; ++i) y[i] = static_cast<float>(wide[i]);
+}
+template <class SystemType>
+requires InBinary32<SystemType>
+bool enter(const Problem& problem, const Segment& segment, float* y) {
+    if (segment.impulses.empty()) return false;
+    double wide[SystemType::dimension];
+    for (int i = 0; i < SystemType::dimension; ++i) wide[i] = y[i];
+    enter<typename SystemType::Posed>(problem, segment, wide);
+    for (int i = 0; i < SystemType::dimension; ++i) y[i] = static_cast<float>(wide[i]);
+    return true;
+}
+template <class SystemType>
+requires InBinary32<SystemType> Sample sample_of(const Problem& problem, double t, const float* y) {
+    double wide[SystemType::dimension];
+    for (int i = 0; i < SystemType::dimension; ++i) wide[i] = y[i];
+    return sample_of<typename SystemType::Posed>(problem, t, wide);
+}
+template <class SystemType>
+requires InBinary32<SystemType>
+void component_scales(const Problem& problem, double* scales) {
+    component_scales<typename SystemType::Posed>(problem, scales);
+}
+
+/// A system of problem.h in scalar S.
+template <class SystemType, class S>
+using SystemIn = std::conditional_t<std::is_same_v<S, double>, SystemType, Binary32<SystemType>>;
+
+/// Why Binary32 does not take the problem; empty where it does.
+inline std::string_view refused_by_binary32(const Problem& problem) {
+    return problem.needs.user_torque ? "a user's torque is a function of binary64 numbers: not taken in binary32" : "";
+}
+
+/// with_system() for scalar S, double or float.
+template <class S, class Visitor>
+Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
+    if constexpr (std::is_same_v<S, double>) {
+        return with_system(problem, std::forward<Visitor>(visit));
+    } else {
+        if (const std::string_view why = refused_by_binary32(problem); !why.empty())
+            return unsupported(std::string(why));
+        return with_system(problem,
+                           [&]<class SystemType>() { return visit.template operator()<Binary32<SystemType>>(); });
+    }
+}
+
+/// Why the body, its start or the step is nothing that binary32 can hold; empty where it can.
+std::string beyond_binary32(const Problem& problem, const Settings& settings);
+
+using Solve = Trajectory (*)(const Problem&, const Settings&);
+
+/// `solve` where binary32 holds the scene, else `unsupported`.
+template <Solve solve>
+Trajectory solve_within_binary32(const Problem& problem, const Settings& settings) {
+    if (std::string why = beyond_binary32(problem, settings); !why.empty()) return unsupported(std::move(why));
+    return solve(problem, settings);
+}
+
+/// `parts` one after the other, put together by the compiler; a zero follows, as in a literal.
+template <const auto& parts>
+struct Joined {
+    static constexpr std::size_t length = [] {
+        std::size_t sum = 0;
+        for (const std::string_view part : parts) sum += part.size();
+        return sum;
+    }();
+    static constexpr std::array<char, length + 1> characters = [] {
+        std::array<char, length + 1> all{};
+        std::size_t at = 0;
+        for (const std::string_view part : parts)
+            for (const char character : part) all[at++] = character;
+        return all;
+    }();
+    static constexpr std::string_view text{characters.data(), length};
+};
+
+/// The descriptor of the i-th of `methods` in binary32.
+template <const auto& methods, std::size_t i, Solve solve>
+struct MethodInBinary32 {
+    static constexpr std::array<std::string_view, 2> name{methods[i].name, "_float32"};
+    static constexpr std::array<std::string_view, 4> documentation{
+        "`", methods[i].name,
+        "` in binary32: state, constants, the step's length and every operation of a step rounded to 24 bits. Times, "
+        "events and impulses stay in binary64. A scene whose constants binary32 does not hold is refused; a state "
+        "beyond 3.4e38 ends the run as `diverged`; what is below 1e-38, or lost beside something larger, is lost "
+        "without a word. ",
+        methods[i].documentation};
+    static constexpr std::array<std::string_view, 2> conserves{
+        methods[i].conserves, methods[i].conserves == "nothing" ? "" : "; all to binary32's round-off"};
+
+    static constexpr Method method() {
+        Method m = methods[i];
+        m.name = Joined<name>::text;
+        m.documentation = Joined<documentation>::text;
+        m.described_as = {};
+        m.conserves = Joined<conserves>::text;
+        m.solve = solve_within_binary32<solve>;
+        return m;
+    }
+};
+
+// told by type: GCC 12 takes no comparison of a function's address for constant under -fsanitize=undefined
+template <auto solve>
+constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
+
+/// The family `methods` with NAME_float32 right behind NAME; `solves`: one in binary32 for each, nullptr for none.
+template <const auto& methods, auto... solves>
+constexpr auto with_binary32() {
+    static_assert(sizeof...(solves) == std::size(methods), "one for each method");
+    constexpr std::size_t added = ((is_given<solves> ? 1 : 0) + ...);
+    std::array<Method, sizeof...(solves) + added> all{};
+    [&]<std::size_t... i>(std::index_sequence<i...>) {
+        std::size_t at = 0;
+        const auto add = [&]<std::size_t k, auto solve>() {
+            all[at++] = methods[k];
+            if constexpr (is_given<solve>) all[at++] = MethodInBinary32<methods, k, solve>::method();
+        };
+        (add.template operator()<i, solves>(), ...);
+    }
+    (std::make_index_sequence<sizeof...(solves)>());
+    return all;
+}
+
+}  // namespace polhode

@@ -1,0 +1,54 @@
+#include "integrators/run/stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "integrators/run/eigenvalues.h"
+#include "integrators/method.h"
+
+namespace polhode {
+namespace {
+
+bool damps(const Problem& problem) {
+    return std::any_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
+        return segment.forcing.has_damping ||
+               (segment.forcing.has_translational_drag && problem.needs.dimension == 13 && !problem.body.pivoted);
+    });
+}
+
+// The largest |lambda| of the eigenvalues that decay. Those of a motion that only turns lie on the imaginary axis, and
+// rounding sets them beside it.
+double decay_rate(const Problem& problem, const Sample& sample) {
+    double rate = 0;
+    for (const std::complex<double>& lambda : eigenvalues(problem, sample))
+        if (lambda.real() < -1e-3 * std::abs(lambda)) rate = std::max(rate, std::abs(lambda));
+    return rate;
+}
+
+}  // namespace
+
+Stiffness stiffness(const Problem& problem) {
+    const Method* method = find_method("radau");
+    if (!method || !damps(problem) || problem.needs.user_torque || !problem.scene.planes.empty()) return {};
+    Settings settings;
+    settings.tolerance = 1e-3, settings.samples = 50, settings.max_steps = 5000;
+    const Trajectory trajectory = solve(problem, *method, settings);
+    if (trajectory.status != Status::ok) return {};
+    Stiffness found;
+    const std::vector<Sample>& samples = trajectory.samples;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        // the trapezoidal rule
+        const double before = k > 0 ? samples[k].t - samples[k - 1].t : 0;
+        const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
+        const Vector3<double>& w = samples[k].angular_velocity_B;
+        found.decays += (before + after) / 2 * decay_rate(problem, samples[k]);
+        // a spin that is gone by the next sample has turned the body by far less than it would have
+        found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
+    }
+    return found;
+}
+
+bool is_stiff(const Problem& problem) { return stiffness(problem).stiff(); }
+
+}  // namespace polhode

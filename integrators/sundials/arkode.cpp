@@ -1,0 +1,165 @@
+// ARKODE's Runge-Kutta methods, explicit and diagonally implicit.
+#include <vector>
+
+#include "integrators/run/linear_growth.h"
+#include "integrators/run/stiffness.h"
+#include "integrators/sundials/arkode_session.h"
+#include "integrators/sundials/sundials_run.h"
+
+namespace polhode {
+namespace {
+
+/// As a Stepper; a fixed step may fail where its implicit equations have no solution.
+template <class SystemType>
+class ArkodeFixedStepper {
+  public:
+    ArkodeFixedStepper(const Problem& problem, const ArkodeTable& table) : session_(problem, table, std::nullopt) {}
+    void restart() { session_.restart(); }
+    void enter(const Segment& segment) { note(session_.enter(segment)); }
+    void step(double t, double h) {
+        if (!failed()) note(session_.fixed_step(t, h));
+    }
+    // at the time that the caller says it is: its sum of steps may round otherwise
+    Sample sample(double t) const { return session_.sample_at(t); }
+    bool finite() const { return all_finite({session_.y(), SystemType::dimension}); }
+    long rhs_evaluations() const { return session_.rhs_evaluations(); }
+    bool failed() const { return flag_ < 0; }
+    void explain(Trajectory& trajectory) {
+        SundialsFailure failure = session_.failure(flag_);
+        trajectory.status = failure.status, trajectory.message = std::move(failure.message);
+    }
+
+  private:
+    void note(int flag) { flag_ = std::min(flag_, flag); }
+
+    // ARKODE's functions take what they only read as they take what they change
+    mutable ArkodeSession<SystemType> session_;
+    int flag_ = ARK_SUCCESS;
+};
+
+template <bool implicit, int order>
+Trajectory solve_by(const Problem& problem, const Settings& settings) {
+    if (implicit && problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
+    const ArkodeTable table{implicit, order};
+    return with_system(problem, [&]<class SystemType>() {
+        if (settings.step) {
+            Trajectory trajectory = march<ArkodeFixedStepper<SystemType>>(problem, settings, table);
+            name_unoptimised_sundials(trajectory);
+            return trajectory;
+        }
+        ArkodeSession<SystemType> session(problem, table, settings.tolerance);
+        return SundialsRun(problem, settings, session).solve();
+    });
+}
+
+Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+    const bool stiff = is_stiff(problem);
+    Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
+    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
+                                                 : "explicit, order 8, for the motion is not stiff");
+}
+
+/// ARKODE's own table in one piece of memory.
+struct LinearTable {
+    std::vector<double> A, b;
+
+    explicit LinearTable(ARKodeButcherTable table) {
+        if (!table) throw std::bad_alloc();
+        for (int i = 0; i < table->stages; ++i) {
+            A.insert(A.end(), table->A[i], table->A[i] + table->stages);
+            b.push_back(table->b[i]);
+        }
+        ARKodeButcherTable_Free(table);
+    }
+};
+
+template <bool implicit, int order>
+double growth(std::complex<double> z) {
+    static const LinearTable table = [] {
+        if constexpr (implicit) {
+            constexpr int of_order[] = {ARKSTEP_DEFAULT_DIRK_3, ARKSTEP_DEFAULT_DIRK_4, ARKSTEP_DEFAULT_DIRK_5};
+            return LinearTable(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(of_order[order - 3])));
+        } else {
+            constexpr int of_order[] = {ARKSTEP_DEFAULT_ERK_2, ARKSTEP_DEFAULT_ERK_3, ARKSTEP_DEFAULT_ERK_4,
+                                        ARKSTEP_DEFAULT_ERK_5, ARKSTEP_DEFAULT_ERK_6, ARKSTEP_DEFAULT_ERK_8,
+                                        ARKSTEP_DEFAULT_ERK_8};
+            return LinearTable(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(of_order[order - 2])));
+        }
+    }();
+    return runge_kutta_growth(table.A, table.b, z);
+}
+
+constexpr std::string_view arkode_source =
+    "Reynolds, Gardner, Woodward & Chinomona 2023, ARKODE: A flexible IVP solver infrastructure for one-step methods, "
+    "ACM Trans. Math. Softw. 49, 19; SUNDIALS 6.4";
+
+#define POLHODE_EXPLICIT_COMMON                                                                                        \
+    " The library's default table of this order; each step costs all its stages, for ARKStep does not reuse the last " \
+    "one. By a fixed step, or by a tolerance: relative R, absolute R times the component's scale, root mean square "   \
+    "over the components, ARKODE's own step control. Steps stop exactly at every event; samples between are reached "  \
+    "by the same table from the begin of the step they fall in, so the steps do not depend on the sampling."
+#define POLHODE_IMPLICIT_COMMON                                                                                        \
+    " The library's default table of this order. The stages are solved by a modified Newton iteration with the exact " \
+    "Jacobian and a dense LU factorisation; by a fixed step to round-off, with a fresh Jacobian each step. "           \
+    "Tolerance, "                                                                                                      \
+    "events and samples as for `arkode_erk4`. A torque of the user's own is `unsupported`: it has no Jacobian."
+
+template <bool implicit, int order>
+constexpr Method method(std::string_view name, std::string_view documentation) {
+    return {.name = name,
+            .documentation = documentation,
+            .source = arkode_source,
+            .conserves = "nothing",
+            .control = Control::fixed_step_or_tolerance,
+            .order = order,
+            .solve = solve_by<implicit, order>,
+            .growth = growth<implicit, order>};
+}
+
+constexpr Method list[] = {
+    method<false, 2>(
+        "arkode_erk2",
+        "ARKODE's explicit Runge-Kutta method of order 2 (Heun-Euler, 2 stages, pair 2(1))." POLHODE_EXPLICIT_COMMON),
+    method<false, 3>("arkode_erk3",
+                     "ARKODE's explicit Runge-Kutta method of order 3 (Bogacki-Shampine, 4 stages, pair "
+                     "3(2))." POLHODE_EXPLICIT_COMMON),
+    method<false, 4>(
+        "arkode_erk4",
+        "ARKODE's explicit Runge-Kutta method of order 4 (Zonneveld, 5 stages, pair 4(3))." POLHODE_EXPLICIT_COMMON),
+    method<false, 5>(
+        "arkode_erk5",
+        "ARKODE's explicit Runge-Kutta method of order 5 (Cash-Karp, 6 stages, pair 5(4))." POLHODE_EXPLICIT_COMMON),
+    method<false, 6>(
+        "arkode_erk6",
+        "ARKODE's explicit Runge-Kutta method of order 6 (Verner, 8 stages, pair 6(5))." POLHODE_EXPLICIT_COMMON),
+    method<false, 8>(
+        "arkode_erk8",
+        "ARKODE's explicit Runge-Kutta method of order 8 (Fehlberg, 13 stages, pair 8(7))." POLHODE_EXPLICIT_COMMON),
+    method<true, 3>("arkode_dirk3",
+                    "ARKODE's diagonally implicit Runge-Kutta method of order 3 (Kennedy & Carpenter's ARK3(2)4L[2]SA, "
+                    "ESDIRK, 4 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
+    method<true, 4>(
+        "arkode_dirk4",
+        "ARKODE's diagonally implicit Runge-Kutta method of order 4 (Hairer & Wanner's SDIRK 5(4), 5 stages, "
+        "L-stable)." POLHODE_IMPLICIT_COMMON),
+    method<true, 5>("arkode_dirk5",
+                    "ARKODE's diagonally implicit Runge-Kutta method of order 5 (Kennedy & Carpenter's ARK5(4)8L[2]SA, "
+                    "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
+    {.name = "arkode",
+     .documentation = "`arkode_dirk5` where the motion is stiff, else `arkode_erk8`, by a tolerance; the message says "
+                      "which. Stiff is "
+                      "what damps far faster than the body turns, along the motion that `radau` finds to three digits "
+                      "first, which is "
+                      "not in the time shown. With a torque of the user's own it is always `arkode_erk8`.",
+     .source = arkode_source,
+     .conserves = "nothing",
+     .control = Control::tolerance,
+     .solve = by_stiffness},
+};
+
+}  // namespace
+
+extern const std::span<const Method> arkode_methods;
+const std::span<const Method> arkode_methods{list};
+
+}  // namespace polhode

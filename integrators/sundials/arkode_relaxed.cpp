@@ -1,0 +1,224 @@
+// Relaxation: a Runge-Kutta step followed along its own direction to where the energy is what it was.
+#include <arkode/arkode_arkstep.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "integrators/geometric/kept_quantities.h"
+#include "integrators/odeint/odeint.h"
+#include "motion/conserved.h"
+
+namespace polhode {
+namespace {
+
+/// An explicit table of ARKODE's in one piece of memory. b - d is what the pair differs by.
+struct Tableau {
+    static constexpr int most_stages = 13;
+    int stages = 0, order = 0, embedded_order = 0;
+    std::array<std::array<double, most_stages>, most_stages> a{};
+    std::array<double, most_stages> b{}, c{}, difference{};
+
+    explicit Tableau(ARKODE_ERKTableID id) {
+        const std::unique_ptr<ARKodeButcherTableMem, decltype(&ARKodeButcherTable_Free)> table(
+            ARKodeButcherTable_LoadERK(id), &ARKodeButcherTable_Free);
+        if (!table) throw std::bad_alloc();
+        stages = table->stages, order = table->q, embedded_order = table->p;
+        for (int i = 0; i < stages; ++i) {
+            for (int j = 0; j < i; ++j) a[i][j] = table->A[i][j];
+            b[i] = table->b[i], c[i] = table->c[i], difference[i] = table->b[i] - table->d[i];
+        }
+    }
+};
+
+/// Ketcheson (2019): from y go to y + gamma d, d = h sum of b_i k_i, with gamma such that the energy is the first
+/// one's, and let the time go on by gamma h: gamma = 1 + O(h^(p-1)), so the order p stays.
+///
+/// The energy is a quadratic polynomial of the state, so gamma is a root of a quadratic equation. The caller's clock
+/// goes on by h; the own one is ahead of it by a lag of O(h^p), which the next step makes good by aiming at the
+/// caller's next time. At a sample or an event a plain step of length -lag comes back to the caller's time; its energy
+/// error, O(h^(p (p + 1))), is far below round-off.
+template <class SystemType>
+class RelaxedStepper : public ControlledOdeintState<SystemType> {
+    using Base = ControlledOdeintState<SystemType>;
+    static constexpr int N = SystemType::dimension;
+    using Y = OdeintArray<Base::N>;
+
+  public:
+    RelaxedStepper(const Problem& problem, const Tableau& table, double tolerance = 1)
+        : Base(problem, tolerance, table.order), table_(&table) {
+        restart();
+    }
+    void restart() {
+        Base::restart();
+        lag_ = 0;
+        started_ = false;
+    }
+    void enter(const Segment& segment) {
+        land(this->y_, this->evaluations_);
+        lag_ = 0;
+        Base::enter(segment);
+        if (started_) return;
+        energy_ = state_energy<SystemType>(*this->problem_, this->y_.data());
+        // where the parts of the energy cancel, round-off is that of the parts
+        round_off_ = 16 * std::numeric_limits<double>::epsilon() * (std::abs(energy_) + kinetic_scale());
+        started_ = true;
+    }
+    void step(double t, double h) {
+        Y d, difference;
+        if (!stages_from(this->y_, t + lag_, h - lag_, d, difference, this->evaluations_)) return spoil();
+        advance(d, h - lag_, t + h);
+    }
+    Attempt attempt(double& t, double& h) {
+        const double tried = h;
+        Y d, difference;
+        const double length = tried - lag_;
+        if (!stages_from(this->y_, t + lag_, length, d, difference, this->evaluations_)) {
+            h = not_finite_shrinkage * tried;
+            return Attempt::not_finite;
+        }
+        double sum = 0;
+        for (int i = 0; i < N; ++i) {
+            const double size = this->tolerance_ * (this->scales_[i] + std::abs(this->y_[i]));
+            sum += difference[i] / size * (difference[i] / size);
+        }
+        const double error = std::sqrt(sum / N);
+        // Hairer, Norsett & Wanner (1993), II.4
+        const double factor = 0.9 * std::pow(error, -1.0 / (table_->embedded_order + 1));
+        h = tried * std::min(5.0, std::max(0.2, factor));
+        if (!(error <= 1)) return Attempt::rejected;
+        t += tried;
+        advance(d, length, t);
+        return Attempt::accepted;
+    }
+    Sample sample(double t) const {
+        Y landed = this->y_;
+        long sideways = 0;
+        land(landed, sideways);
+        return sample_of<SystemType>(*this->problem_, t, landed.data());
+    }
+
+  private:
+    double kinetic_scale() const {
+        const Vector3<double>& I = this->problem_->principal.moments;
+        const double w = this->problem_->scales.angular_velocity;
+        return std::max({I[0], I[1], I[2]}) * w * w / 2;
+    }
+    void spoil() { this->y_[0] = std::numeric_limits<double>::quiet_NaN(); }
+
+    // d = h sum b_i k_i and what the pair differs by, from `y` at t; false where a rate is not finite
+    bool stages_from(const Y& y, double t, double h, Y& d, Y& difference, long& evaluations) const {
+        const Tableau& table = *table_;
+        std::array<Y, Tableau::most_stages> k;
+        for (int i = 0; i < table.stages; ++i) {
+            Y stage = y;
+            for (int j = 0; j < i; ++j)
+                for (int n = 0; n < N; ++n) stage[n] += h * table.a[i][j] * k[j][n];
+            ++evaluations;
+            this->system_.derivative(t + table.c[i] * h, stage.data(), k[i].data());
+        }
+        for (int n = 0; n < N; ++n) {
+            d[n] = difference[n] = 0;
+            for (int i = 0; i < table.stages; ++i)
+                d[n] += h * table.b[i] * k[i][n], difference[n] += h * table.difference[i] * k[i][n];
+        }
+        return all_finite(d);
+    }
+
+    // y <- y + gamma d after a step of that length; `clock` is the caller's new time
+    void advance(const Y& d, double length, double clock) {
+        for (int n = 0; n < N; ++n) this->y_[n] += d[n];
+        const double delta = relaxation(d);
+        for (int n = 0; n < N; ++n) this->y_[n] += delta * d[n];
+        lag_ = delta * length, clock_ = clock;
+    }
+
+    // gamma - 1 from the plain step's end: E(y + delta d) = E(y) + delta s + delta^2 a
+    double relaxation(const Y& d) const {
+        const double residual = state_energy<SystemType>(*this->problem_, this->y_.data()) - energy_;
+        if (!(std::abs(residual) > round_off_)) return 0;
+        Y ahead = this->y_, behind = this->y_;
+        for (int n = 0; n < N; ++n) ahead[n] += d[n], behind[n] -= d[n];
+        const double here = residual + energy_;
+        const double up = state_energy<SystemType>(*this->problem_, ahead.data()) - here;
+        const double down = state_energy<SystemType>(*this->problem_, behind.data()) - here;
+        const double s = (up - down) / 2, a = (up + down) / 2;
+        const double discriminant = s * s - 4 * a * residual;
+        if (!(discriminant >= 0)) return 0;
+        const double delta = -2 * residual / (s + std::copysign(std::sqrt(discriminant), s));
+        // a direction along which the energy hardly changes, as in steady rotation, has no such point near
+        return std::abs(delta) < 0.5 ? delta : 0;
+    }
+
+    void land(Y& y, long& evaluations) const {
+        if (lag_ == 0) return;
+        Y d, difference;
+        stages_from(y, clock_ + lag_, -lag_, d, difference, evaluations);
+        for (int n = 0; n < N; ++n) y[n] += d[n];
+    }
+
+    const Tableau* table_;
+    bool started_ = false;
+    double energy_ = 0, round_off_ = 0;
+    double lag_ = 0;    // s, the own clock ahead of the caller's
+    double clock_ = 0;  // s, the caller's after the last step
+};
+
+template <ARKODE_ERKTableID id>
+Trajectory relaxed(const Problem& problem, const Settings& settings) {
+    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    const std::vector<Conserved> kept = conserved_by(problem);
+    if (std::none_of(kept.begin(), kept.end(), [](const Conserved& c) { return c.kind == ConservedKind::energy; }))
+        return unsupported("the motion does not keep its energy");
+    const Tableau table(id);
+    return with_system(problem, [&]<class SystemType>() {
+        if (!settings.tolerance) return march<RelaxedStepper<SystemType>>(problem, settings, table);
+        return march_controlled(problem, settings, RelaxedStepper<SystemType>(problem, table, *settings.tolerance));
+    });
+}
+
+constexpr std::string_view relaxation_source =
+    "Ketcheson 2019, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. "
+    "Numer. "
+    "Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
+constexpr std::string_view energy_kept = "E (with q as it stands, not normalised), where the motion keeps it";
+
+constexpr Method list[] = {
+    {.name = "arkode_erk4_relaxed",
+     .documentation =
+         "The table of `arkode_erk4` (Zonneveld's of order 4), each step relaxed: y + gamma h sum b_i k_i with the "
+         "gamma "
+         "near 1 that gives the energy at the start, and time goes on by gamma h. The energy is quadratic in the "
+         "state, "
+         "so gamma is the root of a quadratic equation. The next step makes good the lag of O(h^4) in time; samples "
+         "and "
+         "events are met by a plain step over the lag. |q| and L are not kept, and where forces act the E of the "
+         "tables, "
+         "formed with q normalised, errs by the drift of |q|. Step control, where a tolerance is given: root mean "
+         "square "
+         "over the components, each against R (scale + |y|). `unsupported` where the motion does not keep its energy. "
+         "(SUNDIALS has relaxation from 6.6 on; this is on its tables alone.)",
+     .source = relaxation_source,
+     .conserves = energy_kept,
+     .control = Control::fixed_step_or_tolerance,
+     .order = 4,
+     .solve = relaxed<ARKODE_ZONNEVELD_5_3_4>},
+    {.name = "arkode_erk8_relaxed",
+     .documentation =
+         "The table of `arkode_erk8` (Fehlberg's of order 8), each step relaxed as in `arkode_erk4_relaxed`.",
+     .source = relaxation_source,
+     .conserves = energy_kept,
+     .control = Control::fixed_step_or_tolerance,
+     .order = 8,
+     .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
+};
+
+}  // namespace
+
+extern const std::span<const Method> arkode_relaxed_methods;
+const std::span<const Method> arkode_relaxed_methods{list};
+
+}  // namespace polhode

@@ -1,0 +1,201 @@
+// ARKODE's ARKStep set up on one posed problem, by a fixed step or by a tolerance.
+#pragma once
+
+#include <arkode/arkode_arkstep.h>
+#include <sunnonlinsol/sunnonlinsol_newton.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "integrators/sundials/sundials_session.h"
+
+namespace polhode {
+
+/// One of ARKODE's default tables.
+struct ArkodeTable {
+    bool implicit;  ///< diagonally implicit, else explicit
+    int order;
+};
+
+/// SystemType: one of motion/systems.h.
+///
+/// ARKStep, although ERKStep has less to do: ERKStep 6.4 takes the last stage's rate for the next step's first wherever
+/// the last abscissa is 1, which is right only if that stage stands at the step's end. Measured on a free symmetric
+/// body, its default tables of orders 6 and 8 then show orders 3.0 and 7.1.
+template <class SystemType>
+class ArkodeSession : public SundialsSession<SystemType> {
+    using Base = SundialsSession<SystemType>;
+    using Base::absolute_, Base::context_, Base::end_, Base::offset_, Base::state_, Base::t_;
+    using Base::demand;
+
+  public:
+    using Base::dimension, Base::y;
+
+    /// By a tolerance R, absolute R times each component's scale; or, without one, by steps of given length, whose
+    /// implicit stages are solved to round-off. Throws std::bad_alloc where there is no memory for it.
+    ArkodeSession(const Problem& problem, ArkodeTable table, std::optional<double> tolerance)
+        : Base(problem, tolerance.value_or(newton_tolerance)), table_(table) {
+        memory_.reset(ARKStepCreate(explicit_part(), implicit_part(), 0, state_.get(), context_));
+        if (!memory_) throw std::bad_alloc();
+        void* memory = memory_.get();
+        Base* base = this;  // what the callbacks are handed
+        demand(ARKStepSetErrHandlerFn(memory, Base::note_message, base));
+        demand(ARKStepSVtolerances(memory, this->tolerance_, absolute_.get()));
+        demand(ARKStepSetUserData(memory, base));
+        demand(ARKStepSetOrder(memory, table.order));
+        // nothing is interpolated: the polynomial of least work
+        demand(ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
+        demand(ARKStepSetInterpolantDegree(memory, 0));
+        // steps that vanish against t are counted by the caller
+        demand(ARKStepSetMaxHnilWarns(memory, -1));
+        if (!table.implicit) return;
+        nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
+        matrix_ = owned(FixedMatrix<dimension>::make(context_));
+        linear_ = owned(FixedDenseSolver<dimension>::make(context_));
+        demand(ARKStepSetNonlinearSolver(memory, nonlinear_.get()));
+        demand(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
+        demand(ARKStepSetJacFn(memory, Base::fill_jacobian));
+        if (tolerance) return;
+        // a fixed step cannot be tried again shorter: a fresh Jacobian each step, and iterations enough
+        demand(ARKStepSetLSetupFrequency(memory, 1));
+        demand(ARKStepSetJacEvalFrequency(memory, 1));
+        demand(ARKStepSetMaxNonlinIters(memory, 20));
+    }
+
+    /// Back to t = 0, all counts to zero.
+    void restart() {
+        Base::begin();
+        steps_ = 0;
+        counts_ = {}, counted_ = {};
+    }
+
+    /// An event: impulses, then the loads of this segment. ARKODE's step control starts again.
+    int enter(const Segment& segment) {
+        Base::pass(segment);
+        if (!(end_ > t_)) return ARK_SUCCESS;
+        offset_ = 0, reached_ = t_;
+        count();
+        const int flag = ARKStepReInit(memory_.get(), explicit_part(), implicit_part(), t_, state_.get());
+        counted_ = told();
+        return flag;
+    }
+
+    /// A step of length h from t, both the caller's: ARKODE's own clock adds up rounding errors.
+    int fixed_step(double t, double h) {
+        if (h != length_)
+            if (const int flag = ARKStepSetFixedStep(memory_.get(), length_ = h); flag != ARK_SUCCESS) return flag;
+        offset_ = t - reached_;
+        const int flag = ARKStepEvolve(memory_.get(), reached_ + h, state_.get(), &reached_, ARK_ONE_STEP);
+        Base::rethrow();
+        t_ = t + h;
+        if (flag >= 0) ++steps_;
+        return flag;
+    }
+
+    /// One step by ARKODE's step control, cut at the segment's end; its flag. time() and the state have moved if it is
+    /// >= 0. What a torque of the user's own throws comes out here.
+    int step() {
+        before_ = t_;
+        std::copy(y(), y() + dimension, y_before_);
+        return controlled_step();
+    }
+
+    /// The motion at a time within the last step, later than the one asked for before. ARKODE's interpolation is of
+    /// degree 5 at the most, so another session of the same table goes there from the step's begin by itself.
+    std::optional<Sample> sample_inside(double t) {
+        if (!aside_) aside_.reset(new ArkodeSession(*this->problem_, table_, this->tolerance_));
+        ArkodeSession& aside = *aside_;
+        aside.system_ = this->system_;
+        std::copy(y_before_, y_before_ + dimension, aside.y());
+        aside.t_ = aside.reached_ = before_, aside.end_ = t;
+        inside_flag_ =
+            ARKStepReInit(aside.memory_.get(), explicit_part(), implicit_part(), before_, aside.state_.get());
+        // what the table takes t - before for, it did for the whole step
+        if (inside_flag_ >= 0) inside_flag_ = ARKStepSetInitStep(aside.memory_.get(), t - before_);
+        while (inside_flag_ >= 0 && aside.t_ < t) inside_flag_ = aside.controlled_step();
+        if (inside_flag_ < 0) {
+            this->message_ = aside.message_, this->not_finite_at_ = aside.not_finite_at_;
+            return std::nullopt;
+        }
+        before_ = t;
+        std::copy(aside.y(), aside.y() + dimension, y_before_);
+        return aside.sample();
+    }
+    /// Why sample_inside() had none.
+    int inside_flag() const { return inside_flag_; }
+
+    /// Since restart(). Those that went sideways for a sample do not count.
+    long steps() const { return steps_; }
+    long rhs_evaluations() const { return this->evaluations_; }
+    SolverCounts counts() {
+        count();
+        SolverCounts counts{counts_.rejected_steps, {}, {}};
+        if (table_.implicit) counts.newton_failures = counts_.newton_failures;
+        return counts;
+    }
+
+    /// What a flag below zero means.
+    SundialsFailure failure(int flag) {
+        const bool out_of_reach = flag == ARK_TOO_MUCH_ACC || flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE;
+        return Base::explained("ARKODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                               ARKStepGetReturnFlagName(flag));
+    }
+
+  private:
+    // with it ARKODE iterates until a correction is below about 1e-15 of the scale
+    static constexpr double newton_tolerance = 1e-14;
+
+    struct FreeMemory {
+        void operator()(void* memory) const { ARKStepFree(&memory); }
+    };
+
+    struct Counts {
+        long rejected_steps = 0, newton_failures = 0;
+    };
+    Counts told() const {
+        Counts counts;
+        ARKStepGetNumErrTestFails(memory_.get(), &counts.rejected_steps);
+        ARKStepGetNumNonlinSolvConvFails(memory_.get(), &counts.newton_failures);
+        return counts;
+    }
+    void count() {
+        const Counts now = told();
+        counts_.rejected_steps += now.rejected_steps - counted_.rejected_steps;
+        counts_.newton_failures += now.newton_failures - counted_.newton_failures;
+        counted_ = now;
+    }
+
+    ARKRhsFn explicit_part() const { return table_.implicit ? nullptr : Base::right_hand_side; }
+    ARKRhsFn implicit_part() const { return table_.implicit ? Base::right_hand_side : nullptr; }
+
+    int controlled_step() {
+        // a stop lasts until it is met
+        if (const int flag = ARKStepSetStopTime(memory_.get(), end_); flag != ARK_SUCCESS) return flag;
+        const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &reached_, ARK_ONE_STEP);
+        Base::rethrow();
+        if (flag == ARK_TOO_CLOSE) {
+            Base::leap();
+            ++steps_;
+            return ARK_TSTOP_RETURN;
+        }
+        t_ = flag == ARK_TSTOP_RETURN ? end_ : reached_;
+        if (flag >= 0) ++steps_;
+        return flag;
+    }
+
+    ArkodeTable table_;
+    SundialsOwner<SUNNonlinearSolver> nonlinear_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
+    std::unique_ptr<void, FreeMemory> memory_;
+    std::unique_ptr<ArkodeSession> aside_;
+    double reached_ = 0;  // s, on ARKODE's clock
+    double length_ = 0;   // s, the fixed step it was last told
+    double before_ = 0, y_before_[dimension] = {};
+    int inside_flag_ = ARK_SUCCESS;
+    long steps_ = 0;
+    Counts counts_, counted_;  // since restart(); ARKODE's own at the last look
+};
+
+}  // namespace polhode

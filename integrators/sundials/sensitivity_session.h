@@ -1,0 +1,256 @@
+// CVODES set up to carry, along with one posed problem's motion, its derivative by the initial state.
+#pragma once
+
+#include <cvodes/cvodes.h>
+#include <cvodes/cvodes_ls.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+#include <sunnonlinsol/sunnonlinsol_newton.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <new>
+
+#include "integrators/sundials/cvode_session.h"
+#include "integrators/sundials/sundials_session.h"
+#include "motion/dual.h"
+
+namespace polhode {
+
+/// d state(t) / d state(0) in minimal coordinates, each block in units of its scale: attitude (rotation vector, posed
+/// axes), w, and p, v where the system has them.
+template <class SystemType>
+using Sensitivity = Eigen::Matrix<double, SystemType::dimension - 1, SystemType::dimension - 1>;
+
+/// SystemType: a system with w and q, and p, v or none. Sensitivities are under error control like the state.
+template <class SystemType>
+class SensitivitySession : public SundialsSession<SystemType> {
+    using Base = SundialsSession<SystemType>;
+    using Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
+    using Base::demand;
+    using Vector = FixedVector<SystemType::dimension>;
+
+  public:
+    using Base::dimension, Base::y;
+    static constexpr int directions = dimension - 1;
+
+    /// Relative tolerance R of the state, and of every column of its derivative against the column's own size, but no
+    /// finer than against 1. The problem must outlive the session.
+    SensitivitySession(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
+        : Base(problem, tolerance) {
+        component_scales<SystemType>(problem, scale_.data());
+        memory_.reset(CVodeCreate(multistep == Multistep::adams ? CV_ADAMS : CV_BDF, context_));
+        columns_.reset(N_VCloneVectorArray(directions, state_.get()));
+        inside_columns_.reset(N_VCloneVectorArray(directions, state_.get()));
+        if (!memory_ || !columns_ || !inside_columns_) throw std::bad_alloc();
+        start();
+        void* memory = memory_.get();
+        Base* base = this;  // what the callbacks are handed
+        demand(CVodeSetErrHandlerFn(memory, Base::note_message, base));
+        demand(CVodeInit(memory, Base::right_hand_side, 0, state_.get()));
+        demand(CVodeWFtolerances(memory, weigh));
+        demand(CVodeSetUserData(memory, base));
+        demand(CVodeSetMaxHnilWarns(memory, -1));
+        demand(CVodeSensInit(memory, directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
+        // the state's weights, by weigh(), for each column
+        demand(CVodeSensEEtolerances(memory));
+        demand(CVodeSetSensErrCon(memory, SUNTRUE));
+        if (iteration == Iteration::functional) {
+            nonlinear_ = owned(SUNNonlinSol_FixedPoint(state_.get(), 0, context_));
+            nonlinear_columns_ = owned(SUNNonlinSol_FixedPointSens(directions, state_.get(), 0, context_));
+            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
+            demand(CVodeSetNonlinearSolverSensStg(memory, nonlinear_columns_.get()));
+            demand(CVodeSetNonlinConvCoef(memory, functional_coefficient));
+            demand(CVodeSetMaxNonlinIters(memory, functional_iterations));
+            demand(CVodeSetSensMaxNonlinIters(memory, functional_iterations));
+        } else {
+            nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
+            nonlinear_columns_ = owned(SUNNonlinSol_NewtonSens(directions, state_.get(), context_));
+            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
+            demand(CVodeSetNonlinearSolverSensStg(memory, nonlinear_columns_.get()));
+            matrix_ = owned(FixedMatrix<dimension>::make(context_));
+            linear_ = owned(FixedDenseSolver<dimension>::make(context_));
+            demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
+            demand(CVodeSetJacFn(memory, Base::fill_jacobian));
+        }
+    }
+
+    /// An event: impulses with their derivative, then the loads of this segment.
+    int enter(const Segment& segment) {
+        for (const PosedImpulse<double>& impulse : segment.impulses) jump(impulse);
+        Base::pass(segment);
+        if (!(end_ > t_)) return CV_SUCCESS;
+        if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
+        if (const int flag = CVodeSensReInit(memory_.get(), CV_STAGGERED, columns_.get()); flag != CV_SUCCESS)
+            return flag;
+        return CVodeSetStopTime(memory_.get(), end_);
+    }
+
+    /// One internal step, cut at the segment's end; CVODES' flag.
+    int step() {
+        double reached = t_;
+        const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
+        Base::rethrow();
+        if (flag == CV_TOO_CLOSE) {  // a segment of a rounding error's length: the derivative does not move
+            Base::leap();
+            return CV_TSTOP_RETURN;
+        }
+        t_ = flag == CV_TSTOP_RETURN ? end_ : reached;
+        if (flag >= 0) {
+            double at = 0;
+            CVodeGetSens(memory_.get(), &at, columns_.get());
+        }
+        return flag;
+    }
+
+    /// At time(), or at a time within the last step.
+    Sensitivity<SystemType> sensitivity() { return minimal(y(), columns_.get()); }
+    Sensitivity<SystemType> sensitivity_inside(double t) {
+        CVodeGetDky(memory_.get(), t, 0, inside_.get());
+        CVodeGetSensDky(memory_.get(), t, 0, inside_columns_.get());
+        return minimal(Vector::data(inside_.get()), inside_columns_.get());
+    }
+
+    /// What a flag below zero means.
+    SundialsFailure failure(int flag) {
+        return Base::explained("CVODES", Status::tolerance_not_met, CVodeGetReturnFlagName(flag));
+    }
+
+  private:
+    // as in CvodeSession
+    static constexpr double functional_coefficient = 1e-3;
+    static constexpr int functional_iterations = 4;
+
+    struct FreeMemory {
+        void operator()(void* memory) const { CVodeFree(&memory); }
+    };
+    struct FreeColumns {
+        void operator()(N_Vector* columns) const { N_VDestroyVectorArray(columns, directions); }
+    };
+    using Tangent = Dual<directions>;
+
+    // the derivative at t = 0, column by column: dq = 1/2 q (0, e_i), then each scale along its own axis
+    void start() {
+        this->begin();
+        const Quaternion<double> q = quaternion_at(y(), 3);
+        for (int j = 0; j < directions; ++j) {
+            double* column = Vector::data(columns_.get()[j]);
+            std::fill(column, column + dimension, 0.0);
+            if (j < 3) {
+                Vector3<double> turn;
+                turn[j] = 1;
+                put(column, 3, attitude_rate(0.5, q, turn));
+            } else {
+                const int i = j < 6 ? j - 3 : j + 1;
+                column[i] = scale_[i];
+            }
+        }
+    }
+
+    Sensitivity<SystemType> minimal(const double* state, N_Vector* columns) const {
+        const Quaternion<double> q = quaternion_at(state, 3);
+        const double twice = 2 / (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+        Sensitivity<SystemType> S;
+        for (int j = 0; j < directions; ++j) {
+            const double* column = Vector::data(columns[j]);
+            const Quaternion<double> turn = conjugate(q) * quaternion_at(column, 3);
+            S(0, j) = twice * turn.x, S(1, j) = twice * turn.y, S(2, j) = twice * turn.z;
+            for (int i = 3; i < directions; ++i) {
+                const int from = i < 6 ? i - 3 : i + 1;
+                S(i, j) = column[from] / scale_[from];
+            }
+        }
+        return S;
+    }
+
+    std::array<Tangent, dimension> tangents(const double* state, N_Vector* columns) const {
+        std::array<Tangent, dimension> moved;
+        for (int i = 0; i < dimension; ++i) moved[i].value = state[i];
+        for (int j = 0; j < directions; ++j) {
+            const double* column = Vector::data(columns[j]);
+            for (int i = 0; i < dimension; ++i) moved[i].slope[j] = column[i];
+        }
+        return moved;
+    }
+
+    // what apply() does to w and v, carried over to the derivative
+    void jump(const PosedImpulse<double>& impulse) {
+        const std::array<Tangent, dimension> state = tangents(y(), columns_.get());
+        Vector3<Tangent> w = vector_at(state.data(), 0), p, v;
+        const Quaternion<Tangent> q = quaternion_at(state.data(), 3);
+        if constexpr (dimension == 13) p = vector_at(state.data(), 7), v = vector_at(state.data(), 10);
+        const Problem& problem = *this->problem_;
+        const PrincipalInertia<Tangent> inertia{cast<Tangent>(problem.principal_inertia.gyroscopic),
+                                                cast<Tangent>(problem.principal_inertia.inverse_moments), false};
+        apply<Tangent>(
+            {cast<Tangent>(impulse.vector), impulse.frame, cast<Tangent>(impulse.point), impulse.point_frame}, inertia,
+            Tangent(problem.body.mass), problem.body.pivoted, w, q, p, v);
+        for (int j = 0; j < directions; ++j) {
+            double* column = Vector::data(columns_.get()[j]);
+            for (int i = 0; i < 3; ++i) {
+                column[i] = w[i].slope[j];
+                if constexpr (dimension == 13) column[10 + i] = v[i].slope[j];
+            }
+        }
+    }
+
+    // Of a state or of a column of its derivative: each component by its scale, against the whole's length where that
+    // is beyond 1. So a growing column is held to its own size, and no component to its chance zeros.
+    static int weigh(N_Vector vector, N_Vector weight, void* session) {
+        const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Base*>(session));
+        const double* value = Vector::data(vector);
+        double squares = 0;
+        for (int i = 0; i < dimension; ++i) squares += (value[i] / self->scale_[i]) * (value[i] / self->scale_[i]);
+        const double allowed = self->tolerance_ * std::sqrt(std::max(1.0, squares));
+        if (!std::isfinite(allowed)) return -1;
+        for (int i = 0; i < dimension; ++i) Vector::data(weight)[i] = 1 / (allowed * self->scale_[i]);
+        return 0;
+    }
+
+    static int sensitivity_rates(int, double t, N_Vector y, N_Vector, N_Vector* columns, N_Vector* rates, void* session,
+                                 N_Vector, N_Vector) {
+        SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Base*>(session));
+        if (self->thrown_) return -1;
+        if (self->problem_->needs.user_torque) return self->differences(t, Vector::data(y), columns, rates);
+        const std::array<Tangent, dimension> state = self->tangents(Vector::data(y), columns);
+        std::array<Tangent, dimension> rate;
+        self->system_.derivative(t, state.data(), rate.data());
+        for (int j = 0; j < directions; ++j)
+            for (int i = 0; i < dimension; ++i) Vector::data(rates[j])[i] = rate[i].slope[j];
+        return 0;
+    }
+
+    // df/dy s by central differences, for torques that take no dual numbers: y is moved by e s, of length 1e-5
+    int differences(double t, const double* state, N_Vector* columns, N_Vector* rates) {
+        constexpr double size = 1e-5;
+        for (int j = 0; j < directions; ++j) {
+            const double* column = Vector::data(columns[j]);
+            double squares = 0;
+            for (int i = 0; i < dimension; ++i) squares += (column[i] / scale_[i]) * (column[i] / scale_[i]);
+            const double e = squares > 0 ? size / std::sqrt(squares) : size;
+            double moved[dimension], above[dimension], below[dimension];
+            try {
+                for (int i = 0; i < dimension; ++i) moved[i] = state[i] + e * column[i];
+                system_.derivative(t, moved, above);
+                for (int i = 0; i < dimension; ++i) moved[i] = state[i] - e * column[i];
+                system_.derivative(t, moved, below);
+            } catch (...) {  // C code lies between here and whoever called
+                this->thrown_ = std::current_exception();
+                return -1;
+            }
+            for (int i = 0; i < dimension; ++i) Vector::data(rates[j])[i] = (above[i] - below[i]) / (2 * e);
+        }
+        return 0;
+    }
+
+    std::array<double, dimension> scale_{};
+    SundialsOwner<N_Vector> inside_ = owned(Vector::make(context_));
+    std::unique_ptr<N_Vector, FreeColumns> columns_, inside_columns_;
+    SundialsOwner<SUNNonlinearSolver> nonlinear_, nonlinear_columns_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
+    std::unique_ptr<void, FreeMemory> memory_;
+};
+
+}  // namespace polhode

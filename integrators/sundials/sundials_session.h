@@ -1,0 +1,156 @@
+// What CVODE and ARKODE are given of one posed problem: state, tolerances, right-hand side, Jacobian, and an ear for
+// their messages.
+#pragma once
+
+#include <fmt/format.h>
+#include <sundials/sundials_nvector.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "integrators/run/march.h"
+#include "integrators/sundials/fixed_dense_solver.h"
+#include "integrators/sundials/fixed_vector.h"
+#include "integrators/sundials/sundials_handles.h"
+#include "motion/dual.h"
+#include "motion/problem.h"
+
+namespace polhode {
+
+/// How a run ended early, and why.
+struct SundialsFailure {
+    Status status;
+    std::string message;
+};
+
+/// Vector: FixedVector<N>, or a type with the same make() and data(). The problem must outlive the session. Not to be
+/// moved: the library points into it.
+template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
+class SundialsSession {
+  public:
+    static constexpr int dimension = SystemType::dimension;
+
+    SundialsSession(const SundialsSession&) = delete;
+    SundialsSession& operator=(const SundialsSession&) = delete;
+
+    double time() const { return t_; }
+    double* y() { return Vector::data(state_.get()); }
+
+    /// The motion at time(), as the solver left it.
+    Sample sample() { return sample_at(t_); }
+
+    /// The same where the caller keeps the time: time() may differ from t by rounding.
+    Sample sample_at(double t) { return sample_of<SystemType>(*problem_, t, y()); }
+
+    /// The time at which the right-hand side was not finite, since restart().
+    std::optional<double> not_finite_at() const { return not_finite_at_; }
+
+  protected:
+    /// Relative tolerance R, absolute tolerance R times each component's scale.
+    /// Throws std::bad_alloc where there is no memory for it.
+    SundialsSession(const Problem& problem, double tolerance)
+        : problem_(&problem),
+          system_(system_on<SystemType>(problem, problem.segments.front())),
+          // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+          tolerance_(std::max(tolerance, 1e-100)) {
+        initial_state<SystemType>(problem, y());
+        component_scales<SystemType>(problem, Vector::data(absolute_.get()));
+        for (int i = 0; i < dimension; ++i) Vector::data(absolute_.get())[i] *= tolerance_;
+    }
+    ~SundialsSession() = default;
+
+    // nothing but memory can fail where the arguments are right; flags are zero on success
+    static void demand(int flag) {
+        if (flag != 0) throw std::bad_alloc();
+    }
+
+    void begin() {
+        initial_state<SystemType>(*problem_, y());
+        evaluations_ = 0;
+        not_finite_at_.reset();
+    }
+    void pass(const Segment& segment) {
+        polhode::enter<SystemType>(*problem_, segment, y());
+        system_ = system_on<SystemType>(*problem_, segment);
+        t_ = segment.begin, end_ = segment.end;
+    }
+    // `status` is what the flag means; its name serves where the library said nothing
+    SundialsFailure explained(const char* library, Status status, char* flag_name) {
+        const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
+        const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
+        if (not_finite_at_)
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
+                                                  moment(*not_finite_at_), library, said, last_state(sample()))};
+        return {status, fmt::format("{}: {}", library, said)};
+    }
+    void rethrow() {
+        if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+    }
+    // a segment of a rounding error's length, which no solver can start on: one explicit Euler step is exact there
+    void leap() {
+        double rate[dimension];
+        system_.derivative(t_, y(), rate);
+        ++evaluations_;
+        for (int i = 0; i < dimension; ++i) y()[i] += (end_ - t_) * rate[i];
+        t_ = end_;
+        message_.clear();
+    }
+
+    // A rate that is not finite ends the run: the solver would try ever smaller steps until all are spent. -1 says so,
+    // but SUNDIALS 6.4's nonlinear solvers take it for a failure to converge and try again: from the first -1 on there
+    // is no other answer.
+    static int right_hand_side(double t, N_Vector y, N_Vector rate, void* session) {
+        SundialsSession* self = static_cast<SundialsSession*>(session);
+        if (self->not_finite_at_ || self->thrown_) return -1;
+        double* dy = Vector::data(rate);
+        t += self->offset_;
+        ++self->evaluations_;
+        try {
+            self->system_.derivative(t, Vector::data(y), dy);
+        } catch (...) {  // C code lies between here and whoever called
+            self->thrown_ = std::current_exception();
+            return -1;
+        }
+        double zeros[2] = {0, 0};
+        for (int i = 0; i < dimension; ++i) zeros[i & 1] += dy[i] * 0;
+        if (zeros[0] + zeros[1] == 0) return 0;
+        self->not_finite_at_ = t;
+        return -1;
+    }
+
+    // for FixedMatrix, which goes with FixedVector
+    static int fill_jacobian(double t, N_Vector y, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector, N_Vector) {
+        SundialsSession* self = static_cast<SundialsSession*>(session);
+        auto& entries = FixedMatrix<dimension>::entries(J);
+        jacobian(self->system_, t + self->offset_, Vector::data(y), entries.data());
+        if (entries.allFinite()) return 0;
+        self->not_finite_at_ = t + self->offset_;
+        return -1;
+    }
+
+    // codes above zero are warnings
+    static void note_message(int code, const char*, const char*, char* text, void* session) {
+        if (code <= 0) static_cast<SundialsSession*>(session)->message_ = text;
+    }
+
+    const Problem* problem_;
+    SystemType system_;
+    double tolerance_;
+    SundialsContext context_;  // before all that lives in it
+    SundialsOwner<N_Vector> state_ = owned(Vector::make(context_));
+    SundialsOwner<N_Vector> absolute_ = owned(Vector::make(context_));
+    double t_ = 0, end_ = 0;
+    double offset_ = 0;  // s, from the solver's clock to the motion's
+    long evaluations_ = 0;
+    std::optional<double> not_finite_at_;
+    std::string message_;
+    std::exception_ptr thrown_;
+};
+
+}  // namespace polhode

@@ -1,0 +1,364 @@
+#include "integrators/truth/balls/certified.h"
+
+#include <arb.h>
+#include <flint/flint.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "integrators/analysis/conditioning.h"
+#include "integrators/truth/allowance.h"
+#include "integrators/truth/balls/decimal.h"
+#include "integrators/truth/balls/flow.h"
+#include "integrators/truth/strong_damping.h"
+#include "motion/problem.h"
+#include "scene/scene_file.h"
+#include "text/content_hash.h"
+
+namespace polhode {
+namespace {
+
+using truth::Ball;
+using truth::Bound;
+using truth::Carry;
+using truth::Enclosure;
+using truth::EulerForm;
+using truth::Piece;
+using truth::PiecePlan;
+
+constexpr double bits_per_digit = 3.3219280948873623;
+constexpr double spare_bits = 40;
+// what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
+constexpr double most_series_bits = 3000, most_bits = 32768;
+
+// The columns of a trajectory file after t, as balls: blocks q, w, p, v.
+using Columns = std::array<Ball, 13>;
+constexpr int block_begin[] = {0, 4, 7, 10, 13};
+
+struct Attempt {
+    std::string fault;
+    bool hopeless = false;                  ///< no precision gets over the fault
+    double wanted_bits = 0;                 ///< does
+    double most_bits = polhode::most_bits;  ///< that all ways together can carry
+    // the ways taken
+    bool by_series = false, by_parallelepiped = false, by_collocation = false;
+    long steps = 0;
+    bool by_closed_form = false;
+    std::vector<Columns> columns;
+};
+
+Columns columns_of(const EulerForm<Ball>& form, const std::vector<Ball>& y) {
+    const truth::Motion<Ball> m = form.motion(y.data());
+    const Vector3<Ball> w = rotate(m.q, m.angular_velocity_B);
+    return {
+        m.q.w,           m.q.x,           m.q.y,           m.q.z,           w[0],           w[1], w[2], m.position_W[0],
+        m.position_W[1], m.position_W[2], m.velocity_W[0], m.velocity_W[1], m.velocity_W[2]};
+}
+
+// The motion of a scene at rising precision.
+class Certifier {
+  public:
+    Certifier(const Scene& scene, const std::vector<double>& times, int digits)
+        : scene_(scene),
+          times_(times),
+          events_(event_times(scene)),
+          least_bits_(digits * bits_per_digit + spare_bits) {}
+
+    double least_bits() const { return least_bits_; }
+
+    /// The motion at the thread's working precision, piece by piece.
+    Attempt attempt() {
+        Attempt result;
+        EulerForm<Ball> form(scene_);
+        std::vector<Ball> y(form.dimension());
+        form.initial(y.data());
+        std::size_t next = 0;  // the first sample still to come
+        for (std::size_t i = 0; i + 1 < events_.size(); ++i) {
+            const double begin = events_[i], end = events_[i + 1];
+            const bool last = i + 2 == events_.size();
+            form.enter(begin, y.data());
+            Piece piece{form, begin, end, {}};
+            // samples at an event belong to the piece that it opens
+            const auto belongs = [&](double t) { return t < end || (last && t == end); };
+            for (; next < times_.size() && times_[next] == begin && belongs(begin); ++next)
+                result.columns.push_back(columns_of(form, y));
+            for (; next < times_.size() && belongs(times_[next]); ++next) piece.sample_times.push_back(times_[next]);
+            Enclosure enclosure = enclosed(piece, i, y, result);
+            if (!result.fault.empty()) return result;
+            result.steps += enclosure.steps;
+            for (const std::vector<Ball>& state : enclosure.samples) result.columns.push_back(columns_of(form, state));
+            y = std::move(enclosure.end);
+        }
+        return result;
+    }
+
+  private:
+    // How a piece is enclosed by a polynomial, if it is.
+    struct Route {
+        PiecePlan plan;
+        bool closed = false;        ///< it has a closed form, which may be out of reach
+        Carry carry = Carry::norm;  ///< of errors, where it is not stiff
+
+        bool stiff() const { return plan.damping_number > truth::stiff_damping_number; }
+    };
+
+    const Scene& scene_;
+    const std::vector<double>& times_;
+    std::vector<double> events_;
+    double least_bits_;
+    std::vector<Route> routes_;    // made when first needed
+    double sensitivity_bits_ = 0;  // lost by parallelepipeds
+    // of the pieces that were met so far and have no closed form
+    double growth_ = 0, spread_ = 0;
+    bool sheared_ = false;
+    std::size_t met_ = 0;
+
+    // Parallelepipeds make a step about twice as dear (measured): they pay where the logarithmic norm would take 1.4
+    // times the bits.
+    void find_routes() {
+        constexpr double least_growth = 16;  // below it a length does in any case
+        const Problem problem = pose(scene_);
+        EulerForm<Ball> form(scene_);
+        std::vector<Ball> unused(form.dimension());
+        form.initial(unused.data());
+        double growth = 0, spread = 0;
+        for (PiecePlan& plan : truth::plan_pieces(problem)) {
+            form.enter(events_[routes_.size()], unused.data());
+            const bool closed = truth::has_closed_form(form.forcing());
+            if (!closed) growth += plan.growth_bits, spread = std::max(spread, plan.spread_bits);
+            routes_.push_back({std::move(plan), closed, Carry::norm});
+        }
+        const auto is_dear = [&](double growth_bits, double spread_bits) {
+            return least_bits_ + growth_bits + spread_bits > 1.4 * (least_bits_ + sensitivity_bits_ + spread_bits);
+        };
+        const auto choose = [&] {
+            const bool all_dear = is_dear(growth, spread);
+            bool any = false;
+            for (Route& route : routes_) {
+                const double own = route.plan.growth_bits;
+                const bool dear = route.closed ? is_dear(own, route.plan.spread_bits) : all_dear && own > least_growth;
+                route.carry = dear ? Carry::parallelepiped : Carry::norm;
+                any = any || dear;
+            }
+            return any;
+        };
+        // what they lose at least decides most scenes; kappa takes a solver's run
+        sensitivity_bits_ = 24;
+        if (!choose()) return;
+        sensitivity_bits_ += kappa_bits(problem);
+        choose();
+    }
+
+    // log2 of the largest kappa. A guide only: where it is too low the precision rises once more.
+    double kappa_bits(const Problem& problem) const {
+        constexpr int times = 32;
+        constexpr double unknown = 64;
+        ConditioningSettings settings;
+        settings.max_steps = prompt_conditioning_steps;
+        const Conditioning found = conditioning(problem, sample_times(scene_.duration, times), settings);
+        return found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown;
+    }
+
+    Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, Attempt& result) {
+        const auto bits = static_cast<double>(Ball::precision());
+        const bool closed = truth::has_closed_form(piece.form.forcing());
+        if (closed) {
+            Enclosure enclosure = truth::enclose_by_closed_form(piece, y);
+            if (enclosure.fault.empty()) {
+                result.by_closed_form = true;
+                return enclosure;
+            }
+        }
+        if (routes_.empty()) find_routes();
+        const Route& route = routes_[index];
+        const bool stiff = route.stiff(), sheared = !stiff && route.carry == Carry::parallelepiped;
+        if (index >= met_) {
+            met_ = index + 1;
+            if (sheared)
+                sheared_ = true;
+            else
+                growth_ += route.plan.growth_bits;
+            spread_ = std::max(spread_, route.plan.spread_bits);
+        }
+        const double wanted = least_bits_ + growth_ + (sheared_ ? sensitivity_bits_ : 0) + spread_;
+        if (closed && wanted > most_series_bits) {
+            result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
+            return {};
+        }
+        (stiff ? result.by_collocation : sheared ? result.by_parallelepiped : result.by_series) = true;
+        result.most_bits = std::min(result.most_bits, stiff ? truth::most_collocation_bits : most_series_bits);
+        if (wanted > bits || bits > result.most_bits) {
+            result.fault = "errors grow", result.wanted_bits = std::max(wanted, bits);
+            return {};
+        }
+        Enclosure enclosure = stiff ? truth::enclose_by_collocation(scene_, piece, route.plan, y)
+                                    : truth::enclose_by_taylor(piece, route.plan, y, route.carry);
+        if (!enclosure.fault.empty())
+            result.fault = enclosure.fault, result.hopeless = enclosure.hopeless, result.wanted_bits = 1.3 * bits + 64;
+        return enclosure;
+    }
+};
+
+// The largest length of each block over the run; 1 where it is not known to be more than zero.
+std::array<Ball, 4> block_sizes(const std::vector<Columns>& all) {
+    std::array<Ball, 4> sizes;
+    for (int b = 0; b < 4; ++b) {
+        for (const Columns& columns : all) {
+            Ball sum;
+            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) sum += columns[c] * columns[c];
+            if (arb_gt(sum.raw(), sizes[b].raw())) sizes[b] = std::move(sum);
+        }
+        sizes[b] = sizes[b].is_positive() ? sqrt(sizes[b]) : Ball(1);
+    }
+    return sizes;
+}
+
+// The most digits d such that error <= 10^-d size for certain.
+int proven_digits(const Bound& error, const Ball& size) {
+    const truth::WorkingPrecision precision(128);
+    int digits = static_cast<int>(std::floor((size.log2_near() - error.log2_near()) / bits_per_digit)) + 1;
+    for (;; --digits) {
+        Ball power, scaled = error.ball();
+        arb_ui_pow_ui(power.raw(), 10, static_cast<ulong>(std::abs(digits)), Ball::precision());
+        if (digits < 0)
+            scaled /= power;
+        else
+            scaled *= power;
+        if (arb_le(scaled.raw(), size.raw())) return digits;
+    }
+}
+
+// What a radius in a block of that size may be for `digits` proven digits: at most 10^-digits, and that times the size.
+double allowed_log2(const Ball& size, int digits) { return -digits * bits_per_digit + std::min(size.log2_near(), 0.0); }
+
+void write(const std::vector<Columns>& all, int digits, CertifiedReference& result) {
+    const std::array<Ball, 4> sizes = block_sizes(all);
+    Bound largest;
+    result.digits = digits;
+    bool any = false;
+    for (const Columns& columns : all) {
+        result.columns.emplace_back();
+        Bound widest;
+        for (int b = 0; b < 4; ++b)
+            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
+                const double allowed = allowed_log2(sizes[b], digits) / bits_per_digit;
+                const double radius = Bound::radius_of(columns[c]).log2_near() / bits_per_digit;
+                // rounded where the radius begins, or three digits below what is allowed
+                const long place = static_cast<long>(std::floor(std::max(radius, allowed - 3))) - 1;
+                CertifiedNumber& number = result.columns.back()[c];
+                Bound error;
+                number.value = truth::decimal_near(columns[c], place, error);
+                number.radius = truth::decimal_above(error);
+                number.digits = digits;
+                if (error.is_zero()) continue;
+                number.digits = proven_digits(error, sizes[b]);
+                result.digits = any ? std::min(result.digits, number.digits) : number.digits;
+                any = true;
+                if (widest < error) widest = error;
+            }
+        result.bounds.push_back(truth::decimal_above(widest));
+        if (largest < widest) largest = widest;
+    }
+    result.radius = truth::decimal_above(largest);
+}
+
+// log2 of the largest radius over what is allowed
+double excess_bits(const std::vector<Columns>& all, int digits) {
+    const std::array<Ball, 4> sizes = block_sizes(all);
+    double worst = -std::numeric_limits<double>::infinity();
+    for (const Columns& columns : all)
+        for (int b = 0; b < 4; ++b)
+            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
+                if (!columns[c].is_finite()) return std::numeric_limits<double>::infinity();
+                worst = std::max(worst, Bound::radius_of(columns[c]).log2_near() - allowed_log2(sizes[b], digits));
+            }
+    return worst;
+}
+
+}  // namespace
+
+CertifiedReference certified_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
+    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
+    validate(scene, scene.name);
+    CertifiedReference result;
+    result.requested_digits = digits;
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<UserTorque>(load)) {
+            result.message = "no certified truth: a user's torque has none";
+            return result;
+        }
+    if (!scene.planes.empty()) {
+        result.message = "no certified truth: impacts on planes are not enclosed; leave out --certified";
+        return result;
+    }
+    result.scene_hash = content_hash(write_scene(scene));
+    const auto start = std::chrono::steady_clock::now();
+    result.times = sample_times(scene.duration, samples);
+
+    const truth::Allowance allowance(seconds_limit);
+    Certifier certifier(scene, result.times, digits);
+    double bits = certifier.least_bits(), limit = most_bits;
+    std::string hopeless;
+    while (bits <= limit) {
+        result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
+        const truth::WorkingPrecision precision(result.working_bits);
+        const Attempt attempt = certifier.attempt();
+        if (truth::Allowance::is_spent()) break;
+        limit = std::min(limit, attempt.most_bits);
+        if (attempt.hopeless) {
+            hopeless = attempt.fault;
+            break;
+        }
+        if (!attempt.fault.empty()) {
+            bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
+            continue;
+        }
+        // a decimal's rounding may add half as much again
+        const double excess = excess_bits(attempt.columns, digits) + 1;
+        if (excess > 0) {
+            bits = static_cast<double>(result.working_bits) +
+                   std::min(excess, static_cast<double>(result.working_bits)) + 16;
+            continue;
+        }
+        result.available = true;
+        result.steps = attempt.steps;
+        write(attempt.columns, digits, result);
+        const auto name = [&](bool used, const char* method) {
+            if (used) result.method += (result.method.empty() ? "" : "; ") + std::string(method);
+        };
+        name(attempt.by_closed_form, "closed form");
+        name(attempt.by_series, "Taylor series with a proven defect, errors carried by the logarithmic norm");
+        name(attempt.by_parallelepiped, "Taylor series with a proven defect, errors carried by parallelepipeds");
+        name(attempt.by_collocation, "collocation with a proven defect, errors carried by the logarithmic norm");
+        break;
+    }
+    flint_cleanup();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (result.available) {
+        result.message = fmt::format("{}, {} bits", result.method, result.working_bits);
+        return result;
+    }
+    result.times.clear();
+    if (truth::Allowance::is_spent()) {
+        result.message = fmt::format("no certified truth within the limit of {} s", seconds_limit);
+        return result;
+    }
+    if (!hopeless.empty()) {
+        result.message = "no certified truth: " + hopeless;
+        return result;
+    }
+    // with room for what an attempt may find missing
+    const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
+    result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits of {} bits", limit)
+                             : fmt::format("no certified truth to {} digits: {} can be had", digits, had);
+    return result;
+}
+
+std::string ball_arithmetic_version() { return fmt::format("{} (FLINT {})", arb_version, FLINT_VERSION); }
+
+}  // namespace polhode

@@ -1,0 +1,17 @@
+// In place of the certified truth where the program is built without Arb.
+#include "integrators/truth/balls/certified.h"
+
+namespace polhode {
+
+CertifiedReference certified_reference(const Scene&, long, int digits, double) {
+    CertifiedReference result;
+    result.requested_digits = digits;
+    result.message =
+        "no certified truth: this program was built without Arb; install libflint-arb-dev and libflint-dev, and "
+        "build it anew";
+    return result;
+}
+
+std::string ball_arithmetic_version() { return ""; }
+
+}  // namespace polhode

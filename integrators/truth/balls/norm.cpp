@@ -1,0 +1,240 @@
+#include "integrators/truth/balls/norm.h"
+
+#include <arb_mat.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/series/series.h"
+#include "integrators/truth/balls/matrix.h"
+#include "integrators/truth/euler_form.h"
+#include "integrators/truth/strong_damping.h"
+
+namespace polhode::truth {
+namespace {
+
+constexpr long bound_bits = 64;
+
+// A symmetric matrix of doubles, exactly, is at most `limit` times 1 if limit 1 - M has a Cholesky factor in balls.
+bool eigenvalues_below(const Eigen::MatrixXd& M, double limit) {
+    const slong n = M.rows();
+    arb_mat_t A, L;
+    arb_mat_init(A, n, n);
+    arb_mat_init(L, n, n);
+    for (slong i = 0; i < n; ++i)
+        for (slong j = 0; j < n; ++j) {
+            arb_set_d(arb_mat_entry(A, i, j), -M(i, j));
+            if (i == j) {
+                const Ball add(limit);
+                arb_add(arb_mat_entry(A, i, j), arb_mat_entry(A, i, j), add.raw(), ARF_PREC_EXACT);
+            }
+        }
+    const bool below = arb_mat_cho(L, A, 2 * bound_bits) != 0;
+    arb_mat_clear(A);
+    arb_mat_clear(L);
+    return below;
+}
+
+double largest_eigenvalue(const Eigen::MatrixXd& symmetric) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+struct Visit {
+    Eigen::MatrixXd J;
+    double seconds;
+};
+
+// The Jacobians along an approximate motion, at most some hundred a piece.
+class Scout {
+  public:
+    explicit Scout(const Problem& problem) : form_(problem.scene), y_(form_.dimension()) { form_.initial(y_.data()); }
+
+    std::vector<Visit> visits(double begin, double end) {
+        constexpr int order = 12, most_steps = 4000;
+        constexpr double tolerance = 1e-6;
+        const int n = form_.dimension();
+        form_.enter(begin, y_.data());
+        Series<double> series(record<double>(form_, n), order);
+        std::vector<Visit> all;
+        double t = begin;
+        for (int step = 0; t < end; ++step) {
+            series.expand(y_.data());
+            double h = end - t;
+            for (int block = 0; block < n; block += block == 3 ? 4 : 3) {
+                double size = block == 3 ? 1 : 0, last = 0;
+                for (int i = block; i < block + (block == 3 ? 4 : 3); ++i) {
+                    size = std::max(size, std::abs(y_[i]));
+                    last = std::max(last, std::abs(series.coefficient(i, order)));
+                }
+                if (last > 0 && size > 0) h = std::min(h, std::pow(tolerance * size / last, 1.0 / order));
+            }
+            const bool give_up = step >= most_steps || !(t + h > t);
+            if (give_up) h = end - t;
+            const std::vector<double> J = jacobian_of(series.recording(), y_.data());
+            all.push_back({Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(J.data(), n, n), h});
+            if (give_up) break;
+            series.evaluate(h, y_.data());
+            t = end - t <= h ? end : t + h;
+        }
+        return thinned(std::move(all));
+    }
+
+  private:
+    EulerForm<double> form_;
+    std::vector<double> y_;
+
+    static std::vector<Visit> thinned(std::vector<Visit> all) {
+        constexpr std::size_t most = 64;
+        const std::size_t stride = (all.size() + most - 1) / most;
+        std::vector<Visit> kept;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (!all[i].J.allFinite()) continue;
+            if (i % stride == 0 || kept.empty())
+                kept.push_back(std::move(all[i]));
+            else
+                kept.back().seconds += all[i].seconds;
+        }
+        return kept;
+    }
+};
+
+// The integral of the logarithmic norm, in bits.
+double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
+    const Eigen::MatrixXd inverse = S.inverse();
+    double sum = 0;
+    for (const Visit& visit : visits) {
+        const Eigen::MatrixXd B = S * visit.J * inverse;
+        // below zero nothing is gained: the error made in the end stays
+        sum += std::max(0.0, largest_eigenvalue((B + B.transpose()) / 2)) * visit.seconds;
+    }
+    return sum / std::log(2.0);
+}
+
+}  // namespace
+
+std::vector<PiecePlan> plan_pieces(const Problem& problem) {
+    const std::vector<double> times = event_times(problem.scene);
+    const int n = problem.body.pivoted ? 7 : 13, blocks = n == 7 ? 2 : 4;
+    const int first[] = {0, 3, 7, 10, 13};
+    const double size[] = {problem.scales.angular_velocity, 1, problem.scales.position, problem.scales.velocity};
+    // the metric of the kinetic energy: w . I w / trace I
+    const Matrix3<double>& I = problem.body.inertia_B;
+    const double trace = I[0][0] + I[1][1] + I[2][2];
+    Eigen::Matrix3d metric;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) metric(i, j) = I[i][j] / trace;
+    const Eigen::Matrix3d C = metric.llt().matrixU();
+
+    const auto weights = [&](const double* log2_weight) {
+        Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
+        for (int b = 0; b < blocks; ++b)
+            for (int i = first[b]; i < first[b + 1]; ++i)
+                for (int j = first[b]; j < first[b + 1]; ++j)
+                    S(i, j) = std::exp2(log2_weight[b]) / size[b] * (b == 0 ? C(i, j) : i == j ? 1.0 : 0.0);
+        return S;
+    };
+    const auto spread = [&](const double* log2_weight) {
+        const auto [least, most] = std::minmax_element(log2_weight, log2_weight + blocks);
+        return *most - *least;
+    };
+
+    Scout scout(problem);
+    std::vector<PiecePlan> plans;
+    for (std::size_t piece = 0; piece + 1 < times.size(); ++piece) {
+        const std::vector<Visit> visits = scout.visits(times[piece], times[piece + 1]);
+        double best[4] = {0, 0, 0, 0}, cost = growth(visits, weights(best)) + spread(best);
+        for (const double stride : {8.0, 2.0, 0.5})
+            for (bool better = true; better;) {
+                better = false;
+                for (int b = 0; b < blocks; ++b)
+                    for (const double move : {stride, -stride}) {
+                        double tried[4];
+                        std::copy_n(best, 4, tried);
+                        tried[b] += move;
+                        if (std::abs(tried[b]) > 200) continue;
+                        const double c = growth(visits, weights(tried)) + spread(tried);
+                        if (c < cost - 1e-3) std::copy_n(tried, 4, best), cost = c, better = true;
+                    }
+            }
+        PiecePlan plan;
+        plan.dimension = n;
+        const Eigen::MatrixXd S = weights(best);
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
+        for (int b = 0; b < blocks; ++b) plan.scales.insert(plan.scales.end(), first[b + 1] - first[b], size[b]);
+        plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
+        plan.damping_number = damping_number(problem, problem.segments[piece]);
+        plans.push_back(std::move(plan));
+    }
+    return plans;
+}
+
+WeightedNorm::WeightedNorm(const PiecePlan& plan)
+    : n_(plan.dimension), inverse_(inverse_of(plan.weights, static_cast<std::size_t>(n_), 2 * bound_bits)) {
+    for (const double weight : plan.weights) S_.emplace_back(weight);
+    double most = 0;
+    const std::vector<Bound> unit = components(Bound(1.0));
+    for (int i = 0; i < n_; ++i) most = std::max(most, unit[i].near() / plan.scales[i]);
+    allowed_ = Bound(0x1p-20 / most);
+}
+
+Bound WeightedNorm::length(const std::vector<Bound>& component) const {
+    Bound sum;
+    for (int i = 0; i < n_; ++i) {
+        Bound z;
+        for (int j = 0; j < n_; ++j)
+            if (!S_[i * n_ + j].is_zero()) z += Bound(S_[i * n_ + j]) * component[j];
+        sum += z * z;
+    }
+    return root(sum);
+}
+
+std::vector<Bound> WeightedNorm::components(const Bound& length) const {
+    std::vector<Bound> result;
+    for (int i = 0; i < n_; ++i) {
+        Bound sum;
+        for (int j = 0; j < n_; ++j) {
+            const Bound entry(inverse_[i * n_ + j]);
+            sum += entry * entry;
+        }
+        result.push_back(root(sum) * length);
+    }
+    return result;
+}
+
+Ball WeightedNorm::logarithmic_norm(const Recording<Ball>& recording, const std::vector<Ball>& box) const {
+    const WorkingPrecision precision(bound_bits);
+    const std::vector<Ball> J = jacobian_of(recording, box.data());
+    const auto n = static_cast<std::size_t>(n_);
+    const std::vector<Ball> B = product(product(S_, J, n), inverse_, n);
+    // (B + B^T)/2 = exact doubles M + rest, and the rest is no longer than its largest row sum
+    Eigen::MatrixXd M(n_, n_);
+    Bound rest;
+    for (int i = 0; i < n_; ++i) {
+        Bound row;
+        for (int j = 0; j < n_; ++j) {
+            const Ball entry = (B[i * n_ + j] + B[j * n_ + i]) * Ball(0.5);
+            M(i, j) = entry.near();  // symmetric: the same sum, whichever comes first
+            row += Bound(entry - Ball(M(i, j)));
+        }
+        if (rest < row) rest = row;
+    }
+    Ball unknown;
+    arb_pos_inf(unknown.raw());
+    if (!rest.is_finite() || !M.allFinite()) return unknown;
+    const double near = largest_eigenvalue(M), size = M.cwiseAbs().maxCoeff();
+    for (double slack = 1e-12 * size; slack <= size + 1e-300; slack = 16 * slack + 1e-300)
+        if (eigenvalues_below(M, near + slack)) return Ball(near + slack) + rest.ball();
+    return unknown;
+}
+
+Recording<Ball> rounded(const Recording<Ball>& recording) {
+    Recording<Ball> result = recording;
+    const auto round = [](Ball& x) { arb_set_round(x.raw(), x.raw(), Ball::precision()); };
+    for (Node<Ball>& node : result.tape.nodes) round(node.factor_a), round(node.factor_b);
+    for (Traced<Ball>& rate : result.rates) round(rate.factor);
+    return result;
+}
+
+}  // namespace polhode::truth

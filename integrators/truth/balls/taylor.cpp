@@ -1,0 +1,337 @@
+#include "integrators/truth/balls/taylor.h"
+
+#include <arb_poly.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/truth/allowance.h"
+#include "integrators/truth/balls/flow.h"
+#include "integrators/truth/balls/parallelepiped.h"
+#include "integrators/truth/balls/transition.h"
+
+namespace polhode::truth {
+namespace {
+
+constexpr long bound_bits = 64;
+constexpr long max_steps = 400'000;    // hours
+constexpr long foreseen_after = 1000;  // steps, as the many to come are likely to be
+
+// exact sums and differences: times have few bits
+Ball exact_sum(const Ball& a, const Ball& b) {
+    Ball c;
+    arb_add(c.raw(), a.raw(), b.raw(), ARF_PREC_EXACT);
+    return c;
+}
+Ball exact_difference(const Ball& a, const Ball& b) {
+    Ball c;
+    arb_sub(c.raw(), a.raw(), b.raw(), ARF_PREC_EXACT);
+    return c;
+}
+
+// the step on a grid 2^-20 of itself: the time keeps few bits
+double on_grid(double h) {
+    int exponent = 0;
+    std::frexp(h, &exponent);
+    const double unit = std::ldexp(1.0, exponent - 20);
+    return std::floor(h / unit) * unit;
+}
+
+// |c_k| h^k <= 2^-bits of the block's size for the last coefficients; of four, since one may vanish by symmetry
+double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bits) {
+    const int n = series.dimension(), order = series.order();
+    double log2_step = std::numeric_limits<double>::infinity();
+    for (int block = 0; block < n; block += block == 3 ? 4 : 3) {
+        const int end = block + (block == 3 ? 4 : 3);
+        for (int k = order - 3; k <= order; ++k) {
+            double size = -std::numeric_limits<double>::infinity();
+            for (int i = block; i < end; ++i) size = std::max(size, Bound(series.coefficient(i, k)).log2_near());
+            log2_step = std::min(log2_step, (std::log2(plan.scales[block]) - bits - size) / k);
+        }
+    }
+    return std::exp2(log2_step);
+}
+
+}  // namespace
+
+TermBounds term_bounds(const Series<Ball>& series, const Bound& h) {
+    TermBounds terms;
+    terms.order = series.order();
+    const std::size_t nodes = series.recording().tape.nodes.size();
+    terms.node.reserve(nodes * terms.order);
+    std::vector<Bound> power(1, Bound(1.0));
+    for (int k = 1; k <= terms.order; ++k) power.push_back(power.back() * h);
+    for (std::size_t i = 0; i < nodes; ++i) {
+        const Ball* c = series.node_coefficients(static_cast<int>(i));
+        for (int k = 0; k < terms.order; ++k) terms.node.push_back(Bound(c[k]) * power[k]);
+    }
+    for (int i = 0; i < series.dimension(); ++i)
+        terms.last.push_back(Bound(series.coefficient(i, terms.order)) * power[terms.order]);
+    return terms;
+}
+
+Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
+    using Kind = Node<Ball>::Kind;
+    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
+    const int N = terms.order;
+    std::vector<Bound> remainder(nodes.size());
+    // tail[i][m] = sum of the terms of node i from order m on, without the remainder
+    std::vector<std::vector<Bound>> tail(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Bound* own = &terms.node[i * N];
+        tail[i].resize(N + 1);
+        for (int m = N; m-- > 0;) tail[i][m] = own[m] + tail[i][m + 1];
+        const Node<Ball>& node = nodes[i];
+        if (node.kind == Kind::state) {
+            remainder[i] = terms.last[i];
+        } else if (node.kind == Kind::combination) {
+            remainder[i] = Bound(node.factor_a) * remainder[node.a];
+            if (node.b >= 0) remainder[i] += Bound(node.factor_b) * remainder[node.b];
+        } else {
+            const Bound* a = &terms.node[static_cast<std::size_t>(node.a) * N];
+            const std::vector<Bound>& b = tail[node.b];
+            Bound sum;
+            for (int j = 1; j < N; ++j) sum += a[j] * b[N - j];
+            sum += tail[node.a][0] * remainder[node.b];
+            sum += remainder[node.a] * b[0];
+            sum += remainder[node.a] * remainder[node.b];
+            remainder[i] = sum;
+        }
+    }
+    Defect result;
+    for (const Traced<Ball>& rate : recording.rates)
+        result.rate.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * remainder[rate.node]);
+    for (std::size_t i = 0; i < nodes.size(); ++i) result.node.push_back(tail[i][0] + remainder[i]);
+    return result;
+}
+
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+                                   const std::vector<Bound>& moved) {
+    using Kind = Node<Ball>::Kind;
+    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
+    std::vector<Bound> change(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const auto a = static_cast<std::size_t>(nodes[i].a);
+        if (nodes[i].kind == Kind::state) {
+            change[i] = moved[i];
+        } else if (nodes[i].kind == Kind::combination) {
+            change[i] = Bound(nodes[i].factor_a) * change[a];
+            if (nodes[i].b >= 0) change[i] += Bound(nodes[i].factor_b) * change[nodes[i].b];
+        } else {
+            const auto b = static_cast<std::size_t>(nodes[i].b);
+            change[i] = (node[a] + change[a]) * change[b];
+            change[i] += change[a] * node[b];
+        }
+    }
+    std::vector<Bound> result;
+    for (const Traced<Ball>& rate : recording.rates)
+        result.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * change[rate.node]);
+    return result;
+}
+
+std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const TermBounds& terms, const Ball& h,
+                                           const std::vector<Bound>& margin, int count) {
+    const WorkingPrecision precision(bound_bits);
+    const int n = series.dimension(), N = series.order(), length = std::min(N, 32);
+    std::vector<std::vector<Ball>> boxes(count, std::vector<Ball>(n));
+    std::vector<Ball> low(length);
+    for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < length; ++k) arb_set_round(low[k].raw(), series.coefficient(i, k).raw(), Ball::precision());
+        Bound rest = margin[i] + terms.last[i];
+        for (int k = length; k < N; ++k) rest += terms.node[static_cast<std::size_t>(i) * N + k];
+        for (int part = 0; part < count; ++part) {
+            // [part, part + 1] h / count
+            const Ball half = h / Ball(2 * count);
+            const Ball t = widened(half * Ball(2 * part + 1), Bound(half));
+            _arb_poly_evaluate_horner(boxes[part][i].raw(), low.front().raw(), length, t.raw(), Ball::precision());
+            boxes[part][i] = widened(std::move(boxes[part][i]), rest);
+        }
+    }
+    return boxes;
+}
+
+namespace {
+
+// What a step from an exact point is made of; lengths in the norm.
+struct StepBounds {
+    Ball h;
+    Bound local;           ///< how far the motion from the point leaves the polynomial but for its growth
+    Bound growth, at_end;  ///< what an error of the point is multiplied by, at most on the way and at the end
+    Bound largest;         ///< how far the motion is from the polynomial, with what errors there were
+};
+
+// The distance of the motion from the point, as one length in the norm.
+class NormErrors {
+  public:
+    static constexpr int parts = 8;  // of a step, each with a logarithmic norm of its own
+
+    NormErrors(const Piece&, const PiecePlan&, const WeightedNorm& norm, int, const std::vector<Bound>& radius)
+        : norm_(norm), length_(norm.length(radius)) {}
+
+    Bound length() const { return length_; }
+    std::vector<Bound> components() const { return norm_.components(length_); }
+
+    void begin(const std::vector<Ball>&, const TermBounds&, const StepBounds& step) {
+        step_ = step, distance_ = norm_.components(step.largest);
+    }
+    std::vector<Bound> distance_at(const Ball&) const { return distance_; }
+    void end(const std::vector<Bound>& radius) {
+        length_ = step_.at_end * length_ + step_.growth * step_.local + norm_.length(radius);
+    }
+
+  private:
+    const WeightedNorm& norm_;
+    Bound length_;
+    StepBounds step_;
+    std::vector<Bound> distance_;
+};
+
+// The distance as a parallelepiped that turns and shears with the motion. The logarithmic norm is left with what is
+// small beside it, so that few over a step do.
+class ParallelepipedErrors {
+  public:
+    static constexpr int parts = 2;
+
+    ParallelepipedErrors(const Piece& piece, const PiecePlan& plan, const WeightedNorm& norm, int order,
+                         const std::vector<Bound>& radius)
+        : norm_(norm), set_(plan.scales, radius), scales_(plan.scales), transition_(piece.form, order) {}
+
+    Bound length() const { return norm_.length(set_.components()); }
+    std::vector<Bound> components() const { return set_.components(); }
+
+    void begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
+        h_ = step.h, local_ = norm_.components(step.growth * step.local);
+        transition_.set_order(order_for(terms));
+        transition_.expand(point, Bound(step.h), step.largest, step.growth, norm_.allowed(), norm_);
+    }
+    std::vector<Bound> distance_at(const Ball& t) const {
+        std::vector<Bound> distance = set_.components_after(transition_.at(t));
+        for (std::size_t i = 0; i < distance.size(); ++i) distance[i] += local_[i];
+        return distance;
+    }
+    void end(const std::vector<Bound>& radius) {
+        for (std::size_t i = 0; i < local_.size(); ++i) local_[i] += radius[i];
+        set_.advance(transition_.at(h_), local_);
+    }
+
+  private:
+    // Terms of W beyond this change nothing: an error of W only makes a set wider that it multiplies.
+    static constexpr double last_term = 0x1p-72;
+
+    const WeightedNorm& norm_;
+    Parallelepiped set_;
+    std::vector<double> scales_;
+    Transition transition_;
+    Ball h_;
+    std::vector<Bound> local_;
+
+    // the terms of y as a guide to those of W
+    int order_for(const TermBounds& terms) const {
+        int order = terms.order;
+        for (; order > 8; --order)
+            for (std::size_t i = 0; i < scales_.size(); ++i)
+                if (terms.node[i * terms.order + order - 1].near() > last_term * scales_[i]) return order + 2;
+        return order;
+    }
+};
+
+template <class Errors>
+Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
+    Enclosure result;
+    const int n = piece.form.dimension();
+    const auto bits = static_cast<double>(Ball::precision());
+    // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
+    const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
+    Series<Ball> series(record<Ball>(piece.form, n), order);
+    const WeightedNorm norm(plan);
+    const Recording<Ball> coarse = [&] {
+        const WorkingPrecision precision(bound_bits);
+        return rounded(series.recording());
+    }();
+
+    std::vector<Ball> point(n), reached(n);
+    std::vector<Bound> radius(n);
+    const auto split = [&](const std::vector<Ball>& y) {
+        for (int i = 0; i < n; ++i) point[i] = y[i].midpoint(), radius[i] = Bound::radius_of(y[i]);
+    };
+    split(start);
+    Errors errors(piece, plan, norm, order, radius);
+    const std::vector<Bound> margin = norm.components(norm.allowed());
+
+    Ball t(piece.begin);
+    const Ball end(piece.end);
+    std::size_t next = 0;
+    while (!(t == end)) {
+        const double passed = t.near() - piece.begin;
+        const bool too_many =
+            result.steps == foreseen_after && (piece.end - piece.begin) / passed * foreseen_after > 2.0 * max_steps;
+        if (too_many || result.steps >= max_steps) {
+            result.fault = fmt::format("{:.2g} s took {} steps of at most {}", passed, result.steps, max_steps);
+            result.hopeless = true;
+            return result;
+        }
+        ++result.steps;
+        if (Allowance::is_spent()) {
+            result.fault = Allowance::fault;
+            return result;
+        }
+        series.expand(point.data());
+        const double wanted = on_grid(wanted_step(series, plan, bits));
+        if (!(wanted > 0)) {
+            result.fault = "the step vanishes";
+            result.hopeless = true;
+            return result;
+        }
+        StepBounds step;
+        Ball t_after = end;
+        step.h = exact_difference(end, t);
+        if (std::isfinite(wanted) && arb_gt(step.h.raw(), Ball(wanted).raw()))
+            step.h = Ball(wanted), t_after = exact_sum(t, step.h);
+
+        const TermBounds terms = term_bounds(series, Bound(step.h));
+        step.local = Bound(step.h) * norm.length(defect(series.recording(), terms).rate);
+        {
+            const WorkingPrecision precision(bound_bits);
+            const Ball part = step.h / Ball(Errors::parts);
+            Ball exponent, most;
+            for (const std::vector<Ball>& box : swept_boxes(series, terms, step.h, margin, Errors::parts)) {
+                const Ball mu = norm.logarithmic_norm(coarse, box);
+                exponent += mu * part;
+                if (!mu.is_negative()) most += mu * part;
+            }
+            step.growth = exponential(most), step.at_end = exponential(exponent);
+        }
+        step.largest = step.growth * (errors.length() + step.local);
+        if (!step.largest.is_finite() || norm.allowed() < step.largest) {
+            result.fault = fmt::format("errors grow beyond what {} bits can carry", Ball::precision());
+            return result;
+        }
+        errors.begin(point, terms, step);
+        for (; next < piece.sample_times.size(); ++next) {
+            const Ball after = exact_difference(Ball(piece.sample_times[next]), t);
+            if (arb_gt(after.raw(), step.h.raw())) break;
+            series.evaluate(after, reached.data());
+            const std::vector<Bound> distance = errors.distance_at(after);
+            for (int i = 0; i < n; ++i) reached[i] = widened(std::move(reached[i]), distance[i]);
+            result.samples.push_back(reached);
+        }
+        series.evaluate(step.h, reached.data());
+        split(reached);
+        errors.end(radius);
+        t = t_after;
+    }
+    const std::vector<Bound> distance = errors.components();
+    result.end = point;
+    for (int i = 0; i < n; ++i) result.end[i] = widened(std::move(result.end[i]), distance[i]);
+    return result;
+}
+
+}  // namespace
+
+Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start, Carry carry) {
+    return carry == Carry::norm ? enclose<NormErrors>(piece, plan, start)
+                                : enclose<ParallelepipedErrors>(piece, plan, start);
+}
+
+}  // namespace polhode::truth

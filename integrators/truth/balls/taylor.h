@@ -1,0 +1,49 @@
+// Enclosure of a recorded polynomial system by Taylor series with a proven defect.
+//
+// From an exact point, balls c_k hold the Taylor coefficients of the solution through it. Let p be the polynomial of
+// degree N with the true coefficients (numbers within the balls). Then p' and f(p) agree in every order below N, so
+//
+//   d(t) = p'(t) - f(p(t)) = -(terms of f(p) of order N and more),
+//
+// bounded on [0, h] along the tape: a node is its first N terms and a remainder R, with |.| summed term by term,
+//
+//   R(a b) = sum over j + k >= N of |a_j| |b_k| h^(j+k) + |a| R(b) + R(a) |b| + R(a) R(b),
+//
+// all in upward-rounded bounds. There is no a-priori box to guess. How far the motion is from p follows from d by the
+// logarithmic norm (ball_norm.h) on the box that p and the allowed distance sweep; as long as the bound stays within
+// the allowed distance the motion is in the box, and by continuity it stays (Hairer, Norsett & Wanner I.10).
+#pragma once
+
+#include <vector>
+
+#include "integrators/series/series.h"
+#include "integrators/truth/balls/ball.h"
+#include "integrators/truth/balls/norm.h"
+
+namespace polhode::truth {
+
+/// |coefficient| h^k of every node's first N terms, and |c_N| h^N of the state variables.
+struct TermBounds {
+    int order = 0;
+    std::vector<Bound> node;  ///< node by node, `order` each
+    std::vector<Bound> last;  ///< of the state variables
+};
+TermBounds term_bounds(const Series<Ball>& series, const Bound& h);
+
+/// What holds on [0, h] along the polynomials.
+struct Defect {
+    std::vector<Bound> node;  ///< |value| of every node of the tape
+    std::vector<Bound> rate;  ///< |d_i| of the state variables
+};
+Defect defect(const Recording<Ball>& recording, const TermBounds& terms);
+
+/// Bounds of |f_i(y + e) - f_i(y)| where |y's nodes| <= node and |e_j| <= moved[j]:
+///   |ab(y + e) - ab(y)| <= |a| |b moved| + |a moved| |b| + |a moved| |b moved|.
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+                                   const std::vector<Bound>& moved);
+
+/// Boxes that hold p on each of `count` equal parts of [0, h], each widened by `margin`.
+std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const TermBounds& terms, const Ball& h,
+                                           const std::vector<Bound>& margin, int count);
+
+}  // namespace polhode::truth

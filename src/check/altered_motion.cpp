@@ -1,0 +1,154 @@
+#include "check/altered_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "motion/problem.h"
+
+namespace polhode {
+namespace {
+
+constexpr int n = 13;
+using State = std::array<double, n>;
+
+// The tensor as written, with the gyroscopic term times a factor and a damping of the engine's own.
+struct AlteredInertia {
+    FullInertia<double> inertia;
+    double gyroscopic, damping;
+
+    Vector3<double> angular_acceleration(const Vector3<double>& w, const Vector3<double>& tau) const {
+        return inertia.inverse * (tau + gyroscopic * cross(inertia.tensor * w, w)) - damping * w;
+    }
+};
+
+class Run {
+  public:
+    Run(const Scene& scene, const Alteration& alteration)
+        : problem_(pose(scene, Formulation::full)),
+          alteration_(alteration),
+          inertia_{problem_.full_inertia, alteration.gyroscopic, alteration.damping} {
+        initial_state<FullMotion<double>>(problem_, y_.data());
+    }
+
+    std::vector<Sample> samples_at(const std::vector<double>& times) {
+        std::vector<Sample> samples;
+        for (std::size_t k = 0; k < problem_.segments.size() && samples.size() < times.size(); ++k) {
+            const Segment& segment = problem_.segments[k];
+            const bool last = k + 1 == problem_.segments.size();
+            forcing_ = &segment.forcing;
+            enter<FullMotion<double>>(problem_, segment, y_.data());
+            limit();
+            double t = segment.begin;
+            while (samples.size() < times.size() && (last || times[samples.size()] < segment.end)) {
+                if (!march(t, times[samples.size()])) return samples;
+                samples.push_back(sample_of<FullMotion<double>>(problem_, times[samples.size()], y_.data()));
+            }
+            if (!last && samples.size() < times.size() && !march(t, segment.end)) return samples;
+        }
+        return samples;
+    }
+
+  private:
+    Problem problem_;
+    Alteration alteration_;
+    AlteredInertia inertia_;
+    const Forcing<double>* forcing_ = nullptr;
+    State y_{};
+    double step_ = 0;
+    long steps_ = 0;
+
+    State rate(double t, const State& y) const {
+        State dy{};
+        LoadedBody<double, AlteredInertia, true>{inertia_, forcing_}.derivative(t, y.data(), dy.data());
+        if (!forcing_->pivoted)
+            for (int i = 10; i < 13; ++i) dy[i] -= alteration_.linear_damping * y[i];
+        return dy;
+    }
+
+    void limit() {
+        const double speed = std::sqrt(y_[0] * y_[0] + y_[1] * y_[1] + y_[2] * y_[2]);
+        if (speed > alteration_.speed_limit)
+            for (int i = 0; i < 3; ++i) y_[i] *= alteration_.speed_limit / speed;
+    }
+
+    // y at `end`; false where that takes too many steps or is not finite
+    bool march(double& t, double end) {
+        constexpr double tolerance = 1e-9;
+        constexpr long most_steps = 20'000;
+        const Scales& scales = problem_.scales;
+        if (step_ == 0) step_ = 1e-3 / std::max(scales.angular_velocity, 1e-3);
+        while (t < end) {
+            if (++steps_ > most_steps) return false;
+            const bool to_end = end - t <= step_;
+            const double h = to_end ? end - t : step_;
+            State next{};
+            const double error = attempt(t, h, next) / tolerance;
+            if (!std::isfinite(error) && !(h > 1e-12 * end)) return false;
+            const double factor = std::isfinite(error) ? 0.9 * std::pow(std::max(error, 1e-10), -0.2) : 0.1;
+            const double proposed = h * std::clamp(factor, 0.2, 4.0);
+            if (!(error <= 1)) {
+                step_ = proposed;
+                continue;
+            }
+            // a step cut short by a sample says little of the one that could be taken
+            step_ = to_end ? std::max(step_, proposed) : proposed;
+            // a limit is felt at the ends of steps only
+            if (std::isfinite(alteration_.speed_limit)) step_ = std::min(step_, 0.02 / alteration_.speed_limit);
+            y_ = next;
+            limit();
+            if (const double norm = std::sqrt(y_[3] * y_[3] + y_[4] * y_[4] + y_[5] * y_[5] + y_[6] * y_[6]); norm > 0)
+                for (int i = 3; i < 7; ++i) y_[i] /= norm;
+            t = to_end ? end : t + h;
+        }
+        return true;
+    }
+
+    // one step of the pair; returns the largest difference of the two over its scale
+    double attempt(double t, double h, State& next) const {
+        constexpr int stages = 7;
+        constexpr double c[stages] = {0, 0.2, 0.3, 0.8, 8.0 / 9, 1, 1};
+        constexpr double a[stages][6] = {{},
+                                         {1.0 / 5},
+                                         {3.0 / 40, 9.0 / 40},
+                                         {44.0 / 45, -56.0 / 15, 32.0 / 9},
+                                         {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+                                         {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+                                         {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
+        constexpr double e[stages] = {71.0 / 57600,        0,          -71.0 / 16695, 71.0 / 1920,
+                                      -17253.0 / 339200.0, 22.0 / 525, -1.0 / 40};
+        State k[stages];
+        for (int s = 0; s < stages; ++s) {
+            State y = y_;
+            for (int j = 0; j < s; ++j)
+                for (int i = 0; i < n; ++i) y[i] += h * a[s][j] * k[j][i];
+            k[s] = rate(t + c[s] * h, y);
+            next = y;  // the last stage stands at the step's end
+        }
+        const Scales& scales = problem_.scales;
+        double largest = 0;
+        for (int i = 0; i < n; ++i) {
+            double difference = 0;
+            for (int s = 0; s < stages; ++s) difference += h * e[s] * k[s][i];
+            const double scale = i < 3    ? scales.angular_velocity
+                                 : i < 7  ? 1
+                                 : i < 10 ? scales.position
+                                          : scales.velocity;
+            // a NaN is the largest of all
+            if (const double ratio = std::abs(difference) / std::max(scale, 1e-300); !(ratio <= largest))
+                largest = ratio;
+        }
+        return largest;
+    }
+};
+
+}  // namespace
+
+std::vector<Sample> altered_motion(const Scene& scene, const Alteration& alteration, const std::vector<double>& times) {
+    Scene timed = scene;
+    if (!times.empty() && times.back() > 0) timed.duration = times.back();
+    validate(timed, timed.name);
+    return Run(timed, alteration).samples_at(times);
+}
+
+}  // namespace polhode

@@ -1,0 +1,129 @@
+#include "check/convention.h"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+// v here = M v there
+Vector3<double> turned(Axes axes, const Vector3<double>& v) {
+    switch (axes) {
+        case Axes::z_up_right:
+            break;
+        case Axes::y_up_right:
+            return {v[0], -v[2], v[1]};
+        case Axes::z_up_left:
+            return {v[0], -v[1], v[2]};
+        case Axes::y_up_left:
+            return {v[0], v[2], v[1]};
+    }
+    return v;
+}
+
+// the mirrors are their own inverses
+Vector3<double> turned_back(Axes axes, const Vector3<double>& v) {
+    if (axes == Axes::y_up_right) return {v[0], v[2], -v[1]};
+    return turned(axes, v);
+}
+
+bool is_mirror(Axes axes) { return axes == Axes::z_up_left || axes == Axes::y_up_left; }
+
+Vector3<double> sensed(Axes axes, const Vector3<double>& v) { return is_mirror(axes) ? -v : v; }
+
+const std::vector<std::string>& words() {
+    static const std::vector<std::string> list{"y-up",        "z-up",    "left-handed", "right-handed", "scalar-first",
+                                               "scalar-last", "degrees", "radians",     "unity",        "godot"};
+    return list;
+}
+
+// One choice of two, made at most once.
+struct Choice {
+    std::optional<bool> made;
+    std::string word;
+
+    void make(bool value, const std::string& by) {
+        if (made && *made != value)
+            throw std::invalid_argument(fmt::format("{} contradicts {}; give one of them", by, word));
+        made = value, word = by;
+    }
+};
+
+}  // namespace
+
+Convention parse_convention(std::string_view text) {
+    Choice y_up, left, scalar_last, degrees;
+    for (std::size_t begin = 0;;) {
+        const std::size_t comma = text.find(',', begin);
+        const std::string word(text.substr(begin, comma - begin));
+        if (word == "y-up" || word == "z-up")
+            y_up.make(word == "y-up", word);
+        else if (word == "left-handed" || word == "right-handed")
+            left.make(word == "left-handed", word);
+        else if (word == "scalar-first" || word == "scalar-last")
+            scalar_last.make(word == "scalar-last", word);
+        else if (word == "degrees" || word == "radians")
+            degrees.make(word == "degrees", word);
+        else if (word == "unity" || word == "godot")
+            y_up.make(true, word), left.make(word == "unity", word);
+        else
+            throw std::invalid_argument(fmt::format(
+                "there is no convention {}; {}known: {}", word.empty() ? "without a name" : one_line(word, 60),
+                word.empty() || did_you_mean(word, words()).empty() ? "" : did_you_mean(word, words()) + " ",
+                listed(words())));
+        if (comma == text.npos) break;
+        begin = comma + 1;
+    }
+    Convention convention;
+    if (y_up.made.value_or(false))
+        convention.axes = left.made.value_or(false) ? Axes::y_up_left : Axes::y_up_right;
+    else if (left.made.value_or(false))
+        convention.axes = Axes::z_up_left;
+    if (scalar_last.made)
+        convention.quaternion = *scalar_last.made ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
+    convention.degrees = degrees.made.value_or(false);
+    return convention;
+}
+
+std::string name_of(const Convention& convention) {
+    std::vector<std::string> said;
+    if (convention.axes == Axes::y_up_right || convention.axes == Axes::y_up_left) said.emplace_back("y-up");
+    if (is_mirror(convention.axes)) said.emplace_back("left-handed");
+    if (convention.quaternion == QuaternionColumns::scalar_first) said.emplace_back("scalar-first");
+    if (convention.quaternion == QuaternionColumns::scalar_last) said.emplace_back("scalar-last");
+    if (convention.degrees) said.emplace_back("degrees");
+    return fmt::format("{}", fmt::join(said, ","));
+}
+
+Vector3<double> vector_from(Axes axes, const Vector3<double>& v) { return turned(axes, v); }
+Vector3<double> vector_to(Axes axes, const Vector3<double>& v) { return turned_back(axes, v); }
+Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v) { return sensed(axes, turned(axes, v)); }
+Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v) { return sensed(axes, turned_back(axes, v)); }
+
+// M R(q) M^T is the rotation by the same angle about the axis as a pseudovector
+Quaternion<double> quaternion_from(Axes axes, const Quaternion<double>& q) {
+    const Vector3<double> u = pseudovector_from(axes, vector_part(q));
+    return {q.w, u[0], u[1], u[2]};
+}
+Quaternion<double> quaternion_to(Axes axes, const Quaternion<double>& q) {
+    const Vector3<double> u = pseudovector_to(axes, vector_part(q));
+    return {q.w, u[0], u[1], u[2]};
+}
+
+void convert(TrajectoryFile& file, const Convention& convention) {
+    const Axes axes = convention.axes;
+    for (TrajectoryRow& row : file.rows) {
+        row.q = quaternion_from(axes, row.q);
+        row.angular_velocity_W = pseudovector_from(axes, row.angular_velocity_W);
+        if (convention.degrees) row.angular_velocity_W = (std::numbers::pi / 180) * row.angular_velocity_W;
+        row.position_W = vector_from(axes, row.position_W);
+        row.velocity_W = vector_from(axes, row.velocity_W);
+    }
+}
+
+}  // namespace polhode

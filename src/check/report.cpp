@@ -1,0 +1,180 @@
+#include "check/report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "text/decimal.h"
+#include "text/json_document.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+const char* verdict(const AttitudeLimit& limit, const CheckedFile& checked) {
+    return !limit.attitude ? "reported" : limit.exceeded_by(checked) ? "failed" : "passed";
+}
+
+// One line of the report: the word for programs and for people, and the errors where the file tells them.
+struct Line {
+    const char *name, *title;
+    std::optional<ErrorSummary> error;
+};
+
+std::vector<Line> lines(const Judgement& j) {
+    return {{"attitude_error", "attitude, rad", j.attitude},
+            {"omega_error", "angular velocity, relative", j.omega},
+            {"momentum_error", "angular momentum, relative", j.momentum},
+            {"energy_error", "energy, relative", j.energy},
+            {"position_error", "position, m", j.position},
+            {"velocity_error", "velocity, m/s", j.velocity},
+            {"norm_error", "norm of q", j.norm}};
+}
+
+std::string sentence(const AttitudeLimit& limit, const CheckedFile& c) {
+    std::string text = fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement.attitude.max,
+                                   shortest_decimal(c.judgement.attitude.max_time));
+    if (limit.attitude)
+        text += fmt::format("; {}{} rad allowed ({})", limit.exceeded_by(c) ? "more than the " : "",
+                            shortest_decimal(*limit.attitude), limit.from);
+    return text;
+}
+
+std::string over_time(const CheckedFile& c) {
+    const Judgement& j = c.judgement;
+    std::string text = "  largest up to t   attitude";
+    if (j.momentum) text += "   momentum";
+    if (j.energy) text += "     energy";
+    text += "       norm";
+    const bool floors = !c.floor_over_time.empty();
+    if (floors) text += "   float64 and float32 floor";
+    text += '\n';
+    for (std::size_t k = 0; k < j.over_time.size(); ++k) {
+        const ErrorSpan& span = j.over_time[k];
+        text += fmt::format("  {:>15.6g}  {:9.2e}", span.until, span.attitude);
+        if (j.momentum) text += fmt::format("  {:9.2e}", span.momentum);
+        if (j.energy) text += fmt::format("  {:9.2e}", span.energy);
+        text += fmt::format("  {:9.2e}", span.norm);
+        if (k < c.floor_over_time.size())
+            text += fmt::format("     {:8.1e}    {:8.1e}", c.floor_over_time[k].float64, c.floor_over_time[k].float32);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string text_of(const AttitudeLimit& limit, const CheckedFile& c) {
+    std::string report = fmt::format("{}: {}: {}\n", one_line(c.path, 300), verdict(limit, c), sentence(limit, c));
+    report +=
+        fmt::format("  {} samples, t = {} to {} s\n", c.samples, shortest_decimal(c.from), shortest_decimal(c.until));
+    report += fmt::format("  {:<28}{:>10}  {:>14}  {:>10}\n", "error", "worst", "at t, s", "final");
+    for (const Line& line : lines(c.judgement))
+        report += line.error ? fmt::format("  {:<28}{:>10.3e}  {:>14.8g}  {:>10.3e}\n", line.title, line.error->max,
+                                           line.error->max_time, line.error->final)
+                             : fmt::format("  {:<28}{:>10}\n", line.title, "-");
+    if (c.floor)
+        report += fmt::format("  {:<28}{:>10.2e}\n  {:<28}{:>10.2e}\n", "float64 floor, rad", c.floor->float64,
+                              "float32 floor, rad", c.floor->float32);
+    report += fmt::format("  {:<28}{:>10.2e}\n", "bound of the truth", c.truth_bound);
+    if (c.judgement.over_time.size() > 1) report += over_time(c);
+    for (const std::string& remark : c.remarks) report += fmt::format("  remark: {}\n", remark);
+    for (const Diagnosis& d : c.diagnoses) report += fmt::format("  diagnosis: {}\n", d.message);
+    return report;
+}
+
+// JSON has no word for what is not finite
+std::string number(double value) { return std::isfinite(value) ? shortest_decimal(value) : "null"; }
+
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '&')
+            result += "&amp;";
+        else if (c == '<')
+            result += "&lt;";
+        else if (c == '"')
+            result += "&quot;";
+        else
+            result += c;
+    }
+    return result;
+}
+
+std::string xml_attribute(const std::string& text) { return '"' + escaped(one_line(text, 4096)) + '"'; }
+
+}  // namespace
+
+std::string check_text(const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
+    std::string report;
+    for (const CheckedFile& c : all) report += text_of(limit, c);
+    return report;
+}
+
+std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
+    std::string report = fmt::format("{{\"scene\": {}, \"max_attitude\": {}, \"trajectories\": [",
+                                     json_string(scene.name), limit.attitude ? number(*limit.attitude) : "null");
+    for (const CheckedFile& c : all) {
+        report += fmt::format("{}\n  {{\"file\": {}, \"verdict\": \"{}\", \"samples\": {}, \"from\": {}, \"until\": {}",
+                              &c == &all.front() ? "" : ",", json_string(one_line(c.path, 4096)), verdict(limit, c),
+                              c.samples, number(c.from), number(c.until));
+        for (const Line& line : lines(c.judgement)) {
+            const auto put = [&](const char* what, double ErrorSummary::*member) {
+                report += fmt::format(", \"{}_{}\": {}", line.name, what,
+                                      line.error ? number((*line.error).*member) : "null");
+            };
+            put("max", &ErrorSummary::max), put("max_time", &ErrorSummary::max_time),
+                put("final", &ErrorSummary::final);
+        }
+        report += fmt::format(", \"truth_bound\": {}, \"truth\": {}", number(c.truth_bound), json_string(c.truth));
+        report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}, \"float_judged_until\": {}",
+                              c.floor ? number(c.floor->float64) : "null", c.floor ? number(c.floor->float32) : "null",
+                              c.float_judged_until ? number(*c.float_judged_until) : "null");
+        report += ",\n   \"over_time\": [";
+        for (std::size_t k = 0; k < c.judgement.over_time.size(); ++k) {
+            const ErrorSpan& span = c.judgement.over_time[k];
+            report += fmt::format("{}{{\"until\": {}, \"attitude_error\": {}, \"norm_error\": {}", k == 0 ? "" : ", ",
+                                  number(span.until), number(span.attitude), number(span.norm));
+            if (c.judgement.momentum) report += fmt::format(", \"momentum_error\": {}", number(span.momentum));
+            if (c.judgement.energy) report += fmt::format(", \"energy_error\": {}", number(span.energy));
+            if (k < c.floor_over_time.size())
+                report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}",
+                                      number(c.floor_over_time[k].float64), number(c.floor_over_time[k].float32));
+            report += '}';
+        }
+        report += "],\n   \"remarks\": [";
+        for (const std::string& remark : c.remarks)
+            report.append(&remark == &c.remarks.front() ? "" : ", ").append(json_string(remark));
+        report += "],\n   \"diagnoses\": [";
+        for (const Diagnosis& d : c.diagnoses)
+            report += fmt::format(
+                "{}\n    {{\"fault\": {}, \"message\": {}, \"convention\": {}, \"error\": {}, "
+                "\"explained\": {}}}",
+                &d == &c.diagnoses.front() ? "" : ",", json_string(d.fault), json_string(d.message),
+                d.convention.empty() ? "null" : json_string(d.convention), number(d.error), number(d.explained));
+        report += "]}";
+    }
+    return report + "\n]}\n";
+}
+
+std::string check_junit(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
+    std::string cases;
+    int failures = 0;
+    for (const CheckedFile& c : all) {
+        cases += fmt::format("    <testcase classname={} name={}>\n", xml_attribute("polhode check " + scene.name),
+                             xml_attribute(c.path));
+        if (limit.exceeded_by(c)) {
+            ++failures;
+            std::string causes;
+            for (const Diagnosis& d : c.diagnoses) causes += d.message + '\n';
+            cases += fmt::format("      <failure message={}>{}</failure>\n", xml_attribute(sentence(limit, c)),
+                                 escaped(causes));
+        }
+        cases += fmt::format("      <system-out>{}</system-out>\n    </testcase>\n", escaped(text_of(limit, c)));
+    }
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<testsuites tests=\"{0}\" failures=\"{1}\">\n"
+        "  <testsuite name={2} tests=\"{0}\" failures=\"{1}\">\n{3}  </testsuite>\n</testsuites>\n",
+        all.size(), failures, xml_attribute("polhode check " + scene.name), cases);
+}
+
+}  // namespace polhode

@@ -1,0 +1,71 @@
+#include "check/sample_clock.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace polhode {
+namespace {
+
+// half a unit in the last place of a binary32 number, and a little for decimals of nine digits
+double rounding(double t) {
+    if (!(t > 0)) return 0x1p-149;
+    return 0.7 * std::ldexp(1.0, std::max(std::ilogb(t), -126) - 23);
+}
+
+// the roundest number of low..high
+double roundest(double low, double high, double duration) {
+    for (const double whole : {duration, 1.0}) {
+        const double count = std::round(whole / (0.5 * (low + high))), dt = whole / count;
+        if (count >= 1 && dt >= low && dt <= high) return dt;
+    }
+    for (int digits = 1; digits <= 15; ++digits) {
+        const double dt = std::strtod(fmt::format("{:.{}g}", 0.5 * (low + high), digits).c_str(), nullptr);
+        if (dt >= low && dt <= high) return dt;
+    }
+    return 0.5 * (low + high);
+}
+
+}  // namespace
+
+std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
+    std::vector<TrajectoryRow>& rows = file.rows;
+    if (rows.size() < 3) return {};
+    const double spacing = (rows.back().t - rows.front().t) / static_cast<double>(rows.size() - 1);
+    // below the normal numbers of binary32 no clock was one
+    if (!(spacing >= 0x1p-126)) return {};
+    const double first = std::round(rows.front().t / spacing);
+    if (!(first < 1e15)) return {};
+    // each time allows an interval of dt
+    double low = 0, high = HUGE_VAL;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double count = first + static_cast<double>(k), t = rows[k].t;
+        if (count == 0) {
+            if (t != 0) return {};
+            continue;
+        }
+        low = std::max(low, (t - rounding(t)) / count);
+        high = std::min(high, (t + rounding(t)) / count);
+        if (low > high) return {};
+    }
+    const double dt = roundest(low, high, duration);
+    double largest = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double t = rows[k].t;
+        if (t > 0) largest = std::max(largest, std::abs(t - (first + static_cast<double>(k)) * dt) / t);
+    }
+    // a binary64 clock, be it one that adds up its steps
+    if (largest < 0x1p-36) return {};
+    // a grid of N steps over the duration has the times that solve and truth have
+    const double steps = std::round(duration / dt);
+    const bool divides = steps >= 1 && steps < 1e15 && duration / steps == dt;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double count = first + static_cast<double>(k);
+        rows[k].t = divides ? (count == steps ? duration : duration * count / steps) : count * dt;
+    }
+    return dt;
+}
+
+}  // namespace polhode

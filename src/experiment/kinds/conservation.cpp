@@ -1,0 +1,60 @@
+// How errors grow over a long run.
+#include <algorithm>
+
+#include "experiment/kinds/report.h"
+#include "measure/growth.h"
+
+namespace polhode {
+namespace {
+
+struct Quantity {
+    const char* name;
+    std::vector<double> ErrorSeries::*values;
+    double saturation;
+};
+
+// an attitude beyond about 1 rad is lost: it cannot exceed pi
+const Quantity quantities[] = {{"energy", &ErrorSeries::energy, 1},
+                               {"momentum", &ErrorSeries::momentum, 1},
+                               {"attitude", &ErrorSeries::attitude, 1},
+                               {"norm", &ErrorSeries::norm, 1}};
+
+}  // namespace
+
+Table growth_table(const Plan& plan, const std::vector<Result>& results) {
+    Table table{{"scene", "evaluations_per_revolution", "method", "setting_kind", "setting", "status", "revolutions",
+                 "seconds_median"},
+                {}};
+    for (const Quantity& q : quantities)
+        for (const char* column : {"_error", "_exponent", "_uncertainty"})
+            table.columns.push_back(std::string(q.name) + column);
+    table.columns.push_back("message");
+    for (const PlannedScene& scene : plan.scenes)
+        for (const double cost : plan.experiment.evaluations_per_revolution)
+            for (const Result& r : results) {
+                if (r.scene != scene.label || r.evaluations_per_revolution != cost) continue;
+                std::vector<Cell> row{r.scene,
+                                      cost,
+                                      r.method,
+                                      std::string(name_of(r.setting_kind)),
+                                      r.setting,
+                                      std::string(name_of(r.status)),
+                                      cell_of(r.revolutions),
+                                      cell_of(r.seconds_median)};
+                for (const Quantity& q : quantities) {
+                    const std::vector<double>& values = r.series.*q.values;
+                    const auto growth = error_growth(r.series.t, values, q.saturation);
+                    std::optional<double> largest, exponent, uncertainty;
+                    // an attitude that is lost at the end says nothing against energy and momentum
+                    const bool whole = r.status == Status::ok || r.status == Status::tolerance_not_met;
+                    if (whole && !values.empty()) largest = *std::max_element(values.begin(), values.end());
+                    if (largest && growth) exponent = growth->exponent, uncertainty = growth->uncertainty;
+                    for (const auto& value : {largest, exponent, uncertainty}) row.push_back(cell_of(value));
+                }
+                row.push_back(r.message);
+                table.rows.push_back(std::move(row));
+            }
+    return table;
+}
+
+}  // namespace polhode

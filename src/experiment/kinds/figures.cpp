@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "experiment/kinds/report.h"
+#include "integrators/sundials/build.h"
+
+namespace polhode {
+namespace {
+
+template <class X, class Y>
+Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, const PlannedCurve& planned, const X& x,
+               const Y& y) {
+    Curve curve;
+    curve.label = curve_label(planned);
+    curve.color = planned.color;
+    curve.dash = planned.method->control == Control::fixed_step_or_tolerance && planned.kind == SettingKind::step;
+    for (const Result* row : rows_of(results, scene, planned)) {
+        curve.cut = curve.cut || row->cut;
+        const std::optional<double> at = x(*row), value = y(*row);
+        if (row->status != Status::ok || !at || !value) continue;
+        curve.x.push_back(*at), curve.y.push_back(*value);
+    }
+    return curve;
+}
+
+bool any_cut(const Figure& figure) {
+    for (const Panel& panel : figure.panels)
+        for (const Curve& curve : panel.curves)
+            if (curve.cut) return true;
+    return false;
+}
+
+// A picture of more panels than a page holds becomes several: NAME_1, NAME_2, ..
+std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const Figure& whole) {
+    constexpr std::size_t page = 12;
+    std::vector<NamedFigure> pages;
+    for (std::size_t begin = 0; begin < whole.panels.size(); begin += page) {
+        const std::size_t end = std::min(begin + page, whole.panels.size());
+        Figure figure = whole;
+        figure.panels.assign(whole.panels.begin() + static_cast<long>(begin),
+                             whole.panels.begin() + static_cast<long>(end));
+        figure.note = figure_note(plan, any_cut(figure));
+        const bool single = whole.panels.size() <= page;
+        pages.push_back({single ? name : fmt::format("{}_{}", name, begin / page + 1), std::move(figure)});
+    }
+    return pages;
+}
+
+Figure error_against_setting(const Plan& plan, const std::vector<Result>& results, SettingKind kind, bool at_end) {
+    const bool step = kind == SettingKind::step;
+    std::optional<double> Errors::*const error = at_end ? &Errors::attitude_final : &Errors::attitude_max;
+    Figure figure;
+    figure.title = fmt::format("{}: attitude error against {}", plan.experiment.name, step ? "step" : "tolerance");
+    figure.columns = 2;
+    for (const PlannedScene& scene : plan.scenes) {
+        Panel panel;
+        panel.title = scene.label;
+        panel.x_label = step ? "step (s)" : "relative tolerance";
+        panel.y_label = at_end ? "attitude error at the end (rad)" : "largest attitude error (rad)";
+        panel.guides = at_end ? floor_guides(results, scene, &Floors::float64_final, &Floors::float32_final)
+                              : floor_guides(results, scene, &Floors::float64, &Floors::float32);
+        for (const PlannedCurve& planned : plan.curves)
+            if (planned.kind == kind)
+                panel.curves.push_back(curve_of(
+                    results, scene, planned,
+                    [&](const Result& r) { return step ? r.step_taken : std::optional(r.setting); },
+                    [&](const Result& r) { return r.errors.*error; }));
+        figure.panels.push_back(std::move(panel));
+    }
+    return figure;
+}
+
+}  // namespace
+
+std::string curve_label(const PlannedCurve& curve) {
+    // a method with both kinds of setting has two curves
+    if (curve.method->control != Control::fixed_step_or_tolerance) return std::string(curve.method->name);
+    return fmt::format("{} ({})", curve.method->name, curve.kind == SettingKind::step ? "fixed step" : "controlled");
+}
+
+std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
+                                std::optional<double> Floors::*float64, std::optional<double> Floors::*float32) {
+    for (const Result& r : results)
+        if (r.scene == scene.label && r.floors.*float64 && r.floors.*float32)
+            return {{float64_floor_label, {}, {*(r.floors.*float64)}},
+                    {float32_floor_label, {}, {*(r.floors.*float32)}}};
+    return {};
+}
+
+std::string figure_note(const Plan& plan, bool cut) {
+    std::string note;
+    if (cut)
+        note =
+            fmt::format("Arrow: the curve was cut, a run takes more than {} s{}.", plan.experiment.seconds_per_run,
+                        plan.experiment.max_evaluations < std::numeric_limits<long>::max()
+                            ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))
+                            : "");
+    const bool sundials = std::any_of(plan.curves.begin(), plan.curves.end(), [](const PlannedCurve& c) {
+        return c.method->name.starts_with("cvode") || c.method->name.starts_with("arkode");
+    });
+    if (sundials && sundials_unoptimised()) note += " SUNDIALS unoptimised.";
+    return note;
+}
+
+std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results) {
+    Figure figure;
+    figure.title = plan.experiment.name + ": attitude error against run time";
+    figure.columns = 2;
+    for (const PlannedScene& scene : plan.scenes) {
+        Panel panel;
+        panel.title = scene.label;
+        panel.x_label = "run time, median (s)";
+        panel.y_label = "largest attitude error (rad)";
+        panel.guides = floor_guides(results, scene, &Floors::float64, &Floors::float32);
+        for (const PlannedCurve& planned : plan.curves)
+            panel.curves.push_back(curve_of(
+                results, scene, planned, [](const Result& r) { return r.seconds_median; },
+                [](const Result& r) { return r.errors.attitude_max; }));
+        figure.panels.push_back(std::move(panel));
+    }
+    return paged(plan.experiment.name, plan, figure);
+}
+
+std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector<Result>& results) {
+    const auto has = [&](SettingKind kind) {
+        return std::any_of(plan.curves.begin(), plan.curves.end(),
+                           [&](const PlannedCurve& c) { return c.kind == kind; });
+    };
+    std::vector<NamedFigure> figures;
+    for (const SettingKind kind : {SettingKind::step, SettingKind::tolerance})
+        if (has(kind)) {
+            const Figure whole = error_against_setting(plan, results, kind, true);
+            for (NamedFigure& page : paged(fmt::format("{}_{}", plan.experiment.name, name_of(kind)), plan, whole))
+                figures.push_back(std::move(page));
+        }
+    return figures;
+}
+
+std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results) {
+    return paged(plan.experiment.name, plan, error_against_setting(plan, results, SettingKind::tolerance, false));
+}
+
+}  // namespace polhode

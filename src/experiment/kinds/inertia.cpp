@@ -1,0 +1,139 @@
+// What it costs to sum a body's inertia over point masses, beside its closed form and its surface.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "body/filling.h"
+#include "body/tessellation.h"
+#include "experiment/run/study.h"
+#include "measure/statistics.h"
+
+namespace polhode {
+namespace {
+
+using Properties = MassProperties<double>;
+
+constexpr double mass = 1;
+
+struct Way {
+    std::string shape, way;
+    long pieces;  ///< points or triangles
+    std::function<Properties()> work;
+    Matrix3<Wide> truth;
+};
+
+// repeated inside one timing until it lasts 20 microseconds
+double seconds_of(const std::function<Properties()>& work, double& kept) {
+    using Clock = std::chrono::steady_clock;
+    for (long repeats = 1;; repeats *= 4) {
+        const auto start = Clock::now();
+        for (long i = 0; i < repeats; ++i) kept += work().inertia[0][0];
+        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        if (seconds > 2e-5) return seconds / static_cast<double>(repeats);
+    }
+}
+
+// the sum itself, over points that are there: sum m (r^2 1 - r r^T) about their centre of mass
+Properties summed(const std::vector<PointMass<double>>& points) {
+    double total = 0;
+    Vector3<double> moment;
+    Matrix3<double> second;
+    for (const PointMass<double>& p : points) {
+        total += p.mass, moment = moment + p.mass * p.position;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j <= i; ++j) second[i][j] += p.mass * p.position[i] * p.position[j];
+    }
+    const Vector3<double> center = (1 / total) * moment;
+    Properties body{total, center, {}};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j) second[i][j] = second[j][i] = second[i][j] - total * center[i] * center[j];
+    const double trace = second[0][0] + second[1][1] + second[2][2];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) body.inertia[i][j] = (i == j ? trace : 0) - second[i][j];
+    return body;
+}
+
+Properties scaled_to_mass(const Mesh& mesh) { return uniform_body(mesh_extent<double>(mesh), mass); }
+
+}  // namespace
+
+StudyResult run_inertia(const Plan& plan, const RunOptions& options) {
+    const std::pair<const char*, Shape> shapes[] = {{"box", Box{{0.3, 0.2, 0.1}}},
+                                                    {"sphere", SolidSphere{0.25}},
+                                                    {"torus", Torus{0.3, 0.1}},
+                                                    {"cone", Cone{0.2, 0.4}}};
+    std::vector<Way> ways;
+    for (const auto& entry : shapes) {
+        const char* name = entry.first;
+        const Shape& shape = entry.second;
+        const Matrix3<Wide> truth = of_mass<Wide>(shape, mass).inertia;
+        const auto add = [&, shape_name = std::string(name)](const char* way, std::size_t pieces,
+                                                             std::function<Properties()> work) {
+            ways.push_back({shape_name, way, static_cast<long>(pieces), std::move(work), truth});
+        };
+        add("closed_form", 1, [shape] { return of_mass<double>(shape, mass); });
+        for (int n = 4; n <= (options.quick ? 32 : 128); n *= 2) {
+            const std::size_t count = grid_points(shape, mass, n).size();
+            add("grid", count, [shape, n] { return summed(grid_points(shape, mass, n)); });
+        }
+        for (long n = 64; n <= (options.quick ? 4096 : 1048576); n *= 4)
+            add("monte_carlo", static_cast<std::size_t>(n),
+                [shape, n] { return summed(random_points(shape, mass, n, 1)); });
+        const auto surface = [&](Mesh mesh) {
+            const std::size_t triangles = mesh.triangles.size();
+            add("mesh", triangles, [mesh = std::move(mesh)] { return scaled_to_mass(mesh); });
+        };
+        if (const auto* box = std::get_if<Box>(&shape)) surface(tessellated(*box));
+        if (const auto* sphere = std::get_if<SolidSphere>(&shape))
+            for (int level = 0; level <= (options.quick ? 4 : 6); ++level) surface(tessellated(*sphere, level));
+        if (const auto* torus = std::get_if<Torus>(&shape))
+            for (int n = 8; n <= (options.quick ? 64 : 256); n *= 2) surface(tessellated(*torus, n));
+    }
+
+    // in turn, so that what disturbs the machine disturbs all alike
+    std::vector<std::vector<double>> seconds(ways.size());
+    double kept = 0;
+    for (int round = 0; round < std::min(plan.experiment.repeats, options.quick ? 3 : 1000); ++round)
+        for (std::size_t i = 0; i < ways.size(); ++i) seconds[i].push_back(seconds_of(ways[i].work, kept));
+    if (!std::isfinite(kept)) throw std::runtime_error("a sum over a body is not finite");
+
+    StudyResult result;
+    NamedTable table{"", "", {{"shape", "way", "pieces", "seconds_min", "seconds_median", "inertia_error"}, {}}};
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        const Way& way = ways[i];
+        table.table.rows.push_back({way.shape, way.way, way.pieces,
+                                    *std::min_element(seconds[i].begin(), seconds[i].end()), median(seconds[i]),
+                                    relative_error(way.work().inertia, way.truth)});
+    }
+    NamedFigure figure{"inertia", {"Inertia summed over pieces of a body", 2, {}, ""}};
+    for (const auto& [name, shape] : shapes) {
+        Panel panel{name, "time (s)", "relative error of the tensor", true, true, {}};
+        int color = 0;
+        for (const char* way : {"closed_form", "grid", "monte_carlo", "mesh"}) {
+            Curve curve;
+            curve.label = way, curve.color = color++;
+            for (const auto& row : table.table.rows)
+                if (text_of(row[0]) == name && text_of(row[1]) == way) {
+                    curve.x.push_back(std::get<double>(row[4]));
+                    // a logarithmic axis has no zero: the last bit stands for it
+                    curve.y.push_back(std::max(std::get<double>(row[5]), 0x1p-54));
+                }
+            if (!curve.x.empty()) panel.curves.push_back(std::move(curve));
+        }
+        figure.figure.panels.push_back(std::move(panel));
+    }
+    figure.figure.note = "An error of zero is drawn at 2^-54.";
+    table.for_people = {{"shape", "shape"},
+                        {"way", "way"},
+                        {"pieces", "points or triangles"},
+                        {"seconds_median", "time (s)"},
+                        {"inertia_error", "relative error of the tensor"}};
+    result.tables.push_back(std::move(table));
+    result.figures.push_back(std::move(figure));
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,146 @@
+// What a game engine's shortcuts in the inertia tensor do to a free body's motion: three floats (the products of
+// inertia dropped), one float (a third of the trace).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "body/orientation.h"
+#include "experiment/run/study.h"
+#include "integrators/truth/reference.h"
+#include "measure/errors.h"
+#include "motion/problem.h"
+
+namespace polhode {
+namespace {
+
+struct Shortcut {
+    const char* name;
+    Matrix3<double> (*inertia)(const Matrix3<double>&);
+};
+const Shortcut shortcuts[] = {
+    {"three_floats", [](const Matrix3<double>& I) { return diagonal(Vector3<double>(I[0][0], I[1][1], I[2][2])); }},
+    {"one_float",
+     [](const Matrix3<double>& I) {
+         const double mean = (I[0][0] + I[1][1] + I[2][2]) / 3;
+         return diagonal(Vector3<double>(mean, mean, mean));
+     }},
+};
+
+double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
+Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
+Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high, q.y.high, q.z.high}; }
+
+}  // namespace
+
+StudyResult run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
+    // error over the first so many radians of turning
+    const std::vector<double> turned = {0.1, 1, 10, 100};
+    const long samples = options.quick ? 500 : 4000;
+    StudyResult result;
+    NamedTable table{
+        "",
+        "",
+        {{"scene", "shortcut", "angle_of_momentum_to_rate", "turned", "attitude_error_max", "momentum_error_max",
+          "energy_error_max", "turned_at_0.01", "turned_at_0.1", "turned_at_1", "status", "message"},
+         {}}};
+    NamedFigure figure{"inertia_shortcuts", {"Attitude error of shortcuts in the inertia tensor", 2, {}, ""}};
+    for (const PlannedScene& planned : plan.scenes) {
+        Scene scene = planned.scene;
+        const Problem problem = pose(scene);
+        const double rate = length(problem.body.angular_velocity_B);
+        if (rate == 0 || !scene.loads.empty() || scene.pivot) {
+            table.table.rows.push_back({planned.label,
+                                        std::string("all"),
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        {},
+                                        std::string("unsupported"),
+                                        std::string("the comparison is of free, turning bodies")});
+            continue;
+        }
+        scene.duration = turned.back() / rate;
+        const Reference truth = reference(scene, samples);
+        Panel panel{planned.label, "turned (rad)", "attitude error (rad)", true, true, {}};
+        int color = 0;
+        for (const Shortcut& shortcut : shortcuts) {
+            Scene simplified = scene;
+            simplified.body.source = nullptr;
+            simplified.body.inertia_B = shortcut.inertia(scene.body.inertia_B);
+            std::vector<Cell> row{planned.label, std::string(shortcut.name),
+                                  angle_between(problem.body.inertia_B * problem.body.angular_velocity_B,
+                                                problem.body.angular_velocity_B)};
+            std::string fault;
+            Reference other;
+            try {
+                validate(simplified, planned.label);
+                other = reference(simplified, samples);
+                if (!truth.available || !other.available) fault = truth.available ? other.message : truth.message;
+            } catch (const InputError& error) {
+                fault = error.what();
+            }
+            if (!fault.empty()) {
+                row.resize(10), row.insert(row.end(), {std::string("failed"), fault});
+                table.table.rows.push_back(std::move(row));
+                continue;
+            }
+            std::vector<double> attitude, momentum, energy, angle;
+            const double L = length(high(truth.samples[0].angular_momentum_W)), E = truth.samples[0].energy.high;
+            for (std::size_t k = 0; k < truth.samples.size(); ++k) {
+                const ReferenceSample &right = truth.samples[k], &wrong = other.samples[k];
+                // the shortcut's own momentum and energy are what its engine would report: judged with the true tensor
+                const Vector3<double> w = high(wrong.angular_velocity_B);
+                const Vector3<double> L_B = problem.body.inertia_B * w;
+                attitude.push_back(rotation_angle_between(high(right.q), high(wrong.q)));
+                momentum.push_back(length(rotate(high(wrong.q), L_B) - high(right.angular_momentum_W)) / L);
+                energy.push_back(
+                    std::abs(dot(w, L_B) / 2 - dot(high(right.angular_velocity_B),
+                                                   problem.body.inertia_B * high(right.angular_velocity_B)) /
+                                                   2) /
+                    std::abs(E));
+                angle.push_back(right.t * rate);
+            }
+            const auto first_beyond = [&](double bound) -> Cell {
+                for (std::size_t k = 0; k < attitude.size(); ++k)
+                    if (attitude[k] > bound) return angle[k];
+                return {};
+            };
+            for (const double until : turned) {
+                std::vector<Cell> one = row;
+                const auto largest = [&](const std::vector<double>& errors) {
+                    double most = 0;
+                    for (std::size_t k = 0; k < errors.size() && angle[k] <= until * (1 + 1e-12); ++k)
+                        most = std::max(most, errors[k]);
+                    return most;
+                };
+                one.insert(one.end(), {until, largest(attitude), largest(momentum), largest(energy), first_beyond(0.01),
+                                       first_beyond(0.1), first_beyond(1), std::string("ok"), std::string()});
+                table.table.rows.push_back(std::move(one));
+            }
+            Curve curve;
+            curve.label = shortcut.name, curve.color = color, curve.points = false;
+            // the largest so far, thinned evenly over the logarithm
+            double most = 0, next = 0;
+            for (std::size_t k = 1; k < angle.size(); ++k) {
+                most = std::max(most, attitude[k]);
+                if (angle[k] < next) continue;
+                next = angle[k] * 1.02;
+                curve.x.push_back(angle[k]), curve.y.push_back(most);
+            }
+            panel.curves.push_back(std::move(curve));
+            ++color;
+        }
+        if (!panel.curves.empty()) figure.figure.panels.push_back(std::move(panel));
+    }
+    result.tables.push_back(std::move(table));
+    if (!figure.figure.panels.empty()) result.figures.push_back(std::move(figure));
+    return result;
+}
+
+}  // namespace polhode

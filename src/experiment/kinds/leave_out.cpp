@@ -1,0 +1,89 @@
+// What leaving out is worth: the same curve by all formulations.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "experiment/kinds/report.h"
+#include "measure/statistics.h"
+#include "motion/problem.h"
+
+namespace polhode {
+namespace {
+
+struct Point {
+    double setting, log_error, log_seconds;
+};
+
+std::vector<Point> points_of(const std::vector<Result>& results, const PlannedScene& scene, const PlannedCurve& curve,
+                             Formulation formulation) {
+    PlannedCurve same = curve;
+    same.formulation = formulation;
+    std::vector<Point> points;
+    for (const Result* row : rows_of(results, scene, same))
+        if (row->status == Status::ok && row->seconds_min && row->errors.attitude_max.value_or(0) > 0)
+            points.push_back({row->setting, std::log(*row->errors.attitude_max), std::log(*row->seconds_min)});
+    return points;
+}
+
+// Seconds at this error, by a least-squares line through log time over log error; not beyond the curve's own errors,
+// and the mean time of a curve that does not spread over a factor of three.
+std::optional<double> seconds_at(const std::vector<Point>& points, double log_error) {
+    if (points.empty()) return {};
+    std::vector<std::pair<double, double>> logs;
+    for (const Point& p : points) logs.emplace_back(p.log_error, p.log_seconds);
+    const Line line = least_squares_line(logs);
+    const auto [low, high] = std::minmax_element(
+        points.begin(), points.end(), [](const Point& a, const Point& b) { return a.log_error < b.log_error; });
+    if (high->log_error - low->log_error < std::log(3.0)) return std::exp(line.y_mean);
+    return std::exp(line.at(std::clamp(log_error, low->log_error, high->log_error)));
+}
+
+// geometric mean over the settings of the error of the one over that of the other
+std::optional<double> error_ratio(const std::vector<Point>& of, const std::vector<Point>& to) {
+    double sum = 0, count = 0;
+    for (const Point& a : of)
+        for (const Point& b : to)
+            if (a.setting == b.setting) sum += a.log_error - b.log_error, count += 1;
+    if (count == 0) return {};
+    return std::exp(sum / count);
+}
+
+std::string left_out(const Needs& needs) {
+    std::string words;
+    for (const LeftOut& one : needs.left_out) words += (words.empty() ? "" : "; ") + one.what;
+    return words.empty() ? "nothing" : words;
+}
+
+}  // namespace
+
+Table gain_table(const Plan& plan, const std::vector<Result>& results) {
+    Table table{{"scene", "method", "setting_kind", "variables", "attitude_error", "seconds_as_written",
+                 "seconds_principal_frame", "seconds_reduced", "gain", "error_ratio", "left_out"},
+                {}};
+    for (const PlannedScene& scene : plan.scenes) {
+        const Needs needs = pose(scene.scene).needs;
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.formulation != Formulation::reduced) continue;
+            const std::vector<Point> written = points_of(results, scene, curve, Formulation::full);
+            const std::vector<Point> principal = points_of(results, scene, curve, Formulation::full_principal);
+            const std::vector<Point> reduced = points_of(results, scene, curve, Formulation::reduced);
+            std::vector<Cell> row{scene.label, std::string(curve.method->name), std::string(name_of(curve.kind)),
+                                  long(needs.dimension)};
+            std::optional<double> error, seconds[3], gain;
+            if (!reduced.empty()) {
+                const double log_error = reduced[reduced.size() / 2].log_error;
+                error = std::exp(log_error);
+                const std::vector<Point>* const curves[] = {&written, &principal, &reduced};
+                for (int i = 0; i < 3; ++i) seconds[i] = seconds_at(*curves[i], log_error);
+            }
+            if (seconds[0] && seconds[2]) gain = *seconds[0] / *seconds[2];
+            for (const auto& value : {error, seconds[0], seconds[1], seconds[2], gain, error_ratio(reduced, written)})
+                row.push_back(cell_of(value));
+            row.push_back(left_out(needs));
+            table.rows.push_back(std::move(row));
+        }
+    }
+    return table;
+}
+
+}  // namespace polhode

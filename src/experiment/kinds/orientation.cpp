@@ -1,0 +1,419 @@
+// Orientation as D. Fleck's slides tell it, each claim with its number: interpolated angles, the order of angles and of
+// matrices, reflections, vertices turned on from where they are, the inertia summed over world points.
+#include "body/orientation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "body/mass_properties.h"
+#include "experiment/run/study.h"
+#include "measure/statistics.h"
+
+namespace polhode {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+constexpr EulerSequence yaw_pitch_roll = EulerSequence::zyx;
+
+Quaternion<double> from_degrees(const EulerAngles& a) {
+    return quaternion_from_euler(yaw_pitch_roll, {a[0] * degree, a[1] * degree, a[2] * degree});
+}
+
+std::string words(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a[1]) + " " + text_of(a[2]); }
+
+// Between two orientations
+
+constexpr int pieces = 1000;
+
+/// A way from one orientation to another in `pieces` steps of equal time: how long it is and how evenly it is run.
+struct Way {
+    double length = 0;                                                      ///< rad
+    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad in a piece
+};
+template <class At>
+Way way_of(const At& at) {
+    Way way;
+    Quaternion<double> before = at(0.0);
+    for (int k = 1; k <= pieces; ++k) {
+        const Quaternion<double> q = at(k / static_cast<double>(pieces));
+        const double turn = rotation_angle_between(q, before);
+        way.length += turn;
+        way.slowest = std::min(way.slowest, turn), way.fastest = std::max(way.fastest, turn);
+        before = q;
+    }
+    return way;
+}
+
+NamedTable interpolation() {
+    const struct {
+        const char* what;
+        EulerAngles from, to;  ///< degrees
+    } pairs[] = {{"about one axis", {0, 0, 0}, {90, 0, 0}},
+                 {"about three", {30, 20, 10}, {80, -30, 120}},
+                 {"yaw across 180", {170, 0, 0}, {-170, 0, 0}},
+                 {"roll and yaw across 180", {175, 30, -170}, {-160, 40, 165}},
+                 {"pitch over the top, as 80 and 80", {0, 80, 0}, {180, 80, 180}},
+                 {"beside the top", {0, 89, 0}, {90, 89, 0}},
+                 {"roll along with yaw, to the top", {0, 60, 0}, {170, 89, 170}},
+                 {"near a half turn", {0, 0, 0}, {170, 10, 40}}};
+    NamedTable table{"",
+                     "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
+                     {{"pair", "from_degrees", "to_degrees", "interpolation", "length", "shortest", "length_ratio",
+                       "largest_jump", "speed_ratio"},
+                      {}}};
+    for (const auto& pair : pairs) {
+        const Quaternion<double> a = from_degrees(pair.from), b = from_degrees(pair.to);
+        const double shortest = rotation_angle_between(a, b);
+        const auto add = [&](const char* name, const Way& way) {
+            table.table.rows.push_back({std::string(pair.what), words(pair.from), words(pair.to), std::string(name),
+                                        way.length, shortest, way.length / shortest, way.fastest,
+                                        way.fastest / way.slowest});
+        };
+        add("euler_angles", way_of([&](double t) {
+                EulerAngles now{};
+                for (std::size_t i = 0; i < 3; ++i) now[i] = pair.from[i] + t * (pair.to[i] - pair.from[i]);
+                return from_degrees(now);
+            }));
+        add("slerp", way_of([&](double t) { return slerp(a, b, t); }));
+    }
+    table.for_people = {{"pair", "pair"},
+                        {"from_degrees", "from yaw, pitch, roll (deg)"},
+                        {"to_degrees", "to"},
+                        {"interpolation", "interpolation"},
+                        {"length", "way (rad)"},
+                        {"length_ratio", "way / shortest"},
+                        {"largest_jump", "largest turn in a step (rad)"},
+                        {"speed_ratio", "fastest / slowest"}};
+    return table;
+}
+
+/// A body turned at a constant rate about a horizontal axis but for `distance`, which carries its nose past the
+/// vertical at that distance; known at keys every 9 degrees and interpolated between.
+NamedTable keys() {
+    constexpr int count = 20;
+    NamedTable table{"keys",
+                     "A half turn past gimbal lock, known at 21 keys: what is between them",
+                     {{"distance", "interpolation", "largest_angle_change", "attitude_error", "largest_jump"}, {}}};
+    for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
+        // yaw goes from 100 to 280 degrees: across 180 for certain, not by a rounding error
+        const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
+        const auto motion = [&](double t) {  // t in keys
+            return start * quaternion_from_axis_angle({{0, 1, 0}, t * std::numbers::pi / count});
+        };
+        std::vector<EulerAngles> wrapped, unwrapped;
+        for (int k = 0; k <= count; ++k) {
+            const EulerAngles a = euler_from_quaternion(yaw_pitch_roll, motion(k));
+            wrapped.push_back(a);
+            unwrapped.push_back(a);
+            // the turn count nearest to the key before
+            if (k > 0)
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const double full = 2 * std::numbers::pi, before = unwrapped[unwrapped.size() - 2][i];
+                    unwrapped.back()[i] += full * std::round((before - a[i]) / full);
+                }
+        }
+        const auto add = [&](const char* name, std::optional<double> change, const auto& at) {
+            double error = 0, jump = 0;
+            Quaternion<double> before = motion(0);
+            for (int n = 0; n < 50 * count; ++n) {
+                const int k = n / 50;
+                const double t = (n % 50) / 50.0;
+                const Quaternion<double> q = at(static_cast<std::size_t>(k), t);
+                error = std::max(error, rotation_angle_between(q, motion(k + t)));
+                jump = std::max(jump, rotation_angle_between(q, before));
+                before = q;
+            }
+            table.table.rows.push_back({distance, std::string(name), cell_of(change), error, jump});
+        };
+        const auto add_angles = [&](const char* name, const std::vector<EulerAngles>& angles) {
+            double change = 0;
+            for (std::size_t k = 0; k < count; ++k)
+                for (std::size_t i = 0; i < 3; ++i)
+                    change = std::max(change, std::abs(angles[k + 1][i] - angles[k][i]));
+            add(name, change, [&](std::size_t k, double t) {
+                EulerAngles now{};
+                for (std::size_t i = 0; i < 3; ++i) now[i] = angles[k][i] + t * (angles[k + 1][i] - angles[k][i]);
+                return quaternion_from_euler(yaw_pitch_roll, now);
+            });
+        };
+        add_angles("euler_angles in (-180, 180]", wrapped);
+        add_angles("euler_angles, full turns counted", unwrapped);
+        add("slerp", std::nullopt, [&](std::size_t k, double t) {
+            return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
+        });
+    }
+    table.for_people = {{"distance", "distance from lock (rad)"},
+                        {"interpolation", "interpolation"},
+                        {"largest_angle_change", "largest change of an angle between keys (rad)"},
+                        {"attitude_error", "largest attitude error (rad)"},
+                        {"largest_jump", "largest turn in a 50th of a key (rad)"}};
+    return table;
+}
+
+// In which order
+
+/// X = 20, Y = 5, Z = 15 degrees, as on the slide, in each order of three different axes.
+NamedTable angle_order() {
+    const double about[] = {20 * degree, 5 * degree, 15 * degree};
+    const auto turned = [&](EulerSequence sequence) {
+        EulerAngles angles{};
+        for (std::size_t i = 0; i < 3; ++i) angles[i] = about[static_cast<std::size_t>(name_of(sequence)[i] - 'x')];
+        return quaternion_from_euler(sequence, angles);
+    };
+    NamedTable table{"angle_order",
+                     "X = 20, Y = 5, Z = 15 degrees in each order: angle between the orientations (rad)",
+                     {{"sequence", "extrinsic"}, {}}};
+    for (const EulerSequence other : euler_sequences)
+        if (!is_proper(other)) table.table.columns.push_back("from_" + std::string(name_of(other)));
+    for (const EulerSequence sequence : euler_sequences) {
+        if (is_proper(sequence)) continue;
+        const std::string name(name_of(sequence));
+        std::vector<Cell> row{name, std::string(name.rbegin(), name.rend())};
+        for (const EulerSequence other : euler_sequences)
+            if (!is_proper(other)) row.emplace_back(rotation_angle_between(turned(sequence), turned(other)));
+        table.table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+/// "To combine rotations A*B = N, rotating first by A then B is the same as just multiplying by N", beside A*V = V'.
+NamedTable matrix_order() {
+    const Matrix3<double> A = rotation_matrix(quaternion_from_axis_angle({{1, 0, 0}, 20 * degree})),
+                          B = rotation_matrix(quaternion_from_axis_angle({{0, 0, 1}, 15 * degree}));
+    const Vector3<double> V(1, 2, 3);
+    const Vector3<double> first_A_then_B = B * (A * V);
+    NamedTable table{"matrix_order",
+                     "First a turn A by 20 degrees about x, then B by 15 about z, of V = (1, 2, 3): B (A V) against "
+                     "one product",
+                     {{"product", "meaning", "difference", "angle"}, {}}};
+    const auto add = [&](const char* product, const char* meaning, const Matrix3<double>& N, const Vector3<double>& W) {
+        const Vector3<double> d = W - first_A_then_B;
+        const double angle = rotation_angle_between(quaternion_from_matrix(N), quaternion_from_matrix(B * A));
+        table.table.rows.push_back(
+            {std::string(product), std::string(meaning), std::sqrt(dot(d, d) / dot(V, V)), angle});
+    };
+    const Matrix3<double> AB = A * B, BA = B * A, rows = transposed(A) * transposed(B);
+    add("(A B) V", "the slide's N = A B with its own V' = A V: first B, then A; or first A, then B about A's new axes",
+        AB, AB * V);
+    add("(B A) V", "first A, then B, both about fixed axes", BA, BA * V);
+    add("V^T (A^T B^T)", "rows instead of columns: there the first stands on the left", transposed(rows),
+        transposed(rows) * V);
+    table.for_people = {{"product", "product"},
+                        {"meaning", "meaning"},
+                        {"difference", "difference of the vector / |V|"},
+                        {"angle", "difference of the rotation (rad)"}};
+    return table;
+}
+
+// What is a rotation
+
+NamedTable reflection() {
+    const Matrix3<double> R = rotation_matrix(from_degrees({40, 20, -30}));
+    Matrix3<double> drifted = R;
+    const Vector3<double> w(0.1, 0.2, 0.3);
+    for (int n = 0; n < 100; ++n) drifted = drifted + skew(0.01 * w) * drifted;
+    Matrix3<double> exchanged = R;
+    std::swap(exchanged[0], exchanged[1]);
+    NamedTable table{"reflection",
+                     "Which matrices are taken for an orientation",
+                     {{"matrix", "determinant", "defect", "accepted", "message"}, {}}};
+    const std::pair<const char*, Matrix3<double>> matrices[] = {
+        {"a rotation", R},
+        {"one axis mirrored", R * diagonal(Vector3<double>(1, 1, -1))},
+        {"all axes mirrored", R * diagonal(Vector3<double>(-1, -1, -1))},
+        {"two rows exchanged", exchanged},
+        {"two axes mirrored: a half turn more", R * diagonal(Vector3<double>(-1, -1, 1))},
+        {"a scale of 1.1", R * diagonal(Vector3<double>(1.1, 1.1, 1.1))},
+        {"100 steps A += h skew(w) A, h |w| = 0.0037", drifted},
+        {"the same, re-orthogonalised", reorthogonalised(drifted)}};
+    for (const auto& [what, A] : matrices) {
+        std::string message;
+        try {
+            require_rotation(A);
+        } catch (const std::invalid_argument& refused) {
+            message = refused.what();
+        }
+        table.table.rows.push_back({std::string(what), determinant(A), orthogonality_defect(A),
+                                    std::string(message.empty() ? "yes" : "no"), message});
+    }
+    return table;
+}
+
+// Vertices
+
+/// Three vertices at the axes' unit points, turned by one and the same R a step.
+template <class S>
+void turn_vertices(const char* scalar, long most, Table& table) {
+    // 1/64 rad a step about (1, -2, 2)/3
+    const Quaternion<double> turn = quaternion_from_axis_angle({{1, -2, 2}, 1.0 / 64});
+    const Quaternion<S> step = cast<S>(turn);
+    const Matrix3<S> R = rotation_matrix(step);
+    Matrix3<S> moved = diagonal(Vector3<S>(S(1), S(1), S(1)));
+    Quaternion<S> q{S(1), S(0), S(0), S(0)}, free = q;
+    long n = 0;
+    for (long stop = 10; stop <= most; stop *= 10) {
+        for (; n < stop; ++n) {
+            moved = R * moved;
+            q = normalized(step * q);
+            free = step * free;
+        }
+        const auto add = [&](const char* way, const Matrix3<S>& A) {
+            const Matrix3<double> columns = cast<double>(A);
+            // n/128 is a binary64 number: no turn is lost in reducing it
+            const Quaternion<double> truth = quaternion_from_axis_angle({{1, -2, 2}, static_cast<double>(n) / 64});
+            const double error = rotation_angle_between(quaternion_from_rotation(nearest_rotation(columns)), truth);
+            table.rows.push_back({std::string(scalar), std::string(way), n, orthogonality_defect(columns), error});
+        };
+        add("V <- R V", moved);
+        add("V = A(q) V0, q <- theta q normalised", rotation_matrix(q));
+        add("V = A(q) V0, q <- theta q", rotation_matrix(free));
+    }
+}
+
+NamedTable vertices(bool quick) {
+    NamedTable table{"vertices",
+                     "Three vertices turned on from where they are, against vertices always from the originals: 1/64 "
+                     "rad a step",
+                     {{"scalar", "way", "steps", "defect", "attitude_error"}, {}}};
+    turn_vertices<float>("binary32", quick ? 100000 : 1000000, table.table);
+    turn_vertices<double>("binary64", quick ? 100000 : 1000000, table.table);
+    table.for_people = {{"scalar", "numbers"},
+                        {"way", "way"},
+                        {"steps", "steps"},
+                        {"defect", "|V^T V - 1|"},
+                        {"attitude_error", "attitude error (rad)"}};
+    return table;
+}
+
+// The inertia in world axes
+
+/// n^3 equal masses on a grid along the principal axes, stretched so that the sum is the tensor of the moments exactly:
+/// places 2 k - (n - 1), k = 0 .. n - 1, have the mean square (n^2 - 1)/3.
+template <class S>
+std::vector<PointMass<S>> grid_body(int n, const Vector3<double>& moments, double mass) {
+    Vector3<double> scale;
+    for (int i = 0; i < 3; ++i) {
+        const double second = (moments[(i + 1) % 3] + moments[(i + 2) % 3] - moments[i]) / (2 * mass);
+        scale[i] = std::sqrt(3 * second / (n * n - 1));
+    }
+    std::vector<PointMass<S>> points;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < n; ++k)
+                points.push_back(
+                    {S(mass / (n * n * n)), Vector3<S>(S(scale[0] * (2 * i - n + 1)), S(scale[1] * (2 * j - n + 1)),
+                                                       S(scale[2] * (2 * k - n + 1)))});
+    return points;
+}
+
+/// sum m (r^2 1 - r r^T) over r = A r(0)
+template <class S>
+Matrix3<S> resummed(const std::vector<PointMass<S>>& points, const Matrix3<S>& A) {
+    Matrix3<S> sum;
+    for (const PointMass<S>& point : points) sum = sum + parallel_axis(point.mass, A * point.position);
+    return sum;
+}
+
+struct Summing {
+    std::string scalar, way;
+    std::optional<long> points;
+    double error = 0;
+    std::vector<double> seconds{};
+};
+
+template <class S>
+void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
+    using Clock = std::chrono::steady_clock;
+    const Vector3<double> moments(1, 2, 2.5);
+    const Quaternion<double> q = from_degrees({40, 20, -30});
+    const Matrix3<Wide> exact = rotation_matrix(normalized(cast<Wide>(q)));
+    const Matrix3<Wide> truth = exact * diagonal(cast<Wide>(moments)) * transposed(exact);
+    const Matrix3<S> I = diagonal(cast<S>(moments));
+    const auto measure = [&](const char* way, std::optional<long> points, const auto& tensor) {
+        // frames turn a little each, so that no compiler takes the sum out of the loop
+        Quaternion<S> turned = cast<S>(q);
+        Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
+        S kept = S(0);
+        for (int round = 0; round < rounds; ++round) {
+            for (long frames = 1;; frames *= 4) {
+                const auto start = Clock::now();
+                for (long f = 0; f < frames; ++f) {
+                    turned.w = turned.w + S(1e-6);
+                    kept = kept + tensor(rotation_matrix(turned))[0][0];
+                }
+                const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+                if (seconds < 2e-5) continue;
+                summing.seconds.push_back(seconds / static_cast<double>(frames));
+                break;
+            }
+        }
+        if (!std::isfinite(kept)) throw std::runtime_error("an inertia tensor is not finite");
+        found.push_back(std::move(summing));
+    };
+    measure("A I A^T", std::nullopt, [&](const Matrix3<S>& A) { return A * I * transposed(A); });
+    for (const int n : {2, 4, 8, 16}) {
+        const std::vector<PointMass<S>> points = grid_body<S>(n, moments, 2);
+        measure("sum over world points", static_cast<long>(points.size()),
+                [&](const Matrix3<S>& A) { return resummed(points, A); });
+    }
+}
+
+NamedTable inertia(int rounds) {
+    std::vector<Summing> found;
+    sum_inertia<float>("binary32", rounds, found);
+    sum_inertia<double>("binary64", rounds, found);
+    NamedTable table{"inertia",
+                     "The inertia tensor in world axes, anew in every frame: summed over world points, or A I A^T",
+                     {{"scalar", "way", "points", "seconds_min", "seconds_median", "inertia_error"}, {}}};
+    for (const Summing& s : found)
+        table.table.rows.push_back({s.scalar, s.way, cell_of(s.points),
+                                    *std::min_element(s.seconds.begin(), s.seconds.end()), median(s.seconds), s.error});
+    table.for_people = {{"scalar", "numbers"},
+                        {"way", "way"},
+                        {"points", "points"},
+                        {"seconds_median", "time a frame (s)"},
+                        {"inertia_error", "relative error of the tensor"}};
+    return table;
+}
+
+}  // namespace
+
+StudyResult run_orientation(const Plan& plan, const RunOptions& options) {
+    StudyResult result;
+    result.tables = {interpolation(),
+                     keys(),
+                     angle_order(),
+                     matrix_order(),
+                     reflection(),
+                     vertices(options.quick),
+                     inertia(std::min(plan.experiment.repeats, options.quick ? 3 : 1000))};
+
+    const Table& drift = result.tables[5].table;
+    NamedFigure figure{"orientation_vertices", {"Vertices turned on from where they are", 2, {}, ""}};
+    for (const char* scalar : {"binary32", "binary64"}) {
+        Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};
+        for (const auto& row : drift.rows) {
+            if (text_of(row[0]) != scalar) continue;
+            const std::string way = text_of(row[1]);
+            auto curve =
+                std::find_if(panel.curves.begin(), panel.curves.end(), [&](const Curve& c) { return c.label == way; });
+            if (curve == panel.curves.end()) {
+                Curve begun;
+                begun.label = way, begun.color = static_cast<int>(panel.curves.size());
+                curve = panel.curves.insert(panel.curves.end(), std::move(begun));
+            }
+            curve->x.push_back(static_cast<double>(std::get<long>(row[2])));
+            curve->y.push_back(std::get<double>(row[3]));
+        }
+        figure.figure.panels.push_back(std::move(panel));
+    }
+    result.figures.push_back(std::move(figure));
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,266 @@
+// A rigid body as points at hard distances, by springs, by constraints and by position-based dynamics, each against the
+// rigid truth: what stiffness buys, what it costs, and where it beats the method.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "experiment/run/study.h"
+#include "integrators/points/point_runs.h"
+#include "integrators/points/stiffness.h"
+#include "integrators/truth/reference.h"
+#include "measure/errors.h"
+
+namespace polhode {
+namespace {
+
+using Solve = PointRun (*)(const Problem&, const Settings&, const PointOptions&);
+
+struct Way {
+    const char* name;
+    Solve solve;
+};
+constexpr Way rk4{"point_springs_rk4", point_springs_rk4};
+constexpr Way verlet{"point_springs_verlet", point_springs_verlet};
+constexpr Way cvode{"point_springs_cvode_bdf", point_springs_cvode_bdf};
+constexpr Way ida{"point_constraints_ida", point_constraints_ida};
+constexpr Way xpbd{"point_xpbd", point_xpbd};
+
+// h times the fastest vibration's frequency at which each explicit scheme becomes unstable
+double stability_limit(const Way& way) { return way.solve == point_springs_rk4 ? 2 * std::sqrt(2.0) : 2.0; }
+
+struct Outcome {
+    Trajectory trajectory;
+    std::optional<double> attitude_error, stretch;
+};
+
+const std::vector<std::string> shared_columns = {
+    "status", "attitude_error_max", "stretch_max", "steps", "rhs_evaluations", "seconds", "message"};
+
+class Bench {
+  public:
+    Bench(const PlannedScene& planned, bool quick)
+        : label(planned.label),
+          problem(pose(planned.scene)),
+          samples(quick ? 20 : 100),
+          truth(reference(planned.scene, samples)) {}
+
+    Outcome judge(const Trajectory& trajectory, std::optional<double> stretch) const {
+        Outcome outcome{trajectory, {}, stretch};
+        if (trajectory.status != Status::ok || !truth.available) return outcome;
+        outcome.attitude_error = errors(error_series(problem.scene, trajectory, truth), trajectory, truth).attitude_max;
+        return outcome;
+    }
+    Outcome run(const Way& way, Settings settings, const PointOptions& options) const {
+        settings.samples = samples;
+        const PointRun found = way.solve(problem, settings, options);
+        return judge(found.trajectory,
+                     found.trajectory.status == Status::ok ? std::optional(found.largest_stretch) : std::nullopt);
+    }
+    // of the rigid body itself
+    Outcome run(const char* method, Settings settings) const {
+        settings.samples = samples;
+        return judge(solve(problem, *find_method(method), settings), {});
+    }
+    double step(double h) const {
+        return problem.scene.duration / std::ceil(problem.scene.duration / h / static_cast<double>(samples)) /
+               static_cast<double>(samples);
+    }
+
+    std::string label;
+    Problem problem;
+    long samples;
+    Reference truth;
+};
+
+void add_row(Table& table, std::vector<Cell> row, const Outcome& outcome) {
+    const Trajectory& t = outcome.trajectory;
+    const bool ran = t.status == Status::ok || t.steps > 0;
+    row.insert(row.end(), {std::string(name_of(t.status)), cell_of(outcome.attitude_error), cell_of(outcome.stretch),
+                           ran ? Cell(t.steps) : Cell(), ran ? Cell(t.rhs_evaluations) : Cell(),
+                           t.status == Status::ok ? Cell(t.seconds) : Cell(), t.message});
+    table.rows.push_back(std::move(row));
+}
+
+Table table_of(std::vector<std::string> columns) {
+    columns.insert(columns.end(), shared_columns.begin(), shared_columns.end());
+    return {std::move(columns), {}};
+}
+
+std::vector<ColumnChoice> for_people(const Table& table) {
+    std::vector<ColumnChoice> choices;
+    for (const std::string& column : table.columns)
+        if (column != "scene" && column != "message")
+            choices.push_back({column, column == "attitude_error_max" ? "attitude error (rad)"
+                                       : column == "stretch_max"      ? "largest stretch"
+                                       : column == "seconds"          ? "time (s)"
+                                       : column == "stiffness"        ? "stiffness (N/m)"
+                                       : column == "rhs_evaluations"  ? "evaluations"
+                                       : column == "damping_ratio"    ? "damping ratio"
+                                                                      : column});
+    return choices;
+}
+
+Settings with_step(double h, long max_steps) {
+    Settings settings;
+    settings.step = h, settings.max_steps = max_steps;
+    return settings;
+}
+Settings with_tolerance(double R, long max_steps) {
+    Settings settings;
+    settings.tolerance = R, settings.max_steps = max_steps;
+    return settings;
+}
+
+class Curves {
+  public:
+    void add(const std::string& name, double x, const Outcome& outcome) {
+        if (!outcome.attitude_error) return;
+        auto at = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == name; });
+        if (at == curves.end()) {
+            curves.push_back({});
+            at = curves.end() - 1;
+            at->label = name, at->color = static_cast<int>(curves.size()) - 1;
+        }
+        at->x.push_back(x), at->y.push_back(*outcome.attitude_error);
+    }
+    std::vector<Curve> curves;
+};
+
+// By each method of springs: 10^2 to 10^10 N/m, explicit steps at half of what is stable.
+Table stiffness_table(const Bench& bench, bool quick, Curves& curves) {
+    Table table = table_of({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
+    const long max_steps = quick ? 20000 : 5'000'000, max_implicit = quick ? 5000 : 30000;
+    const PointBody body = point_body(bench.problem, {});
+    for (int decade = 2; decade <= 10; decade += quick ? 2 : 1) {
+        PointOptions options;
+        options.stiffness = std::pow(10.0, decade);
+        const double fastest = spring_frequencies(body, *options.stiffness).fastest;
+        for (const Way* way : {&rk4, &verlet}) {
+            const double h = bench.step(0.5 * stability_limit(*way) / fastest);
+            const Outcome outcome = bench.run(*way, with_step(h, max_steps), options);
+            add_row(table, {bench.label, way->name, *options.stiffness, 0.0, "step", h}, outcome);
+            curves.add(way->name, *options.stiffness, outcome);
+        }
+        for (const double ratio : {0.0, 1.0})
+            for (const double R : quick ? std::vector{1e-8} : std::vector{1e-6, 1e-8, 1e-10}) {
+                options.damping_ratio = ratio;
+                const Outcome outcome = bench.run(cvode, with_tolerance(R, max_implicit), options);
+                add_row(table, {bench.label, cvode.name, *options.stiffness, ratio, "tolerance", R}, outcome);
+                curves.add(fmt::format("cvode_bdf {:g}{}", R, ratio == 0 ? "" : ", damped"), *options.stiffness,
+                           outcome);
+            }
+    }
+    return table;
+}
+
+// By the default stiffness, around the step beyond which an explicit scheme is unstable.
+Table stability_table(const Bench& bench, bool quick) {
+    Table table = table_of({"scene", "method", "h_over_limit", "setting"});
+    const PointBody body = point_body(bench.problem, {});
+    PointOptions options;
+    options.stiffness = default_stiffness(bench.problem, body);
+    const double fastest = spring_frequencies(body, *options.stiffness).fastest;
+    for (const Way* way : {&rk4, &verlet})
+        for (const double share : {2.0, 1.2, 1.05, 0.95, 0.8, 0.5, 0.25}) {
+            if (quick && share < 0.8) continue;
+            const double h = bench.step(share * stability_limit(*way) / fastest);
+            const Outcome outcome = bench.run(*way, with_step(h, 1'000'000), options);
+            add_row(table, {bench.label, way->name, h * fastest / stability_limit(*way), h}, outcome);
+        }
+    return table;
+}
+
+// Hard distances, and the rigid body itself at the same settings.
+Table hard_table(const Bench& bench, bool quick, Curves& curves) {
+    Table table = table_of({"scene", "method", "iterations", "setting_kind", "setting"});
+    const auto note = [&](const std::string& name, std::vector<Cell> row, const Outcome& outcome) {
+        row.insert(row.begin(), bench.label);
+        add_row(table, std::move(row), outcome);
+        if (outcome.trajectory.seconds > 0) curves.add(name, outcome.trajectory.seconds, outcome);
+    };
+    for (int digits = 2; digits <= 12; digits += quick ? 4 : 2) {
+        const double R = std::pow(10.0, -digits);
+        const Settings settings = with_tolerance(R, 100000);
+        note(ida.name, {ida.name, {}, "tolerance", R}, bench.run(ida, settings, {}));
+        note("rigid: cvode_bdf", {"cvode_bdf", {}, "tolerance", R}, bench.run("cvode_bdf", settings));
+    }
+    for (const long per_sample : quick ? std::vector<long>{5, 50} : std::vector<long>{1, 4, 16, 64, 256}) {
+        const double h = bench.problem.scene.duration / static_cast<double>(bench.samples * per_sample);
+        const Settings settings = with_step(h, 100000);
+        for (const int iterations : quick ? std::vector{1, 10} : std::vector{1, 2, 5, 10, 20}) {
+            PointOptions options;
+            options.iterations = iterations;
+            note(fmt::format("{}, {} sweeps", xpbd.name, iterations),
+                 {xpbd.name, static_cast<long>(iterations), "step", h}, bench.run(xpbd, settings, options));
+        }
+        note("rigid: odeint_rk4", {"odeint_rk4", {}, "step", h}, bench.run("odeint_rk4", settings));
+    }
+    return table;
+}
+
+// 8, 27 and 64 points of the same mass properties.
+Table counts_table(const Bench& bench, bool quick) {
+    Table table = table_of(
+        {"scene", "points", "links", "slowest_frequency", "fastest_frequency", "method", "setting_kind", "setting"});
+    for (int n = 2; n <= (quick ? 3 : 4); ++n) {
+        PointOptions options;
+        options.arrangement.n = n;
+        const PointBody body = point_body(bench.problem, options.arrangement);
+        options.stiffness = default_stiffness(bench.problem, body);
+        const SpringFrequencies w = spring_frequencies(body, *options.stiffness);
+        const auto add = [&](const Way& way, const char* kind, double setting, const Settings& settings) {
+            add_row(table,
+                    {bench.label, static_cast<long>(body.count()), static_cast<long>(body.links.size()), w.slowest,
+                     w.fastest, way.name, kind, setting},
+                    bench.run(way, settings, options));
+        };
+        for (const Way* way : {&rk4, &verlet}) {
+            const double h = bench.step(0.5 * stability_limit(*way) / w.fastest);
+            add(*way, "step", h, with_step(h, quick ? 20000 : 300000));
+        }
+        // LU factorisations of 6 n^3 unknowns
+        if (n <= (quick ? 2 : 3)) add(cvode, "tolerance", 1e-8, with_tolerance(1e-8, 20000));
+        const double h = bench.step(1e-3);
+        add(xpbd, "step", h, with_step(h, 100000));
+    }
+    return table;
+}
+
+}  // namespace
+
+StudyResult run_point_bodies(const Plan& plan, const RunOptions& options) {
+    StudyResult result;
+    Figure figure{"A rigid body made of points: attitude error", 2, {}, ""};
+    for (const PlannedScene& planned : plan.scenes) {
+        const Bench bench(planned, options.quick);
+        Curves by_stiffness, by_time;
+        const std::string suffix = plan.scenes.size() > 1 ? "_" + planned.label : "";
+        const auto add = [&](const char* name, const char* title, Table table) {
+            std::vector<ColumnChoice> choices = for_people(table);
+            result.tables.push_back(
+                {name + suffix, fmt::format("{}: {}", planned.label, title), std::move(table), std::move(choices)});
+        };
+        add("",
+            "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
+            "damping ratio that of the slowest vibration",
+            stiffness_table(bench, options.quick, by_stiffness));
+        add("stability", "explicit steps around the limit that the fastest vibration sets (h w = 2.83, 2)",
+            stability_table(bench, options.quick));
+        add("hard", "hard distances by IDA and by position-based dynamics, beside the rigid body's own equations",
+            hard_table(bench, options.quick, by_time));
+        add("counts", "n^3 points of the same mass properties on springs and at hard distances",
+            counts_table(bench, options.quick));
+        figure.panels.push_back({planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true,
+                                 true, by_stiffness.curves});
+        // colours go on where those of the other panel end: curves of one label share one entry
+        for (Curve& curve : by_time.curves) curve.color += static_cast<int>(by_stiffness.curves.size());
+        figure.panels.push_back({planned.label + ": hard distances", "run time (s)", "largest attitude error (rad)",
+                                 true, true, by_time.curves});
+    }
+    result.figures.push_back({"point_bodies", std::move(figure)});
+    return result;
+}
+
+}  // namespace polhode

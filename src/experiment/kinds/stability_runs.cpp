@@ -1,0 +1,344 @@
+#include "experiment/kinds/stability_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "experiment/plan/pattern.h"
+#include "experiment/run/case.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/progress.h"
+#include "integrators/analysis/conditioning.h"
+#include "integrators/run/eigenvalues.h"
+#include "integrators/truth/reference.h"
+#include "scene/scene_family.h"
+#include "text/content_hash.h"
+#include "text/parallel.h"
+
+namespace polhode {
+namespace {
+
+/// A scene posed, with its truth.
+struct Posed {
+    Problem problem;
+    Reference truth;
+};
+
+double largest_rate(const Reference& truth) {
+    double rate = 0;
+    for (const ReferenceSample& sample : truth.samples) {
+        const auto& w = sample.angular_velocity_B;
+        rate = std::max(rate, std::hypot(w[0].high, w[1].high, w[2].high));
+    }
+    return rate;
+}
+
+void describe_scene(const Posed& posed, StabilityScene& scene) {
+    constexpr double same = 1e-3;
+    scene.has_truth = posed.truth.available;
+    if (!posed.truth.available) return;
+    const double turning = largest_rate(posed.truth);
+    scene.fastest_rate = turning;
+    scene.eigenvalues = eigenvalues(posed.problem, posed.truth.samples.front().rounded());
+    const double first = std::abs(largest_in_magnitude(scene.eigenvalues));
+    scene.is_linear = turning > 0 && posed.problem.needs.system == System::principal_axis_rotation &&
+                      !posed.problem.needs.torque_free && posed.problem.segments.size() == 1;
+    for (const ReferenceSample& sample : posed.truth.samples) {
+        const double largest = std::abs(largest_in_magnitude(eigenvalues(posed.problem, sample.rounded())));
+        scene.fastest_rate = std::max(scene.fastest_rate, largest);
+        if (std::abs(largest - first) > same * first) scene.is_linear = false;
+    }
+}
+
+// within a limit of steps that is the same on every machine
+void find_conditioning(const Problem& problem, long samples, StabilityScene& scene) {
+    ConditioningSettings settings;
+    settings.max_steps = 200'000;
+    const Conditioning c = conditioning(problem, sample_times(problem.scene.duration, samples), settings);
+    scene.floors = floors_of(c);
+    if (c.available) scene.kappa = c.attitude.back();
+}
+
+// What the sweep calls `ok` although nobody could use it gets its name here.
+void name_the_wrong(const Experiment& experiment, Result& result, Outcome outcome) {
+    if (result.status != Status::ok) return;
+    const double attitude = result.errors.attitude_max.value_or(0);
+    if (outcome == Outcome::diverged) {
+        result.status = Status::diverged;
+        result.message = fmt::format("rates up to {:.3g} times the true motion's largest off, energy {:.3g} times",
+                                     result.errors.omega_max.value_or(0), result.errors.energy_max.value_or(0));
+    } else if (attitude > 1) {
+        result.status = result.setting_kind == SettingKind::tolerance ? Status::tolerance_not_met : Status::failed;
+        result.message =
+            fmt::format("{}: up to {:.3g} rad off over {} samples", name_of(outcome), attitude, experiment.samples);
+        if (result.floors.float64 && *result.floors.float64 > 0.1)
+            result.message +=
+                fmt::format("; rounding of the scene's data alone does {:.2g} rad", *result.floors.float64);
+    }
+}
+
+/// All runs of one method on one scene by one kind of setting.
+class Search {
+  public:
+    Search(const Experiment& experiment, const PlannedScene& planned, const Posed& posed, const StabilityScene& scene,
+           const PlannedCurve& curve)
+        : experiment_(experiment), planned_(planned), posed_(posed), scene_(scene), curve_(curve) {}
+
+    std::vector<StabilityRun> run() {
+        if (curve_.kind != SettingKind::step) {
+            for (const double setting : curve_.settings) try_setting(setting);
+            return std::move(runs_);
+        }
+        const std::vector<long> ladder = descend();
+        if (ladder.size() > 1) {
+            const auto attitude_within = [](double limit) {
+                return [limit](const StabilityRun& r) {
+                    return r.outcome <= Outcome::close && *r.result.errors.attitude_max <= limit;
+                };
+            };
+            halve(
+                ladder, [](const StabilityRun& r) { return is_bounded(r.outcome); }, 1.01);
+            halve(ladder, attitude_within(close_attitude), 1.1);
+            halve(ladder, attitude_within(accurate_attitude), 1.1);
+        }
+        std::stable_sort(runs_.begin(), runs_.end(), [](const StabilityRun& a, const StabilityRun& b) {
+            return a.result.setting > b.result.setting;
+        });
+        return std::move(runs_);
+    }
+
+    static bool is_bounded(Outcome outcome) { return outcome <= Outcome::damped_to_rest; }
+
+  private:
+    const StabilityRun& try_setting(double setting) {
+        const PlannedCurve one{curve_.method, curve_.color, curve_.kind, {setting}, curve_.formulation, false};
+        Case c{&planned_, &one, 0, {}};
+        Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c, scene_.kappa);
+        Result& result = *c.result;
+        result.floors = scene_.floors;
+        // runs share the machine: one wall clock each, and nothing to compare by
+        result.seconds_median = result.seconds_min, result.repeats = 1;
+        // a tolerance-driven run that ends far off is none of those that are ok
+        trajectory.status = result.status;
+        const Outcome outcome = outcome_of(trajectory, result.errors, posed_.truth);
+        name_the_wrong(experiment_, result, outcome);
+        runs_.push_back({std::move(result), outcome});
+        return runs_.back();
+    }
+
+    double step_of(long per_sample) const {
+        return posed_.problem.scene.duration / static_cast<double>(experiment_.samples * per_sample);
+    }
+    const StabilityRun& try_steps(long per_sample) {
+        const double h = step_of(per_sample);
+        for (const StabilityRun& run : runs_)
+            if (run.result.setting == h) return run;
+        return try_setting(h);
+    }
+
+    // whole steps for one sample interval, doubled until two in a row are accurate or a limit is met
+    std::vector<long> descend() {
+        std::vector<long> ladder;
+        int accurate = 0;
+        for (long k = 1; k <= experiment_.max_evaluations; k *= 2) {
+            if (sweep_interrupted()) break;
+            const StabilityRun& run = try_steps(k);
+            ladder.push_back(k);
+            if (run.outcome == Outcome::unsupported || run.result.cut) break;
+            accurate = run.outcome == Outcome::accurate ? accurate + 1 : 0;
+            if (accurate == 2) break;
+        }
+        return ladder;
+    }
+
+    // Between the smallest step of the ladder that does not pass and the next smaller one, until their ratio is
+    // `ratio`; nothing where the smallest of all does not pass, or the largest does.
+    template <class Passes>
+    void halve(const std::vector<long>& ladder, const Passes& passes, double ratio) {
+        std::size_t at = ladder.size();
+        // what was cut says nothing of its step
+        while (at > 0 && try_steps(ladder[at - 1]).result.cut) --at;
+        const std::size_t finest = at;
+        while (at > 0 && passes(try_steps(ladder[at - 1]))) --at;
+        if (at == finest || at == 0) return;
+        long coarse = ladder[at - 1], fine = ladder[at];
+        while (fine - coarse > 1 && static_cast<double>(fine) > ratio * static_cast<double>(coarse)) {
+            if (sweep_interrupted()) return;
+            const auto middle = static_cast<long>(
+                std::lround(std::sqrt(static_cast<double>(coarse)) * std::sqrt(static_cast<double>(fine))));
+            const long k = std::clamp(middle, coarse + 1, fine - 1);
+            (passes(try_steps(k)) ? fine : coarse) = k;
+        }
+    }
+
+    const Experiment& experiment_;
+    const PlannedScene& planned_;
+    const Posed& posed_;
+    const StabilityScene& scene_;
+    const PlannedCurve& curve_;
+    std::vector<StabilityRun> runs_;
+};
+
+std::string key_of(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve) {
+    std::string settings;
+    for (const double setting : curve.settings) settings += fmt::format(" {}", setting);
+    return content_hash(case_key(plan, scene, curve, 0) + settings);
+}
+
+const std::vector<std::string> further_columns{"family", "parameter", "fastest_rate", "outcome"};
+
+std::vector<Cell> cells_of(const std::string& experiment, const StabilityScene& scene, const StabilityRun& run) {
+    std::vector<Cell> row = row_of(experiment, run.result);
+    row.insert(row.end(),
+               {scene.family, cell_of(scene.parameter), scene.fastest_rate, std::string(name_of(run.outcome))});
+    return row;
+}
+
+std::vector<std::string> columns_of_runs() {
+    std::vector<std::string> columns = result_columns();
+    columns.insert(columns.end(), further_columns.begin(), further_columns.end());
+    return columns;
+}
+
+Outcome outcome_named(const std::string& name) {
+    for (const Outcome outcome : outcomes)
+        if (name == name_of(outcome)) return outcome;
+    throw std::invalid_argument("not an outcome");
+}
+
+std::optional<std::vector<StabilityRun>> load_runs(const std::string& directory, const std::string& key) {
+    const std::optional<Table> table = load_rows(directory, key);
+    if (!table) return {};
+    std::vector<StabilityRun> runs;
+    try {
+        const std::size_t outcome = column_index(*table, "outcome");
+        for (std::size_t row = 0; row < table->rows.size(); ++row)
+            runs.push_back({result_of(*table, row), outcome_named(text_of(table->rows[row][outcome]))});
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
+    return runs;
+}
+
+// where the step lies that, with all smaller ones, passes
+template <class Passes>
+const StabilityRun* largest_passing(const std::vector<StabilityRun>& runs, const Passes& passes) {
+    const StabilityRun* found = nullptr;
+    for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
+        if (run->result.cut && !found) continue;
+        if (!passes(*run)) break;
+        found = &*run;
+    }
+    return found;
+}
+
+void conclude(StabilityFinding& finding) {
+    if (finding.kind != SettingKind::step) return;
+    finding.stable = largest_passing(finding.runs, [](const StabilityRun& r) { return Search::is_bounded(r.outcome); });
+    finding.close = largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome <= Outcome::close; });
+    finding.accurate =
+        largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome == Outcome::accurate; });
+    // the ladder's next coarser one: what the last halvings tried is too near the limit to show what lies beyond
+    const StabilityRun* limit = finding.stable;
+    for (const StabilityRun& run : finding.runs) {
+        if (Search::is_bounded(run.outcome) || run.outcome == Outcome::unsupported || run.result.cut) continue;
+        if (!limit || run.result.setting > 1.2 * limit->result.setting) finding.beyond = &run;
+    }
+}
+
+}  // namespace
+
+StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& options) {
+    const Experiment& experiment = plan.experiment;
+    const Pattern filter(options.filter);
+    struct Pending {
+        std::size_t scene, finding;
+        const PlannedCurve* curve;
+        std::string key;
+    };
+    StabilityFindings found;
+    std::vector<Pending> pending;
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
+        const PlannedScene& planned = plan.scenes[s];
+        StabilityScene scene;
+        scene.label = planned.label, scene.duration = planned.scene.duration;
+        // a varied scene, NAME{..}, is of the family that it was varied from
+        const FamilyMember member = family_member(planned.label.substr(0, planned.label.find('{')));
+        scene.family = member.family;
+        if (!member.parameter.empty()) scene.parameter = member.value;
+        found.scenes.push_back(std::move(scene));
+        for (const PlannedCurve& curve : plan.curves) {
+            StabilityFinding finding;
+            finding.method = curve.method, finding.kind = curve.kind;
+            const std::string key = key_of(plan, planned, curve);
+            if (auto runs = load_runs(options.directory, key)) {
+                finding.runs = std::move(*runs);
+            } else {
+                const bool ours = static_cast<int>(s % static_cast<std::size_t>(options.shards)) == options.shard - 1;
+                if (ours && filter.matches(planned.label + "/" + std::string(curve.method->name)))
+                    pending.push_back({s, found.findings.size(), &curve, key});
+                else
+                    ++found.missing;
+            }
+            found.findings.push_back(std::move(finding));
+        }
+    }
+    Progress progress(static_cast<long>(plan.scenes.size() + pending.size()), options.quiet);
+    std::mutex progress_mutex;
+    const auto advance = [&](const std::string& what) {
+        const std::lock_guard lock(progress_mutex);
+        progress.advance(what);
+    };
+    std::vector<std::unique_ptr<Posed>> posed(plan.scenes.size());
+    parallel_for(plan.scenes.size(), options.jobs, [&](std::size_t s) {
+        if (sweep_interrupted()) return;
+        posed[s] = std::make_unique<Posed>(
+            Posed{pose(plan.scenes[s].scene), reference(plan.scenes[s].scene, experiment.samples)});
+        describe_scene(*posed[s], found.scenes[s]);
+        const bool needed =
+            std::any_of(pending.begin(), pending.end(), [&](const Pending& one) { return one.scene == s; });
+        if (needed) find_conditioning(posed[s]->problem, experiment.samples, found.scenes[s]);
+        advance(plan.scenes[s].label);
+    });
+    std::atomic<long> unfinished{0};
+    parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
+        const Pending& one = pending[i];
+        if (!sweep_interrupted()) {
+            Search search(experiment, plan.scenes[one.scene], *posed[one.scene], found.scenes[one.scene], *one.curve);
+            std::vector<StabilityRun> runs = search.run();
+            if (!sweep_interrupted()) {
+                Table rows{columns_of_runs(), {}};
+                for (const StabilityRun& run : runs)
+                    rows.rows.push_back(cells_of(experiment.name, found.scenes[one.scene], run));
+                save_rows(options.directory, one.key, rows);
+                found.findings[one.finding].runs = std::move(runs);
+                advance(plan.scenes[one.scene].label + " " + std::string(one.curve->method->name));
+                return;
+            }
+        }
+        ++unfinished;
+    });
+    found.missing += unfinished;
+    for (std::size_t i = 0; i < found.findings.size(); ++i) {
+        StabilityFinding& finding = found.findings[i];
+        StabilityScene& scene = found.scenes[i / plan.curves.size()];
+        finding.scene = &scene;
+        if (!finding.runs.empty()) scene.floors = finding.runs.front().result.floors;
+        conclude(finding);
+    }
+    return found;
+}
+
+Table stability_table(const Plan& plan, const StabilityFindings& found) {
+    Table table{columns_of_runs(), {}};
+    for (const StabilityFinding& finding : found.findings)
+        for (const StabilityRun& run : finding.runs)
+            table.rows.push_back(cells_of(plan.experiment.name, *finding.scene, run));
+    return table;
+}
+
+}  // namespace polhode

@@ -1,0 +1,77 @@
+// Each method over all scenes of a sweep.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "experiment/kinds/report.h"
+#include "measure/statistics.h"
+
+namespace polhode {
+namespace {
+
+constexpr const char* yardstick = "odeint_rk4";
+
+double step_time(const Result& row) { return *row.seconds_median / static_cast<double>(*row.steps); }
+bool has_step_time(const Result& row) {
+    return row.status == Status::ok && row.seconds_median && row.steps && *row.steps > 0;
+}
+
+// of each scene, by its median time over all settings that took a few steps at least
+std::map<std::string, double> yardsticks(const std::vector<Result>& results) {
+    std::map<std::string, std::vector<double>> all;
+    for (const Result& row : results)
+        if (row.method == yardstick && has_step_time(row)) all[row.scene].push_back(step_time(row));
+    std::map<std::string, double> medians;
+    for (const auto& [scene, times] : all) medians[scene] = median(times);
+    return medians;
+}
+
+}  // namespace
+
+Table summary_table(const Plan& plan, const std::vector<Result>& results) {
+    Table table{{"described_as", "method", "order", "setting_kind", "setting", "scenes_ok", "scenes_not_ok",
+                 "attitude_error_median", "attitude_error_worst", "momentum_error_worst", "energy_error_worst",
+                 "norm_error_worst", "step_time_ratio"},
+                {}};
+    const std::map<std::string, double> rk4 = yardsticks(results);
+    for (const PlannedCurve& curve : plan.curves) {
+        if (curve.formulation != Formulation::reduced) continue;
+        for (const double setting : curve.settings) {
+            long ok = 0;
+            std::map<std::string, long> others;
+            std::vector<double> attitude, momentum, energy, norm, ratios;
+            const auto note = [](std::vector<double>& all, const std::optional<double>& value) {
+                if (value) all.push_back(*value);
+            };
+            for (const Result& row : results) {
+                if (row.method != curve.method->name || row.setting_kind != curve.kind) continue;
+                if (curve.kind != SettingKind::none && row.setting != setting) continue;
+                if (row.status != Status::ok) {
+                    ++others[name_of(row.status)];
+                    continue;
+                }
+                ++ok;
+                note(attitude, row.errors.attitude_max), note(momentum, row.errors.momentum_max);
+                note(energy, row.errors.energy_max), note(norm, row.errors.norm_max);
+                if (const auto scene = rk4.find(row.scene); scene != rk4.end() && has_step_time(row))
+                    ratios.push_back(step_time(row) / scene->second);
+            }
+            std::string otherwise;
+            for (const auto& [status, count] : others)
+                otherwise += fmt::format("{}{} {}", otherwise.empty() ? "" : ", ", count, status);
+            const auto worst = [](const std::vector<double>& all) {
+                return all.empty() ? Cell() : Cell(*std::max_element(all.begin(), all.end()));
+            };
+            table.rows.push_back({std::string(curve.method->described_as), std::string(curve.method->name),
+                                  curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
+                                  std::string(name_of(curve.kind)),
+                                  curve.kind == SettingKind::none ? Cell() : Cell(setting), ok, otherwise,
+                                  attitude.empty() ? Cell() : Cell(median(attitude)), worst(attitude), worst(momentum),
+                                  worst(energy), worst(norm), ratios.empty() ? Cell() : Cell(median(ratios))});
+        }
+    }
+    return table;
+}
+
+}  // namespace polhode

@@ -1,0 +1,67 @@
+// What a tolerance is worth: the error achieved against the one asked for.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/kinds/report.h"
+#include "measure/statistics.h"
+
+namespace polhode {
+namespace {
+
+// log10(R / error); empty for a run that did not do what it was asked
+std::optional<double> digits(const std::vector<const Result*>& rows, double tolerance) {
+    for (const Result* row : rows)
+        if (row->setting == tolerance && row->status == Status::ok && row->errors.attitude_max.value_or(0) > 0)
+            return std::log10(tolerance / *row->errors.attitude_max);
+    return {};
+}
+
+std::optional<double> middle(const std::vector<double>& values) {
+    if (values.empty()) return {};
+    return median(values);
+}
+
+std::optional<double> worst(const std::vector<double>& values) {
+    if (values.empty()) return {};
+    return *std::min_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+Table digits_table(const Plan& plan, const std::vector<Result>& results) {
+    const std::vector<double>& tolerances = plan.experiment.tolerances;
+    Table table{{"scene", "method"}, {}};
+    for (const double tolerance : tolerances) table.columns.push_back(fmt::format("{:g}", tolerance));
+    // a scene of its own for what holds over all of them
+    std::vector<std::vector<Cell>> middles, worsts;
+    for (const PlannedCurve& curve : plan.curves) {
+        if (curve.kind != SettingKind::tolerance) continue;
+        const std::string method(curve.method->name);
+        std::vector<Cell> of_middle{std::string("all scenes, median"), method},
+            of_worst{std::string("all scenes, worst"), method};
+        for (const double tolerance : tolerances) {
+            std::vector<double> all;
+            for (const PlannedScene& scene : plan.scenes) {
+                if (const auto value = digits(rows_of(results, scene, curve), tolerance)) all.push_back(*value);
+            }
+            of_middle.push_back(cell_of(middle(all))), of_worst.push_back(cell_of(worst(all)));
+        }
+        middles.push_back(std::move(of_middle)), worsts.push_back(std::move(of_worst));
+    }
+    table.rows = std::move(middles);
+    table.rows.insert(table.rows.end(), worsts.begin(), worsts.end());
+    for (const PlannedScene& scene : plan.scenes)
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.kind != SettingKind::tolerance) continue;
+            const std::vector<const Result*> rows = rows_of(results, scene, curve);
+            if (rows.empty()) continue;
+            std::vector<Cell> row{scene.label, std::string(curve.method->name)};
+            for (const double tolerance : tolerances) row.push_back(cell_of(digits(rows, tolerance)));
+            table.rows.push_back(std::move(row));
+        }
+    return table;
+}
+
+}  // namespace polhode

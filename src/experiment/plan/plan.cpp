@@ -1,0 +1,325 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "experiment/plan/experiment.h"
+#include "experiment/plan/pattern.h"
+#include "experiment/run/study.h"
+#include "figure/figure.h"
+#include "scene/builtin.h"
+#include "scene/json_values.h"
+#include "scene/scene_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::ordered_json;
+
+// some tens of milliseconds
+constexpr long quick_evaluations = 100000;
+
+long positive_count(const JsonNode& node, long most) {
+    const long value = node.whole_number();
+    if (value < 1 || value > most) node.fail(node.described(), fmt::format("give 1 to {}", most));
+    return value;
+}
+
+std::vector<std::string> strings(const JsonNode& node) {
+    std::vector<std::string> result;
+    for (const JsonNode* element : node.elements()) result.push_back(element->string());
+    if (result.empty()) node.fail("is empty", "at least one name");
+    return result;
+}
+
+// To 12 digits, so that decades are decades.
+double tidy(double value) {
+    const std::string decimal = fmt::format("{:.12g}", value);
+    double rounded = value;
+    std::from_chars(decimal.data(), decimal.data() + decimal.size(), rounded);
+    return rounded;
+}
+
+// A list, or {"from", "to", "count"} with logarithmic spacing; from coarse to fine either way.
+std::vector<double> settings_list(const JsonNode& node, const char* what) {
+    std::vector<double> values;
+    if (node.is_object()) {
+        node.only({"from", "to", "count"});
+        const double from = positive(node.required("from", "the first value"), what);
+        const double to = positive(node.required("to", "the last value"), what);
+        const long count = positive_count(node.required("count", "how many values"), 10'000);
+        // a ratio beyond binary64 is taken in two parts
+        const bool in_one = std::isfinite(to / from) && to / from > 0;
+        for (long i = 0; i < count; ++i) {
+            const double along = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
+            const double value =
+                in_one ? from * std::pow(to / from, along) : std::pow(from, 1 - along) * std::pow(to, along);
+            const bool end = i == 0 || i == count - 1;
+            values.push_back(end ? (i == 0 ? from : to) : tidy(value));
+        }
+    } else {
+        for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
+        if (values.empty()) node.fail("is empty", "at least one value, or leave the key out");
+    }
+    std::sort(values.begin(), values.end(), std::greater<>());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    return values;
+}
+
+constexpr std::pair<const char*, Kind> kinds[] = {{"sweep", Kind::sweep},         {"convergence", Kind::convergence},
+                                                  {"drift", Kind::drift},         {"tolerance", Kind::tolerance},
+                                                  {"leave_out", Kind::leave_out}, {"conservation", Kind::conservation}};
+
+void read_kind(const JsonNode& node, const JsonNode& root, Experiment& e) {
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kinds) {
+        if (node.string() == name) {
+            e.kind = kind;
+            return;
+        }
+        names.push_back(name);
+    }
+    if (const Study* study = find_study(node.string())) {
+        e.kind = Kind::study, e.study = study->name;
+        std::vector<std::string_view> keys = {"name", "about", "kind"};
+        keys.insert(keys.end(), study->reads.begin(), study->reads.end());
+        root.only(keys);
+        return;
+    }
+    for (const Study& study : studies()) names.emplace_back(study.name);
+    node.fail(node.described(), "one of " + listed(names));
+}
+
+std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
+    if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
+    try {
+        if (entry.size() == 2) throw std::invalid_argument("it is empty");
+        return Pattern(entry.substr(1, entry.size() - 2));
+    } catch (const std::invalid_argument& error) {
+        throw InputError(file, place, "is no regular expression: " + one_line(error.what(), 100),
+                         "a POSIX extended regular expression between slashes");
+    }
+}
+
+std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
+                                  const std::string& file, const char* key, bool paths) {
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const std::string place = fmt::format("/{}/{}", key, i);
+        // a path may begin and end with a slash only if it is a directory, which no scene is
+        if (const auto pattern = pattern_of(entries[i], file, place)) {
+            const std::size_t before = names.size();
+            bool any = false;
+            for (const std::string& name : known)
+                if (pattern->matches(name)) add(name), any = true;
+            if (!any && names.size() == before)
+                throw InputError(file, place, one_line(entries[i], 80) + " matches nothing", "one of " + listed(known));
+        } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
+            add(entries[i]);
+        } else {
+            throw InputError(file, place, "there is no " + one_line(entries[i], 80),
+                             did_you_mean(entries[i], known) + " `polhode list " + key + "` names them all");
+        }
+    }
+    return names;
+}
+
+PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
+                    const std::string& file) {
+    if (changes.empty()) return base;
+    ordered_json json = ordered_json::parse(base.canonical, nullptr, true, true);
+    std::string label;
+    for (const auto& [pointer, value] : changes) {
+        try {
+            // a key may be added to an object that is there; nothing else may
+            const ordered_json::json_pointer place(pointer);
+            const ordered_json& parent = json.at(place.parent_pointer());
+            (place.empty() || parent.is_object() ? json[place] : json.at(place)) = ordered_json::parse(value);
+        } catch (const nlohmann::json::exception& error) {
+            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point into " + base.label,
+                             one_line(error.what(), 160));
+        }
+        label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
+    }
+    PlannedScene scene;
+    scene.label = base.label + "{" + label + "}";
+    try {
+        scene.scene = parse_scene(json.dump(), scene.label, base.scene.directory);
+    } catch (const InputError& error) {
+        throw InputError(file, "/vary", error);
+    }
+    scene.canonical = write_scene(scene.scene);
+    return scene;
+}
+
+// 1 to 64 letters, digits, _ or -
+bool names_files(const std::string& name) {
+    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    });
+}
+
+std::vector<double> thinned(const std::vector<double>& values) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < values.size(); i += 3) kept.push_back(values[i]);
+    return kept;
+}
+
+// A method keeps the colour of its place in methods() where no other of the plan has it; of more methods than colours
+// some share one and differ in their markers.
+void tell_colors_apart(std::vector<PlannedCurve>& curves) {
+    std::map<const Method*, int> chosen;
+    std::set<int> taken;
+    for (PlannedCurve& curve : curves) {
+        const auto [place, is_new] = chosen.try_emplace(curve.method, curve.color % palette_size);
+        if (!is_new) continue;
+        int& color = place->second;
+        while (taken.contains(color) && taken.size() < palette_size) color = (color + 1) % palette_size;
+        taken.insert(color);
+    }
+    if (chosen.size() > static_cast<std::size_t>(palette_size)) return;
+    for (PlannedCurve& curve : curves) curve.color = chosen.at(curve.method);
+}
+
+}  // namespace
+
+const char* name_of(SettingKind kind) {
+    return kind == SettingKind::step ? "step" : kind == SettingKind::tolerance ? "tolerance" : "none";
+}
+
+Experiment parse_experiment(std::string_view text, const std::string& file) {
+    const JsonDocument document(text, file);
+    const JsonNode& root = document.root();
+    root.only({"name", "about", "kind", "scenes", "methods", "settings", "vary", "samples", "repeats",
+               "seconds_per_run", "max_steps", "max_evaluations"});
+    Experiment e;
+    e.name = root.required("name", "the experiment's name").string();
+    if (!names_files(e.name))
+        root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
+    if (const JsonNode* node = root.find("about")) e.about = node->string();
+    if (const JsonNode* node = root.find("kind")) read_kind(*node, root, e);
+    for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
+        if (e.kind != Kind::study || root.find(key))
+            *list = strings(root.required(key, fmt::format("a list of {}", key)));
+    if (const JsonNode* node = root.find("settings")) {
+        node->only({"steps", "tolerances", "evaluations_per_revolution"});
+        if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
+        if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
+        if (const JsonNode* list = node->find("evaluations_per_revolution")) {
+            if (e.kind != Kind::conservation)
+                list->fail("belongs to experiments of kind conservation", "steps or tolerances");
+            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations");
+            std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
+        }
+    }
+    if (const JsonNode* node = root.find("vary")) {
+        const ordered_json raw = ordered_json::parse(text, nullptr, true, true).at("vary");
+        for (const JsonNode* member : node->members()) {
+            Variation variation{member->key(), {}};
+            if (member->elements().empty()) member->fail("is empty", "at least one value");
+            for (const ordered_json& value : raw.at(member->key())) variation.values.push_back(value.dump());
+            e.vary.push_back(std::move(variation));
+        }
+    }
+    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node, 1'000'000);
+    if (const JsonNode* node = root.find("repeats")) e.repeats = static_cast<int>(positive_count(*node, 1'000'000));
+    if (const JsonNode* node = root.find("seconds_per_run")) e.seconds_per_run = positive(*node, "a time");
+    if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
+    if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);
+    return e;
+}
+
+Experiment find_experiment(const std::string& name_or_path) {
+    const std::vector<std::string> names = builtin_experiment_names();
+    if (const std::string_view text = builtin_experiment_text(name_or_path); !text.empty())
+        return parse_experiment(text, name_or_path);
+    if (std::filesystem::exists(name_or_path)) return parse_experiment(read_text(name_or_path), name_or_path);
+    throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
+                     did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
+}
+
+Plan make_plan(const Experiment& experiment, const std::string& file, bool quick) {
+    Plan plan{experiment, {}, {}};
+    Experiment& e = plan.experiment;
+    if (quick) {
+        e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);
+        e.evaluations_per_revolution = thinned(e.evaluations_per_revolution);
+        e.repeats = std::min(e.repeats, 3), e.max_evaluations = std::min(e.max_evaluations, quick_evaluations);
+    }
+    double variants = 1;
+    for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
+    if (variants > 10'000)
+        throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
+                         "give 10000 at the most: all values are combined with all");
+    std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
+    for (const Variation& variation : e.vary) {
+        std::vector<std::vector<std::pair<std::string, std::string>>> next;
+        for (const auto& combination : combinations)
+            for (const std::string& value : variation.values) {
+                next.push_back(combination);
+                next.back().emplace_back(variation.pointer, value);
+            }
+        combinations = std::move(next);
+    }
+    std::vector<PlannedScene> bases;
+    for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
+        Scene scene;
+        try {
+            scene = find_scene(name);
+        } catch (const InputError& error) {
+            throw InputError(file, "/scenes", error);
+        }
+        bases.push_back({scene.name, scene, write_scene(scene)});
+    }
+    const Study* study = e.kind == Kind::study ? find_study(e.study) : nullptr;
+    const bool chooses_steps = study && study->chooses_steps;
+    std::vector<std::string> method_names;
+    for (const Method* method : methods()) method_names.emplace_back(method->name);
+    for (const std::string& name : resolved(e.methods, method_names, file, "methods", false)) {
+        const auto place = std::find(method_names.begin(), method_names.end(), name);
+        const int color = static_cast<int>(place - method_names.begin());
+        const Method* method = methods()[static_cast<std::size_t>(color)];
+        const std::size_t before = plan.curves.size();
+        const bool calibrated = e.kind == Kind::conservation;
+        const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
+            if (settings.empty()) return;
+            plan.curves.push_back({method, color, kind, settings, Formulation::reduced, calibrated});
+            if (e.kind != Kind::leave_out) return;
+            for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
+                plan.curves.push_back({method, color, kind, settings, formulation, false});
+        };
+        if (takes_step(*method))
+            add(SettingKind::step, calibrated      ? e.evaluations_per_revolution
+                                   : chooses_steps ? std::vector{std::nan("")}
+                                                   : e.steps);
+        if (takes_tolerance(*method))
+            add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
+        if (method->control == Control::none) add(SettingKind::none, {std::nan("")});
+        const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
+        if (plan.curves.size() == before && named)
+            throw InputError(file, "/settings", name + " has no setting to run at",
+                             calibrated            ? "give evaluations_per_revolution"
+                             : takes_step(*method) ? "give steps"
+                                                   : "give tolerances");
+    }
+    tell_colors_apart(plan.curves);
+    double cases = 0;
+    for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
+    cases *= static_cast<double>(bases.size()) * variants;
+    if (cases > 1e6) throw InputError(file, "", fmt::format("makes {:.12g} cases", cases), "give 1000000 at the most");
+    for (const PlannedScene& base : bases)
+        for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
+    return plan;
+}
+
+}  // namespace polhode

@@ -1,0 +1,131 @@
+#include "experiment/run/case.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "experiment/run/calibration.h"
+#include "measure/errors.h"
+
+namespace polhode {
+namespace {
+
+Result blank(const Case& c) {
+    Result result;
+    result.scene = c.scene->label;
+    result.method = c.curve->method->name;
+    result.setting_kind = c.curve->kind;
+    result.formulation = c.curve->formulation;
+    if (c.curve->calibrated) {
+        result.evaluations_per_revolution = c.setting();
+        result.setting = c.settings.step.value_or(c.settings.tolerance.value_or(0));
+    } else {
+        result.setting = c.curve->kind == SettingKind::none ? 0 : c.setting();
+    }
+    return result;
+}
+
+// False where no setting costs what it should: then the row says so.
+bool choose_settings(const Experiment& experiment, Case& c) {
+    Settings& settings = c.settings;
+    settings.samples = experiment.samples;
+    // a step costs an evaluation at least: a run of too many fixed steps is not begun
+    settings.max_steps = std::min(experiment.max_steps, experiment.max_evaluations);
+    settings.max_evaluations = experiment.max_evaluations;
+    settings.seconds_limit = experiment.seconds_per_run;
+    settings.formulation = c.curve->formulation;
+    double setting = c.setting();
+    if (c.curve->calibrated) {
+        const Calibration found = calibrate(c.scene->scene, *c.curve->method, c.curve->kind, setting);
+        if (!found.found) {
+            c.result = blank(c);
+            c.result->status = Status::unsupported, c.result->message = found.message;
+            return false;
+        }
+        setting = found.setting;
+    }
+    if (c.curve->kind == SettingKind::step) settings.step = setting;
+    if (c.curve->kind == SettingKind::tolerance) settings.tolerance = setting;
+    return true;
+}
+
+// T by the mean |w| of the truth, in revolutions
+std::optional<double> revolutions(const Reference& reference) {
+    if (!reference.available || reference.samples.size() < 2) return {};
+    double sum = 0;
+    for (const ReferenceSample& s : reference.samples) {
+        const auto& w = s.angular_velocity_B;
+        sum += std::hypot(w[0].high, w[1].high, w[2].high);
+    }
+    const double mean = sum / static_cast<double>(reference.samples.size());
+    return mean * reference.samples.back().t / (2 * std::numbers::pi);
+}
+
+bool keeps_series(Kind kind) { return kind == Kind::drift || kind == Kind::conservation; }
+
+}  // namespace
+
+std::string words_of(const Plan& plan, const Case& c) {
+    std::string words = fmt::format("{} {} {}", plan.experiment.name, c.scene->label, c.curve->method->name);
+    if (c.curve->kind != SettingKind::none) words += fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
+    if (c.curve->calibrated) words += " evaluations a revolution";
+    if (c.curve->formulation != Formulation::reduced) words += fmt::format(" {}", name_of(c.curve->formulation));
+    return words;
+}
+
+Floors floors_of(const Conditioning& conditioning) {
+    if (!conditioning.available) return {};
+    const std::size_t last = conditioning.times.size() - 1;
+    return {conditioning.floor_peak(float64_roundoff).value, conditioning.floor_peak(float32_roundoff).value,
+            conditioning.floor(last, float64_roundoff), conditioning.floor(last, float32_roundoff)};
+}
+
+Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
+                          std::optional<double> kappa) {
+    if (!choose_settings(experiment, c)) return {};
+    Result result = blank(c);
+    Settings settings = c.settings;
+    // looking sideways for samples costs more than the run that is limited
+    settings.seconds_limit *= 4;
+    Trajectory trajectory = solve(problem, *c.curve->method, settings);
+    result.status = trajectory.status, result.message = trajectory.message;
+    result.cut = trajectory.limit_reached;
+    if (trajectory.step > 0) result.step_taken = trajectory.step;
+    if (trajectory.status != Status::unsupported) {
+        result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
+        result.counts = trajectory.counts;
+        const ErrorSeries series = error_series(problem.scene, trajectory, reference);
+        result.errors = errors(series, trajectory, reference);
+        if (keeps_series(experiment.kind)) result.series = series, result.revolutions = revolutions(reference);
+    }
+    if (result.status == Status::ok && !reference.available)
+        result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);
+    if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
+        result.errors.attitude_final.value_or(0) > 1) {
+        result.status = Status::tolerance_not_met;
+        result.message =
+            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors.attitude_final,
+                        kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "not known");
+    }
+    if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
+        result.status = Status::failed, result.cut = true, result.errors = {};
+        result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
+    }
+    // how far it came before a limit depends on the machine
+    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
+    result.seconds_min = trajectory.seconds;
+    c.result = std::move(result);
+    return trajectory;
+}
+
+void cut_curve(const Case& at, Case& beyond) {
+    beyond.result = blank(beyond);
+    beyond.result->status = Status::failed;
+    beyond.result->cut = true;
+    beyond.result->message =
+        fmt::format("not run: the curve was cut at {} {:g}", name_of(at.curve->kind), at.setting());
+}
+
+}  // namespace polhode

@@ -1,0 +1,90 @@
+#include "experiment/run/case_store.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "text/atomic_file.h"
+#include "text/content_hash.h"
+
+namespace polhode {
+namespace {
+
+std::filesystem::path path_of(const std::string& directory, const std::string& key, const char* ending) {
+    return std::filesystem::path(directory) / ".cases" / (key + ending);
+}
+
+std::optional<Table> load_table(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return {};
+    try {
+        return parse_csv(std::string(std::istreambuf_iterator<char>(file), {}));
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
+}
+
+}  // namespace
+
+std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting) {
+    const Experiment& e = plan.experiment;
+    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n", program_key(), e.name,
+                                    scene.label, scene.canonical, curve.method->name, name_of(curve.kind), setting,
+                                    name_of(curve.formulation), curve.calibrated, e.samples, e.repeats,
+                                    e.seconds_per_run, e.max_steps, e.max_evaluations));
+}
+
+std::optional<Result> load_case(const std::string& directory, const std::string& key) {
+    const auto row = load_table(path_of(directory, key, ".csv"));
+    if (!row || row->rows.size() != 1) return {};
+    try {
+        Result result = result_of(*row, 0);
+        if (const auto series = load_table(path_of(directory, key, ".series.csv"))) result.series = series_of(*series);
+        return result;
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
+}
+
+void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
+               const Result& result) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    // the series first: a row is there only once all of the case is
+    if (!result.series.t.empty())
+        write_atomically(path_of(directory, key, ".series.csv").string(), csv(series_table(result.series)));
+    write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
+}
+
+std::optional<Table> load_rows(const std::string& directory, const std::string& key) {
+    return load_table(path_of(directory, key, ".rows.csv"));
+}
+
+void save_rows(const std::string& directory, const std::string& key, const Table& rows) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    write_atomically(path_of(directory, key, ".rows.csv").string(), csv(rows));
+}
+
+void save_done(const std::string& directory, const std::string& key) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
+    write_atomically(path_of(directory, key, ".done").string(), "done\n");
+}
+
+bool is_done(const std::string& directory, const std::string& key) {
+    return std::filesystem::exists(path_of(directory, key, ".done"));
+}
+
+void save_duration(const std::string& directory, const std::string& words, double seconds) {
+    write_atomically(path_of(directory, content_hash(words), ".seconds").string(), fmt::format("{:.3g}\n", seconds));
+}
+
+std::optional<double> load_duration(const std::string& directory, const std::string& words) {
+    std::ifstream file(path_of(directory, content_hash(words), ".seconds"));
+    double seconds = 0;
+    if (!(file >> seconds)) return {};
+    return seconds;
+}
+
+}  // namespace polhode

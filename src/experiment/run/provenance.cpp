@@ -1,0 +1,71 @@
+#include "experiment/run/provenance.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "experiment/run/build_info.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/versions.h"
+#include "integrators/sundials/build.h"
+#include "text/atomic_file.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string read(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+std::string cpu() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+    return "unknown";
+}
+
+// The build writes the commit beside the program, so that a commit alone does not make another program of it.
+std::string commit() {
+    std::error_code error;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) return "unknown";
+    std::string text = read(program.parent_path() / "commit.txt");
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    return text.empty() ? "unknown" : text;
+}
+
+}  // namespace
+
+void record_provenance(const std::string& directory, const std::string& experiment, const std::string& command_line,
+                       bool quick) {
+    const std::filesystem::path path = std::filesystem::path(directory) / "provenance.json";
+    ordered_json all = ordered_json::parse(read(path), nullptr, false);
+    if (!all.is_object()) all = ordered_json::object();
+    ordered_json versions = ordered_json::object();
+    for (const auto& [name, version] : library_versions()) versions[name] = version;
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    all[experiment] = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
+                       {"command_line", command_line},
+                       {"quick", quick},
+                       {"commit", commit()},
+                       {"program_key", program_key()},
+                       {"compiler", POLHODE_COMPILER},
+                       {"flags", POLHODE_FLAGS},
+                       {"sundials", sundials_build()},
+                       {"versions", versions},
+                       {"cpu", cpu()},
+                       {"cores", std::thread::hardware_concurrency()}};
+    write_atomically(path.string(), all.dump(2) + "\n");
+}
+
+}  // namespace polhode

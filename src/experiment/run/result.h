@@ -1,0 +1,60 @@
+// What one case of a sweep gives: a row of the result table.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/plan/experiment.h"
+#include "measure/errors.h"
+#include "motion/trajectory.h"
+#include "table/table.h"
+
+namespace polhode {
+
+/// Attitude errors (rad) that rounding of the initial data alone causes: no method is to be judged below them. Empty
+/// where the conditioning is not known.
+struct Floors {
+    std::optional<double> float64, float32;              ///< the worst over the samples
+    std::optional<double> float64_final, float32_final;  ///< at T
+};
+
+struct Result {
+    std::string scene, method;
+    SettingKind setting_kind = SettingKind::none;
+    double setting = 0;  ///< as asked for; without meaning where the kind is `none`
+    Status status = Status::ok;
+    std::optional<double> seconds_min, seconds_median;
+    long repeats = 0;
+    std::optional<long> steps, rhs_evaluations;
+    SolverCounts counts;
+    Errors errors;
+    std::string message;
+    std::optional<double> step_taken;  ///< s, of a fixed-step run
+    bool cut = false;                  ///< not reached, or stopped, by the limit on a run's time, steps or evaluations
+    Formulation formulation = Formulation::reduced;
+    std::optional<double> evaluations_per_revolution;  ///< as asked for, where the setting was found from it
+    std::optional<double> revolutions;                 ///< T over the mean time of a revolution; of a long run
+    Floors floors;                                     ///< of the scene, the same in all its rows
+    ErrorSeries series;                                ///< only of a `drift` or `conservation` experiment
+};
+
+/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
+/// float32_floor, float64_floor_final and float32_floor_final, then rejected_steps, newton_failures, order_reductions,
+/// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance.
+std::vector<std::string> result_columns();
+std::vector<Cell> row_of(const std::string& experiment, const Result& result);
+
+/// The result that row_of() wrote, or one written before there were floors, or counts. Throws std::invalid_argument
+/// where a cell cannot be read.
+Result result_of(const Table& table, std::size_t row);
+
+/// drift.csv: scene, method, setting, t, the five errors and float64_floor, then the experiment.
+Table drift_table(const std::string& experiment, const std::vector<Result>& results);
+
+/// The series of one case, without its scene, method and setting; and back.
+Table series_table(const ErrorSeries& series);
+/// Throws std::invalid_argument where a cell cannot be read, a time is missing or a column has a gap.
+ErrorSeries series_of(const Table& table);
+
+}  // namespace polhode

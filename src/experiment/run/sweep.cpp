@@ -1,0 +1,233 @@
+#include "experiment/run/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+
+#include "experiment/plan/pattern.h"
+#include "experiment/run/case.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/locks.h"
+#include "experiment/run/progress.h"
+#include "experiment/run/timing.h"
+#include "integrators/analysis/conditioning.h"
+#include "integrators/run/march.h"
+#include "integrators/truth/reference.h"
+#include "text/parallel.h"
+
+namespace polhode {
+namespace {
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
+    std::vector<Case> cases;
+    const Pattern filter(options.filter);
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
+        if (static_cast<int>(s % static_cast<std::size_t>(options.shards)) != options.shard - 1) continue;
+        for (const PlannedCurve& curve : plan.curves) {
+            const std::string name = plan.scenes[s].label + "/" + std::string(curve.method->name);
+            if (!filter.matches(name)) continue;
+            for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
+                Case c{
+                    &plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}, {}};
+                c.result = load_case(options.directory, c.key);
+                cases.push_back(std::move(c));
+            }
+        }
+    }
+    return cases;
+}
+
+// At the experiment's samples. It is a property of the scene and not timed; the limit is of steps, so that it is the
+// same on every machine.
+Conditioning conditioning_of(const Scene& scene, long samples) {
+    ConditioningSettings settings;
+    settings.max_steps = 10'000'000;
+    return conditioning(scene, sample_times(scene.duration, samples), settings);
+}
+
+// All cases of one scene: truth, then setting by setting all methods side by side.
+class SceneSweep {
+  public:
+    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Conditioning& conditioning,
+               Progress& progress)
+        : plan_(plan),
+          options_(options),
+          cases_(std::move(cases)),
+          conditioning_(conditioning),
+          floors_(floors_of(conditioning)),
+          kappa_(conditioning.available ? std::optional(conditioning.attitude.back()) : std::nullopt),
+          progress_(progress) {}
+
+    long run() {
+        const Experiment& experiment = plan_.experiment;
+        const Scene& scene = cases_.front()->scene->scene;
+        std::size_t ranks = 0;
+        for (const Case* c : cases_) ranks = std::max(ranks, c->rank + 1);
+        if (std::all_of(cases_.begin(), cases_.end(), [](const Case* c) { return c->result.has_value(); })) return 0;
+        progress_.say(fmt::format("{}: truth of {}", experiment.name, cases_.front()->scene->label));
+        const Reference reference = polhode::reference(scene, experiment.samples);
+        for (const Case* c : cases_)
+            if (!problems_.contains(c->curve->formulation))
+                problems_.emplace(c->curve->formulation, pose(scene, c->curve->formulation));
+        long run = 0;
+        for (std::size_t rank = 0; rank < ranks && !interrupted; ++rank) {
+            std::vector<Case*> now;
+            for (Case* c : cases_)
+                if (c->rank == rank && !c->result) now.push_back(c);
+            run += run_rank(reference, now);
+        }
+        return run;
+    }
+
+  private:
+    // the coarser case at which this one's curve was cut, if it was
+    const Case* cut_before(const Case& c) const {
+        for (const Case* other : cases_)
+            if (other->curve == c.curve && other->rank < c.rank && other->result && other->result->cut) return other;
+        return nullptr;
+    }
+
+    const Problem& problem_of(const Case& c) const { return problems_.at(c.curve->formulation); }
+
+    long run_rank(const Reference& reference, const std::vector<Case*>& all) {
+        std::vector<Case*> now;
+        for (Case* c : all) {
+            if (const Case* at = cut_before(*c)) {
+                cut_curve(*at, *c);
+                store(*c);
+            } else {
+                now.push_back(c);
+            }
+        }
+        parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
+            const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
+            const Stopwatch stopwatch;
+            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i], kappa_);
+            now[i]->spent = stopwatch.seconds();
+        });
+        if (interrupted) {
+            // errors without timings are no finished cases
+            for (Case* c : now) c->result.reset();
+            return 0;
+        }
+        std::vector<TimedRun> runs;
+        for (Case* c : now) {
+            if (c->result->status == Status::ok || c->result->status == Status::tolerance_not_met)
+                runs.push_back({&problem_of(*c), c->curve->method, c->settings, *c->result->seconds_min});
+        }
+        {
+            const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, interrupted);
+            time_interleaved(runs, plan_.experiment.repeats, interrupted);
+        }
+        if (interrupted) {
+            for (Case* c : now) c->result.reset();
+            return 0;
+        }
+        auto timed = runs.begin();
+        for (Case* c : now) {
+            Result& result = *c->result;
+            result.seconds_min.reset();
+            if (result.status == Status::ok || result.status == Status::tolerance_not_met) {
+                const TimedRun& run = *timed++;
+                c->spent += run.spent;
+                if (run.failure.empty()) {
+                    result.seconds_min = run.minimum(), result.seconds_median = run.median();
+                    result.repeats = static_cast<long>(run.seconds.size());
+                } else {
+                    result.status = Status::failed, result.message = run.failure;
+                    result.cut = run.limit_reached;
+                    result.errors = {};
+                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
+                }
+            }
+            store(*c);
+        }
+        return static_cast<long>(now.size());
+    }
+
+    void store(Case& c) {
+        c.result->floors = floors_;
+        ErrorSeries& series = c.result->series;
+        if (conditioning_.available)
+            for (std::size_t k = 0; k < series.t.size(); ++k)
+                series.float64_floor.push_back(conditioning_.floor(k, float64_roundoff));
+        const std::string words = words_of(plan_, c);
+        save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
+        save_duration(options_.directory, words, c.spent);
+        progress_.advance(words);
+    }
+
+    const Plan& plan_;
+    const RunOptions& options_;
+    std::vector<Case*> cases_;
+    const Conditioning& conditioning_;
+    const Floors floors_;
+    const std::optional<double> kappa_;  // of the attitude at T
+    std::map<Formulation, Problem> problems_;
+    Progress& progress_;
+};
+
+}  // namespace
+
+void interrupt_sweep() { interrupted = true; }
+bool sweep_interrupted() { return interrupted; }
+
+std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options) {
+    std::vector<PendingCase> pending;
+    for (const Case& c : cases_of(plan, options)) {
+        if (c.result) continue;
+        const std::string words = words_of(plan, c);
+        pending.push_back({words, load_duration(options.directory, words)});
+    }
+    return pending;
+}
+
+SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
+    std::vector<Case> cases = cases_of(plan, options);
+    SweepCount sweep;
+    sweep.cases = static_cast<long>(cases.size());
+    Progress progress(
+        static_cast<long>(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.result; })),
+        options.quiet);
+    // truths take the longest and are cached: all of them first, side by side
+    std::vector<const PlannedScene*> scenes;
+    for (const Case& c : cases)
+        if (!c.result && (scenes.empty() || scenes.back() != c.scene)) scenes.push_back(c.scene);
+    progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
+    std::vector<Conditioning> conditionings(scenes.size());
+    parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
+        const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
+        if (interrupted) return;
+        reference(scenes[i]->scene, plan.experiment.samples);
+        conditionings[i] = conditioning_of(scenes[i]->scene, plan.experiment.samples);
+    });
+    for (auto begin = cases.begin(); begin != cases.end() && !interrupted;) {
+        const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
+        std::vector<Case*> of_scene;
+        for (auto c = begin; c != end; ++c) of_scene.push_back(&*c);
+        // a scene with nothing left to do is not among them, and needs none
+        const auto at = std::find(scenes.begin(), scenes.end(), begin->scene);
+        if (at != scenes.end())
+            sweep.run += SceneSweep(plan, options, std::move(of_scene),
+                                    conditionings[static_cast<std::size_t>(at - scenes.begin())], progress)
+                             .run();
+        begin = end;
+    }
+    return sweep;
+}
+
+std::vector<Result> finished_results(const Plan& plan, const std::string& directory) {
+    RunOptions everything;
+    everything.directory = directory;
+    std::vector<Result> results;
+    for (Case& c : cases_of(plan, everything))
+        if (c.result) results.push_back(std::move(*c.result));
+    return results;
+}
+
+}  // namespace polhode

@@ -1,0 +1,34 @@
+#include "experiment/run/versions.h"
+
+#include <fmt/format.h>
+#include <gmp.h>
+#include <mpfr.h>
+
+#include <Eigen/Core>
+#include <boost/version.hpp>
+#include <nlohmann/json.hpp>
+
+#include "integrators/gsl/gsl.h"
+#include "integrators/sundials/build.h"
+#include "integrators/truth/balls/certified.h"
+
+namespace polhode {
+
+std::vector<std::pair<std::string, std::string>> library_versions() {
+    const std::string arb = ball_arithmetic_version();
+    std::vector<std::pair<std::string, std::string>> versions{
+        {"SUNDIALS", sundials_build()},
+        {"Boost", fmt::format("{}.{}.{}", BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100)},
+        {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+        {"MPFR", mpfr_get_version()},
+        {"GMP", gmp_version},
+        {"Arb", arb.empty() ? "none (no certified truth)" : arb},
+        {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+        {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                            NLOHMANN_JSON_VERSION_PATCH)},
+    };
+    if (const std::string gsl = gsl_library_version(); !gsl.empty()) versions.emplace_back("GSL (GPL)", gsl);
+    return versions;
+}
+
+}  // namespace polhode

@@ -1,0 +1,14 @@
+// What this build stands on: for --version, for provenance, and for the word beside every timing of SUNDIALS.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace polhode {
+
+/// Name and version of every library in use: SUNDIALS, Boost, Eigen, MPFR, GMP, Arb, fmt, JSON for Modern C++, and GSL
+/// in a program that has it.
+std::vector<std::pair<std::string, std::string>> library_versions();
+
+}  // namespace polhode

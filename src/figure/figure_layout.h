@@ -1,0 +1,40 @@
+// Where the parts of a figure stand on its page, in points (1/72 inch) from the top left corner.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "figure/figure.h"
+
+namespace polhode {
+
+struct Rectangle {
+    double left = 0, top = 0, right = 0, bottom = 0;
+};
+
+struct LegendEntry {
+    std::string label;
+    const Curve* curve = nullptr;  ///< the first of that label; null for the sign of a cut curve and for a class
+    std::string fill;              ///< colour of a class' cells
+    double x = 0, y = 0;           ///< left end of the sample, middle of the line of text
+};
+
+struct FigureLayout {
+    double width = 0, height = 0;
+    std::vector<Rectangle> plots;  ///< the frame of each panel, without labels and title
+    /// Whether a panel's axis is labelled; with shared axes the outer ones' only.
+    std::vector<bool> labels_x, labels_y;
+    std::vector<LegendEntry> legend;
+    std::vector<std::string> note_lines;
+    double first_note_line = 0;  ///< middle of the first line
+};
+
+inline constexpr double text_size = 7, title_size = 8, figure_title_size = 9;
+inline constexpr double line_height = 10, legend_sample = 22;
+
+FigureLayout layout_of(const Figure& figure);
+
+/// Estimated, for a wide sans-serif such as DejaVu Sans, with head-room: fonts differ.
+double text_width(const std::string& text, double size);
+
+}  // namespace polhode

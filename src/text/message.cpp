@@ -1,0 +1,139 @@
+#include "text/message.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+namespace polhode {
+namespace {
+
+// Length of the UTF-8 sequence that begins at `text` (not empty), 0 where none does; its code point in `point`.
+std::size_t sequence_length(std::string_view text, std::uint32_t& point) {
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    const std::uint32_t first = byte(0);
+    if (first < 0x80) {
+        point = first;
+        return 1;
+    }
+    const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+    if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
+    point = first & (0xffu >> (length + 1));
+    for (std::size_t i = 1; i < length; ++i) {
+        if ((byte(i) & 0xc0u) != 0x80u) return 0;
+        point = point << 6 | (byte(i) & 0x3fu);
+    }
+    const bool overlong = (length == 3 && point < 0x800) || (length == 4 && point < 0x10000);
+    const bool surrogate = point >= 0xd800 && point < 0xe000;
+    return overlong || surrogate || point > 0x10ffff ? 0 : length;
+}
+
+bool printable(std::uint32_t point) {
+    const bool control = point < 0x20 || (point >= 0x7f && point < 0xa0);
+    const bool separator = point == 0x2028 || point == 0x2029;  // new lines to some readers
+    const bool reorders = (point >= 0x202a && point <= 0x202e) || (point >= 0x2066 && point <= 0x2069);
+    return !control && !separator && !reorders;
+}
+
+std::string shortened(std::string_view text, std::size_t limit) {
+    if (text.size() <= limit) return std::string(text);
+    const auto inside_sequence = [&](std::size_t i) {
+        return i > 0 && i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0u) == 0x80u;
+    };
+    const std::size_t kept = limit > 3 ? limit - 3 : 0;
+    std::size_t head = kept * 2 / 3, tail = text.size() - (kept - head);
+    while (inside_sequence(head)) --head;
+    while (inside_sequence(tail)) ++tail;
+    return std::string(text.substr(0, head)) + "..." + std::string(text.substr(tail));
+}
+
+// Letters inserted, left out, replaced, or two neighbours exchanged (Damerau 1964), row by row.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        before.swap(last), last.swap(row);
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            row[j] = std::min({last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), last[j] + 1, row[j - 1] + 1});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                row[j] = std::min(row[j], before[j - 2] + 1);
+        }
+    }
+    return row[b.size()];
+}
+
+}  // namespace
+
+std::string one_line(std::string_view text, std::size_t limit) {
+    // a text far beyond the limit is cut first, so that escaping it stays cheap
+    std::string escaped, source = shortened(text, limit);
+    for (std::string_view rest = source; !rest.empty();) {
+        std::uint32_t point = 0;
+        const std::size_t length = sequence_length(rest, point);
+        if (length > 0 && printable(point)) {
+            escaped += rest.substr(0, length);
+        } else if (rest[0] == '\n') {
+            escaped += "\\n";
+        } else if (rest[0] == '\t') {
+            escaped += "\\t";
+        } else if (rest[0] == '\r') {
+            escaped += "\\r";
+        } else if (length > 1) {
+            escaped += fmt::format("\\u{:04x}", point);
+        } else {
+            escaped += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<unsigned char>(rest[0])));
+        }
+        rest.remove_prefix(length > 0 ? length : 1);
+    }
+    return shortened(escaped, limit);
+}
+
+std::size_t first_invalid_utf8(std::string_view text) {
+    for (std::size_t i = 0; i < text.size();) {
+        std::uint32_t point = 0;
+        const std::size_t length = sequence_length(text.substr(i), point);
+        if (length == 0) return i;
+        i += length;
+    }
+    return std::string_view::npos;
+}
+
+std::vector<std::string> near_misses(std::string_view word, const std::vector<std::string>& candidates) {
+    std::vector<std::pair<std::size_t, std::string>> ranked;
+    if (word.empty() || word.size() > 100) return {};
+    for (const std::string& candidate : candidates) {
+        // the lengths alone may say that it is too far
+        const std::size_t longer = std::max(word.size(), candidate.size());
+        const std::size_t gap = longer - std::min(word.size(), candidate.size());
+        std::size_t distance = 3 * gap <= longer ? edit_distance(word, candidate) : longer;
+        const bool contained = word.size() >= 3 && candidate.size() >= 3 &&
+                               (candidate.find(word) != std::string::npos || word.find(candidate) != std::string::npos);
+        if (contained) distance = std::min(distance, std::size_t{2});
+        if (contained || (distance < word.size() && 3 * distance <= std::max(word.size(), candidate.size())))
+            ranked.emplace_back(distance, candidate);
+    }
+    std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<std::string> nearest;
+    for (std::size_t i = 0; i < ranked.size() && i < 3 && ranked[i].first <= ranked[0].first + 1; ++i)
+        nearest.push_back(ranked[i].second);
+    return nearest;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+    const std::vector<std::string> nearest = near_misses(word, candidates);
+    return nearest.empty() ? std::string() : fmt::format("did you mean {}?", fmt::join(nearest, " or "));
+}
+
+std::string listed(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+InputError::InputError(const std::string& file, const std::string& place, const std::string& fault,
+                       const std::string& remedy)
+    : std::runtime_error(one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") +
+                         one_line(fault, 300) + "; " + one_line(remedy, 400)) {}
+
+InputError::InputError(const std::string& file, const std::string& place, const InputError& inner)
+    : std::runtime_error(one_line(file, 200) + ": " + one_line(place, 100) + ": " + one_line(inner.what(), 900)) {}
+
+}  // namespace polhode

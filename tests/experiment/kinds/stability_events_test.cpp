@@ -1,0 +1,41 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "experiment/kinds/stability.h"
+
+namespace polhode {
+namespace {
+
+// A step across a jump errs by h times the jump, across a jump of the derivative by h^2, and that is the order left of
+// a higher one. A symmetric place in the step, or a scheme that sees part of it, may gain.
+TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
+    const Table table = discontinuity_table(true).table;
+    const auto column = [&](const char* name) { return column_index(table, name); };
+    std::map<std::string, double> orders, errors;
+    for (const std::vector<Cell>& row : table.rows) {
+        EXPECT_EQ(text_of(row[column("status")]), "ok");
+        const std::string key =
+            text_of(row[column("case")]) + "/" + text_of(row[column("method")]) + "/" + text_of(row[column("stepped")]);
+        const std::string order = text_of(row[column("observed_order")]);
+        if (!order.empty()) orders[key] = std::stod(order);
+        errors[key] = std::stod(text_of(row[column("error_at_finest")]));
+    }
+    for (const char* method : {"odeint_rk4", "munthe_kaas4"}) {
+        for (const char* what : {"torque jumps", "its derivative jumps", "pulse shorter than a step"})
+            EXPECT_NEAR(orders.at(std::string(what) + "/" + method + "/onto"), 4, 0.3) << what;
+        EXPECT_NEAR(orders.at(std::string("torque jumps/") + method + "/over"), 1, 0.15);
+        EXPECT_NEAR(orders.at(std::string("pulse shorter than a step/") + method + "/over"), 0, 0.1);
+    }
+    EXPECT_NEAR(orders.at("torque jumps/odeint_fehlberg78/over"), 1, 0.3);
+    EXPECT_NEAR(orders.at("its derivative jumps/odeint_fehlberg78/over"), 2, 0.3);
+    for (const char* method : {"dop853", "extrapolation", "cvode_adams"}) {
+        EXPECT_LT(errors.at(std::string("pulse shorter than a step/") + method + "/onto"), 1e-6);
+        EXPECT_LT(errors.at(std::string("torque jumps/") + method + "/onto"), 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,34 @@
+#include "integrators/analysis/spectral_norm.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <limits>
+#include <random>
+
+namespace polhode {
+namespace {
+
+// The eigenvalues of M M^T lose the small singular values; the largest keeps its digits.
+TEST(SpectralNorm, IsTheLargestSingularValue) {
+    std::mt19937 dice(1);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 1000; ++i) {
+        Eigen::Matrix<double, 3, 6> M;
+        for (double& entry : M.reshaped()) entry = normal(dice);
+        M.col(i % 6) *= std::exp(10 * normal(dice));
+        const double expected = M.jacobiSvd().singularValues()[0];
+        EXPECT_NEAR(spectral_norm(M), expected, 1e-14 * expected);
+        EXPECT_NEAR(spectral_norm(Eigen::Matrix<double, 3, 6>(M * 1e250)), 1e250 * expected, 1e236 * expected);
+    }
+}
+
+TEST(SpectralNorm, OfNothingAndOfWhatIsNotFinite) {
+    Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
+    EXPECT_EQ(spectral_norm(M), 0);
+    M(0, 1) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(spectral_norm(M), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace polhode

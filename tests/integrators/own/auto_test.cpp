@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "integrators/method.h"
+#include "integrators/run/stiffness.h"
+#include "integrators/scenes.h"
+
+namespace polhode {
+namespace {
+
+// A body with drag c (N m s) over 10 s; I = (1, 2, 3), so the fastest decay is c.
+Scene damped(double c, double duration = 10) {
+    Scene scene = testing::free_body(duration);
+    scene.loads = {Drag{{c, c, c}, 0, {}}};
+    return scene;
+}
+Scene on_spring(double stiffness, double c, double duration) {
+    Scene scene = damped(c, duration);
+    scene.initial.orientation = {0.96, 0.28, 0, 0};
+    scene.loads = {Drag{{c, c, c}, 0, {}}, Spring{stiffness, {1, 0, 0, 0}, {}}};
+    return scene;
+}
+
+std::string chosen(const Scene& scene, Formulation formulation = Formulation::reduced) {
+    const Choice choice = choose_method(pose(scene, formulation));
+    EXPECT_FALSE(choice.why.empty());
+    return std::string(choice.method->name);
+}
+
+TEST(ChooseMethod, TakesAnImplicitOneWhereDampingBindsTheStep) {
+    for (const Formulation formulation : {Formulation::reduced, Formulation::full}) {
+        EXPECT_EQ(chosen(damped(1100), formulation), "radau");
+        EXPECT_EQ(chosen(damped(55), formulation), "radau");
+        EXPECT_NE(chosen(damped(45), formulation), "radau");
+    }
+    EXPECT_NE(chosen(damped(1e-3)), "radau");
+    EXPECT_EQ(chosen(damped(0)), "exact");
+    EXPECT_NE(chosen(damped(0), Formulation::full), "radau");
+}
+
+// The eigenvalues of an overdamped spring: I lambda^2 + c lambda + k = 0 about each axis; the largest is c / I - k / c
+// and less.
+TEST(ChooseMethod, SeesDampedSprings) {
+    EXPECT_EQ(chosen(on_spring(1e4, 1000, 5)), "radau");
+    // it oscillates 80 times, dying slowly: an explicit method follows that as easily
+    EXPECT_NE(chosen(on_spring(1e4, 10, 5)), "radau");
+    // long after it has come to rest an explicit method would still step as if it oscillated
+    EXPECT_EQ(chosen(on_spring(1e4, 10, 500)), "radau");
+    // without damping nothing is stiff that moves
+    EXPECT_NE(chosen(on_spring(1e8, 0, 10)), "radau");
+}
+
+// A spin that is kept up turns the body as fast as damping decays.
+TEST(ChooseMethod, LeavesFastSustainedTurningToAnExplicitOne) {
+    Scene scene = damped(1, 1000);
+    scene.loads = {Drag{{1, 1, 1}, 0, {}}, Torque{{50, 30, 20}, Frame::body, {}}};
+    EXPECT_NE(chosen(scene), "radau");
+    scene.loads = {Drag{{1, 1, 1}, 0, {}}, Torque{{0.005, 0.003, 0.002}, Frame::body, {}}};
+    EXPECT_EQ(chosen(scene), "radau");
+}
+
+TEST(ChooseMethod, LooksAtEverySegmentByItself) {
+    Scene scene = damped(1000);
+    scene.loads = {Drag{{1000, 1000, 1000}, 0, {9.9, 10}}};
+    EXPECT_NE(chosen(scene), "radau");
+    scene.loads = {Drag{{1000, 1000, 1000}, 0, {5, 10}}};
+    EXPECT_EQ(chosen(scene), "radau");
+}
+
+// An implicit method would need the derivative of a user's torque.
+TEST(ChooseMethod, LeavesAUsersTorqueToAnExplicitOne) {
+    Scene scene = damped(1100);
+    scene.loads = {Drag{{1100, 1100, 1100}, 0, {}},
+                   UserTorque{"none", [](const LoadState&) { return Vector3<double>(); }, {}}};
+    EXPECT_NE(chosen(scene), "radau");
+    EXPECT_EQ(stiffness(pose(scene)).decays, 0);
+}
+
+// omega_1 of a spin about the first axis decays as e^(-c t): it turns by 1 / c in c T decays.
+TEST(Stiffness, CountsDecaysAndTurning) {
+    for (const double c : {1.0, 100.0}) {
+        Scene scene = damped(c);
+        scene.initial.angular_velocity = {1, 0, 0};
+        const Stiffness found = stiffness(pose(scene));
+        EXPECT_NEAR(found.decays, 10 * c, 1e-6 * c);
+        EXPECT_LT(found.turning, 1 / c);
+        EXPECT_EQ(found.stiff(), c == 100.0);
+    }
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,47 @@
+#include <gtest/gtest.h>
+
+#include "integrators/own/ensemble_scenes.h"
+
+namespace polhode {
+namespace {
+
+bool same_bits(const Sample& a, const Sample& b) {
+    return a.t == b.t && a.q == b.q && a.angular_velocity_B == b.angular_velocity_B && a.position_W == b.position_W;
+}
+
+TEST(EnsembleThreads, SameBitsForAnyNumber) {
+    for (const bool heavy : {false, true}) {
+        const Scene scene = heavy ? testing::top_scene(0.05) : testing::free_scene(10);
+        auto bodies = heavy ? testing::tops(1100, false, 1) : testing::free_bodies(2100, 1);
+        bodies[700].mass = -1;
+        const auto one = solve_ensemble(scene, bodies);
+        EXPECT_EQ(one[700].status, Status::failed);
+        for (const int threads : {2, 3}) {
+            EnsembleSettings settings;
+            settings.threads = threads;
+            const auto rows = solve_ensemble(scene, bodies, settings);
+            ASSERT_EQ(rows.size(), one.size());
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                ASSERT_EQ(rows[i].status, one[i].status) << i;
+                ASSERT_TRUE(same_bits(rows[i].end, one[i].end)) << i << " on " << threads;
+            }
+        }
+    }
+}
+
+TEST(EnsembleThreads, OneByOneToo) {
+    Scene scene = testing::free_scene(0.1);
+    scene.loads = {Spring{0.3, {}, {}}, Spring{0.2, {0.6, 0.8, 0, 0}, {}}};
+    const auto bodies = testing::free_bodies(40, 2);
+    EnsembleSettings settings;
+    const auto one = solve_ensemble(scene, bodies, settings);
+    settings.threads = 3;
+    const auto rows = solve_ensemble(scene, bodies, settings);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(rows[i].status, Status::ok) << rows[i].message;
+        EXPECT_TRUE(same_bits(rows[i].end, one[i].end)) << i;
+    }
+}
+
+}  // namespace
+}  // namespace polhode

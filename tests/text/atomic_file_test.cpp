@@ -1,0 +1,149 @@
+#include "text/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+  protected:
+    AtomicFile() {
+        std::string pattern = (fs::temp_directory_path() / "polhode_atomic_XXXXXX").string();
+        directory_ = mkdtemp(pattern.data());
+    }
+    ~AtomicFile() override { fs::remove_all(directory_); }
+
+    std::string path(const std::string& name) const { return (directory_ / name).string(); }
+
+    static std::string content(const std::string& path) {
+        std::ostringstream text;
+        text << std::ifstream(path, std::ios::binary).rdbuf();
+        return text.str();
+    }
+
+    std::size_t entries() const {
+        return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory_), fs::directory_iterator()));
+    }
+
+    static std::string fault(const std::string& path) {
+        try {
+            write_atomically(path, "new");
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+        return "none";
+    }
+
+    fs::path directory_;
+};
+
+TEST_F(AtomicFile, ReplacesTheWholeFileAndLeavesNothingElse) {
+    const std::string binary("a\0b\r\n\xff", 6), longer(3'000'000, 'x');
+    for (const std::string& text : {binary, longer, std::string()}) {
+        write_atomically(path("f"), text);
+        EXPECT_EQ(content(path("f")), text);
+        EXPECT_EQ(entries(), 1u);
+    }
+}
+
+TEST_F(AtomicFile, NamesPathAndReasonOfAMissingDirectory) {
+    const std::string target = path("missing/f"), message = fault(target);
+    EXPECT_NE(message.find(target), std::string::npos) << message;
+    EXPECT_NE(message.find("No such file or directory"), std::string::npos) << message;
+    EXPECT_EQ(entries(), 0u);
+}
+
+TEST_F(AtomicFile, KeepsADirectoryInItsPlace) {
+    fs::create_directory(path("d"));
+    std::ofstream(path("d/inside")) << "old";
+    const std::string message = fault(path("d"));
+    EXPECT_NE(message.find(path("d")), std::string::npos) << message;
+    EXPECT_EQ(content(path("d/inside")), "old");
+    EXPECT_EQ(entries(), 1u);  // the temporary is gone
+}
+
+TEST_F(AtomicFile, KeepsTheOldFileWhenTheNewOneDoesNotFit) {
+    write_atomically(path("f"), "old");
+    // a limit on the size of files stands for a full disk: for root too
+    const auto old_action = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit old_limit{};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
+    const rlimit small{1000, old_limit.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    std::string message = "none";
+    try {
+        write_atomically(path("f"), std::string(5000, 'x'));
+    } catch (const std::runtime_error& error) {
+        message = error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &old_limit);
+    std::signal(SIGXFSZ, old_action);
+    EXPECT_NE(message.find("File too large"), std::string::npos) << message;
+    EXPECT_EQ(content(path("f")), "old");
+    EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(AtomicFile, GivesNewFilesTheUsualModeAndKeepsThatOfOldOnes) {
+    const mode_t mask = umask(027);
+    write_atomically(path("f"), "first");
+    umask(mask);
+    EXPECT_EQ(fs::status(path("f")).permissions(), fs::perms(0640));
+    fs::permissions(path("f"), fs::perms(0604));
+    write_atomically(path("f"), "second");
+    EXPECT_EQ(fs::status(path("f")).permissions(), fs::perms(0604));
+}
+
+TEST_F(AtomicFile, FollowsALink) {
+    write_atomically(path("target"), "old");
+    fs::create_symlink(path("target"), path("link"));
+    write_atomically(path("link"), "new");
+    EXPECT_TRUE(fs::is_symlink(path("link")));
+    EXPECT_EQ(content(path("target")), "new");
+}
+
+TEST_F(AtomicFile, WritesWhatIsNoRegularFileDirectly) {
+    EXPECT_EQ(fault("/dev/null"), "none");
+    EXPECT_EQ(fault("/dev/full"), "/dev/full: cannot be written: No space left on device");
+    EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
+TEST_F(AtomicFile, TellsBeforehandWhereNothingCanBeWritten) {
+    EXPECT_THROW(require_writable(path("missing/f")), std::runtime_error);
+    EXPECT_THROW(require_writable(directory_.string()), std::runtime_error);
+    EXPECT_NO_THROW(require_writable(path("f")));
+    EXPECT_NO_THROW(require_writable("/dev/null"));
+}
+
+// killed at any moment, what is there is a whole old file or a whole new one
+TEST_F(AtomicFile, IsNeverTorn) {
+    const std::size_t size = 1 << 20;
+    write_atomically(path("f"), std::string(size, 'a'));
+    for (unsigned round = 0; round < 20; ++round) {
+        const pid_t child = fork();
+        ASSERT_GE(child, 0);
+        if (child == 0)
+            for (char letter = 'b';; letter = letter == 'z' ? 'a' : static_cast<char>(letter + 1))
+                write_atomically(path("f"), std::string(size, letter));
+        usleep(2000 + 731 * round);
+        kill(child, SIGKILL);
+        waitpid(child, nullptr, 0);
+        const std::string text = content(path("f"));
+        ASSERT_EQ(text.size(), size);
+        ASSERT_EQ(text, std::string(size, text[0]));
+    }
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,11 +1,26 @@
-// All that a program needs to pose a scene and solve it: #include <polhode/polhode.h>, link polhode::polhode.
+// The whole of polhode for a program: include <polhode/polhode.h>, link polhode::polhode.
+//
+//     const polhode::Scene scene = polhode::find_scene("lagrange_top");          // or read_scene, or built in code
+//     polhode::Settings settings;
+//     settings.tolerance = 1e-10;
+//     const polhode::Trajectory motion = polhode::solve(scene, *polhode::find_method("cvode_adams"), settings);
+//     const polhode::Reference truth = polhode::reference(scene, settings.samples);
+//     const polhode::Errors off = polhode::errors(polhode::error_series(scene, motion, truth), motion, truth);
+//     polhode::write_trajectory(std::cout, motion.samples);
+//
+// Quantities are in SI units and radians. A name's suffix tells its axes: _W the inertial world frame, _B the body frame.
+// Functions throw InputError where a scene or a file is at fault and std::invalid_argument where an argument is out of
+// range; an integration that fails says so in Trajectory::status and throws nothing.
 #pragma once
 
 #include "integrators/method.h"
 #include "integrators/own/ensemble.h"
 #include "integrators/run/march.h"
+#include "integrators/truth/reference.h"
 #include "measure/errors.h"
 #include "motion/problem.h"
 #include "motion/trajectory.h"
+#include "motion/trajectory_csv.h"
 #include "scene/scene.h"
 #include "scene/scene_file.h"
+#include "table/table.h"

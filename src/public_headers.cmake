@@ -1,0 +1,27 @@
+# The public headers: polhode.h and whatever it includes, directly or not. In the source tree a header is named from src/
+# or from the top; a user has one include directory and writes <polhode/..>. So each is copied to OUTPUT/polhode with its
+# includes written that way.
+#
+#   cmake -DSOURCE=top -DOUTPUT=directory -P public_headers.cmake
+cmake_minimum_required(VERSION 3.22)
+
+set(waiting polhode.h)
+set(seen "")
+while(waiting)
+  list(POP_FRONT waiting header)
+  list(APPEND seen ${header})
+  set(path ${SOURCE}/src/${header})
+  if(NOT EXISTS ${path})
+    set(path ${SOURCE}/${header})
+  endif()
+  file(READ ${path} text)
+  string(REGEX MATCHALL "#include \"[^\"]+\"" includes "${text}")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "#include \"([^\"]+)\"" "\\1" include ${include})
+    if(NOT include IN_LIST seen AND NOT include IN_LIST waiting)
+      list(APPEND waiting ${include})
+    endif()
+  endforeach()
+  string(REGEX REPLACE "#include \"([^\"]+)\"" "#include <polhode/\\1>" text "${text}")
+  file(WRITE ${OUTPUT}/polhode/${header} "${text}")
+endwhile()

@@ -1,0 +1,7 @@
+// What this program tries, a file each.
+#pragma once
+
+void solve_by_the_library();
+void add_a_torque();
+void add_a_method();
+void make_a_table();

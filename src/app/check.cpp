@@ -119,7 +119,7 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
         if ((k + 1) % between == 0) checked.floor_over_time.push_back(so_far);
     }
     checked.floor = so_far;
-    const double error = checked.judgement.attitude.max;
+    const double error = checked.judgement["attitude"]->max;
     // rounding at each step comes on top of that of the start: a few times the floor is the floor
     constexpr double a_few = 4;
     if (kappa.available && error <= a_few * so_far.float64)

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "app/scene_index.h"
+#include "experiment/run/result.h"
 #include "integrators/method.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
@@ -53,18 +54,19 @@ std::vector<Entry> methods_with_auto() {
 
 // the columns of the result table that measure something
 std::vector<Entry> metrics() {
-    return {
-        {"attitude_error_final", "Angle between the attitude and the truth at T, rad"},
-        {"attitude_error_max", "The same, the largest over all samples, rad"},
-        {"omega_error_max", "|w_B - w_B,truth| over the run's largest |w|, the largest over all samples"},
-        {"energy_error_max", "|E - E_truth| over the run's largest of |E| and the kinetic energy"},
-        {"momentum_error_max", "|L_W - L_W,truth| as a vector, over the run's largest |L|"},
-        {"norm_error_max", "| |q| - 1 |; of a matrix method the Frobenius norm of A^T A - 1"},
-        {"seconds_min", "Wall clock of the integration alone, the shortest of the repeats, s"},
-        {"seconds_median", "The same, the median of the repeats, s"},
-        {"steps", "Steps taken"},
-        {"rhs_evaluations", "Evaluations of the right-hand side"},
-    };
+    std::vector<Entry> entries;
+    for (const ErrorColumn& column : error_columns()) {
+        const Measure& measure = measures()[column.measure];
+        entries.push_back({column.name, fmt::format("{}, {}{}", measure.meaning,
+                                                    column.at_end ? "at T" : "the largest over all samples",
+                                                    measure.unit == "rad" ? ", rad" : "")});
+    }
+    entries.insert(entries.end(),
+                   {{"seconds_min", "Wall clock of the integration alone, the shortest of the repeats, s"},
+                    {"seconds_median", "Wall clock of the integration alone, the median of the repeats, s"},
+                    {"steps", "Steps taken"},
+                    {"rhs_evaluations", "Evaluations of the right-hand side"}});
+    return entries;
 }
 
 std::string as_text(const std::vector<Entry>& entries) {

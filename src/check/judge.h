@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "measure/measures.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene.h"
 
@@ -21,20 +22,13 @@ struct ErrorSummary {
 
 /// The largest errors of the samples up to a time, from the one of the span before on.
 struct ErrorSpan {
-    double until = 0;     ///< s, the last sample's
-    double attitude = 0;  ///< rad
-    double norm = 0;      ///< ||q| - 1|
-    double energy = 0;    ///< relative, as ErrorSeries has it; 0 where Judgement::energy is empty
-    double momentum = 0;  ///< likewise
+    double until = 0;          ///< s, the last sample's
+    PerMeasure<double> error;  ///< as the measures have them; 0 where the judgement has none
 };
 
-/// The errors of a file's samples; those that its columns do not tell are empty.
-struct Judgement {
-    ErrorSummary attitude;                                ///< rad
-    ErrorSummary norm;                                    ///< ||q| - 1|
-    std::optional<ErrorSummary> omega, energy, momentum;  ///< relative, as ErrorSeries has them
-    std::optional<ErrorSummary> position, velocity;       ///< m, m/s, of the centre of mass
-    std::vector<ErrorSpan> over_time;                     ///< at most ten, of about the same length in time
+/// The errors of a file's samples, as measures() have them; those that its columns do not tell are empty.
+struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
+    std::vector<ErrorSpan> over_time;  ///< at most ten, of about the same length in time
 };
 
 /// What the errors are formed in: 128 bits show what a binary64 file is wrong by to its last digit; binary64 takes a

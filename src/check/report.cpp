@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "text/decimal.h"
@@ -15,25 +16,22 @@ const char* verdict(const AttitudeLimit& limit, const CheckedFile& checked) {
     return !limit.attitude ? "reported" : limit.exceeded_by(checked) ? "failed" : "passed";
 }
 
-// One line of the report: the word for programs and for people, and the errors where the file tells them.
-struct Line {
-    const char *name, *title;
-    std::optional<ErrorSummary> error;
-};
+// "angular velocity, relative"
+std::string title_of(const Measure& measure) {
+    return fmt::format("{}{}{}", measure.title, measure.unit.empty() ? "" : ", ", measure.unit);
+}
 
-std::vector<Line> lines(const Judgement& j) {
-    return {{"attitude_error", "attitude, rad", j.attitude},
-            {"omega_error", "angular velocity, relative", j.omega},
-            {"momentum_error", "angular momentum, relative", j.momentum},
-            {"energy_error", "energy, relative", j.energy},
-            {"position_error", "position, m", j.position},
-            {"velocity_error", "velocity, m/s", j.velocity},
-            {"norm_error", "norm of q", j.norm}};
+// the measures whose growth is told
+std::vector<std::size_t> told_over_time(const Judgement& judgement) {
+    std::vector<std::size_t> told;
+    for (std::size_t m = 0; m < measures().size(); ++m)
+        if (measures()[m].over_time && judgement[m]) told.push_back(m);
+    return told;
 }
 
 std::string sentence(const AttitudeLimit& limit, const CheckedFile& c) {
-    std::string text = fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement.attitude.max,
-                                   shortest_decimal(c.judgement.attitude.max_time));
+    std::string text = fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement["attitude"]->max,
+                                   shortest_decimal(c.judgement["attitude"]->max_time));
     if (limit.attitude)
         text += fmt::format("; {}{} rad allowed ({})", limit.exceeded_by(c) ? "more than the " : "",
                             shortest_decimal(*limit.attitude), limit.from);
@@ -42,19 +40,13 @@ std::string sentence(const AttitudeLimit& limit, const CheckedFile& c) {
 
 std::string over_time(const CheckedFile& c) {
     const Judgement& j = c.judgement;
-    std::string text = "  largest up to t   attitude";
-    if (j.momentum) text += "   momentum";
-    if (j.energy) text += "     energy";
-    text += "       norm";
-    const bool floors = !c.floor_over_time.empty();
-    if (floors) text += "   float64 and float32 floor";
+    std::string text = "  largest up to t";
+    for (const std::size_t m : told_over_time(j)) text += fmt::format("{:>11}", measures()[m].name);
+    if (!c.floor_over_time.empty()) text += "   float64 and float32 floor";
     text += '\n';
     for (std::size_t k = 0; k < j.over_time.size(); ++k) {
-        const ErrorSpan& span = j.over_time[k];
-        text += fmt::format("  {:>15.6g}  {:9.2e}", span.until, span.attitude);
-        if (j.momentum) text += fmt::format("  {:9.2e}", span.momentum);
-        if (j.energy) text += fmt::format("  {:9.2e}", span.energy);
-        text += fmt::format("  {:9.2e}", span.norm);
+        text += fmt::format("  {:>15.6g}", j.over_time[k].until);
+        for (const std::size_t m : told_over_time(j)) text += fmt::format("  {:9.2e}", j.over_time[k].error[m]);
         if (k < c.floor_over_time.size())
             text += fmt::format("     {:8.1e}    {:8.1e}", c.floor_over_time[k].float64, c.floor_over_time[k].float32);
         text += '\n';
@@ -67,10 +59,13 @@ std::string text_of(const AttitudeLimit& limit, const CheckedFile& c) {
     report +=
         fmt::format("  {} samples, t = {} to {} s\n", c.samples, shortest_decimal(c.from), shortest_decimal(c.until));
     report += fmt::format("  {:<28}{:>10}  {:>14}  {:>10}\n", "error", "worst", "at t, s", "final");
-    for (const Line& line : lines(c.judgement))
-        report += line.error ? fmt::format("  {:<28}{:>10.3e}  {:>14.8g}  {:>10.3e}\n", line.title, line.error->max,
-                                           line.error->max_time, line.error->final)
-                             : fmt::format("  {:<28}{:>10}\n", line.title, "-");
+    for (std::size_t m = 0; m < measures().size(); ++m) {
+        const std::optional<ErrorSummary>& error = c.judgement[m];
+        const std::string title = title_of(measures()[m]);
+        report += error ? fmt::format("  {:<28}{:>10.3e}  {:>14.8g}  {:>10.3e}\n", title, error->max, error->max_time,
+                                      error->final)
+                        : fmt::format("  {:<28}{:>10}\n", title, "-");
+    }
     if (c.floor)
         report += fmt::format("  {:<28}{:>10.2e}\n  {:<28}{:>10.2e}\n", "float64 floor, rad", c.floor->float64,
                               "float32 floor, rad", c.floor->float32);
@@ -116,10 +111,11 @@ std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std
         report += fmt::format("{}\n  {{\"file\": {}, \"verdict\": \"{}\", \"samples\": {}, \"from\": {}, \"until\": {}",
                               &c == &all.front() ? "" : ",", json_string(one_line(c.path, 4096)), verdict(limit, c),
                               c.samples, number(c.from), number(c.until));
-        for (const Line& line : lines(c.judgement)) {
+        for (std::size_t m = 0; m < measures().size(); ++m) {
+            const std::optional<ErrorSummary>& error = c.judgement[m];
             const auto put = [&](const char* what, double ErrorSummary::*member) {
-                report += fmt::format(", \"{}_{}\": {}", line.name, what,
-                                      line.error ? number((*line.error).*member) : "null");
+                report += fmt::format(", \"{}_error_{}\": {}", measures()[m].name, what,
+                                      error ? number((*error).*member) : "null");
             };
             put("max", &ErrorSummary::max), put("max_time", &ErrorSummary::max_time),
                 put("final", &ErrorSummary::final);
@@ -129,12 +125,15 @@ std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std
                               c.floor ? number(c.floor->float64) : "null", c.floor ? number(c.floor->float32) : "null",
                               c.float_judged_until ? number(*c.float_judged_until) : "null");
         report += ",\n   \"over_time\": [";
+        // what every file tells comes first
+        std::vector<std::size_t> told = told_over_time(c.judgement);
+        std::stable_partition(told.begin(), told.end(),
+                              [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
         for (std::size_t k = 0; k < c.judgement.over_time.size(); ++k) {
             const ErrorSpan& span = c.judgement.over_time[k];
-            report += fmt::format("{}{{\"until\": {}, \"attitude_error\": {}, \"norm_error\": {}", k == 0 ? "" : ", ",
-                                  number(span.until), number(span.attitude), number(span.norm));
-            if (c.judgement.momentum) report += fmt::format(", \"momentum_error\": {}", number(span.momentum));
-            if (c.judgement.energy) report += fmt::format(", \"energy_error\": {}", number(span.energy));
+            report += fmt::format("{}{{\"until\": {}", k == 0 ? "" : ", ", number(span.until));
+            for (const std::size_t m : told)
+                report += fmt::format(", \"{}_error\": {}", measures()[m].name, number(span.error[m]));
             if (k < c.floor_over_time.size())
                 report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}",
                                       number(c.floor_over_time[k].float64), number(c.floor_over_time[k].float32));

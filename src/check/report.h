@@ -37,7 +37,7 @@ struct AttitudeLimit {
     std::string from;                ///< who set it
 
     bool exceeded_by(const CheckedFile& checked) const {
-        return attitude && !(checked.judgement.attitude.max <= *attitude);
+        return attitude && !(checked.judgement["attitude"]->max <= *attitude);
     }
 };
 

@@ -42,8 +42,8 @@ const char* name_of(Outcome outcome) {
 
 bool is_stable(const Errors& of_run) {
     constexpr double largest_rate_error = 4, largest_energy_error = 8;
-    return of_run.omega_max && *of_run.omega_max <= largest_rate_error && of_run.energy_max &&
-           *of_run.energy_max <= largest_energy_error;
+    return of_run["omega"].max && *of_run["omega"].max <= largest_rate_error && of_run["energy"].max &&
+           *of_run["energy"].max <= largest_energy_error;
 }
 
 bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference) {
@@ -77,12 +77,12 @@ Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Ref
         case Status::failed:
             return Outcome::failed;
     }
-    if (!errors.attitude_max) return Outcome::no_truth;
+    if (!errors["attitude"].max) return Outcome::no_truth;
     if (!is_stable(errors)) return Outcome::diverged;
     // a stop is told first: at rest the attitude may be near enough by chance
     if (is_damped_to_rest(trajectory, reference)) return Outcome::damped_to_rest;
-    if (*errors.attitude_max <= accurate_attitude) return Outcome::accurate;
-    return *errors.attitude_max <= close_attitude ? Outcome::close : Outcome::wrong_but_bounded;
+    if (*errors["attitude"].max <= accurate_attitude) return Outcome::accurate;
+    return *errors["attitude"].max <= close_attitude ? Outcome::close : Outcome::wrong_but_bounded;
 }
 
 }  // namespace polhode

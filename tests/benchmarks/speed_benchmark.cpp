@@ -29,7 +29,7 @@ Settings setting_for(const Problem& problem, const Reference& truth, const Metho
         const Trajectory run = solve(problem, method, settings);
         if (run.status != Status::ok) continue;
         const Errors found = errors(error_series(problem.scene, run, truth), run, truth);
-        if (found.attitude_max.value_or(HUGE_VAL) <= level) return settings;
+        if (found["attitude"].max.value_or(HUGE_VAL) <= level) return settings;
     }
     settings.tolerance.reset();
     return settings;

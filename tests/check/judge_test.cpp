@@ -66,18 +66,18 @@ TEST(Judge, AgreesWithTheErrorsOfTheTables) {
         EXPECT_EQ(summary.max_time, series.t[static_cast<std::size_t>(worst - values.begin())]);
         EXPECT_NEAR(summary.final, values.back(), 1e-15);
     };
-    expect(found.attitude, series.attitude);
-    expect(found.norm, series.norm);
-    expect(*found.omega, series.omega);
-    expect(*found.energy, series.energy);
-    expect(*found.momentum, series.momentum);
-    EXPECT_NEAR(found.velocity->max, 1e-5 * 10, 1e-5);
+    expect(*found["attitude"], series["attitude"]);
+    expect(*found["norm"], series["norm"]);
+    expect(*found["omega"], series["omega"]);
+    expect(*found["energy"], series["energy"]);
+    expect(*found["momentum"], series["momentum"]);
+    EXPECT_NEAR(found["velocity"]->max, 1e-5 * 10, 1e-5);
     // spans: ten of twenty samples, and the first one with the sample at its beginning
     ASSERT_EQ(found.over_time.size(), 10u);
     for (std::size_t span = 0; span < 10; ++span) {
-        const auto begin = series.attitude.begin() + static_cast<long>(span == 0 ? 0 : 20 * span + 1);
-        EXPECT_NEAR(found.over_time[span].attitude,
-                    *std::max_element(begin, series.attitude.begin() + static_cast<long>(20 * span + 21)), 1e-15);
+        const auto begin = series["attitude"].begin() + static_cast<long>(span == 0 ? 0 : 20 * span + 1);
+        EXPECT_NEAR(found.over_time[span].error["attitude"],
+                    *std::max_element(begin, series["attitude"].begin() + static_cast<long>(20 * span + 21)), 1e-15);
         EXPECT_DOUBLE_EQ(found.over_time[span].until, static_cast<double>(span + 1));
     }
 }
@@ -95,8 +95,10 @@ TEST(Judge, InBinary64AndInPiecesIsTheSameToRounding) {
     for (std::size_t i = 1; i < 7; ++i) pieces[0].append(pieces[i]);
     const Judgement joined = pieces[0].result();
     const auto all = [](const Judgement& j) {
-        return std::vector<ErrorSummary>{j.attitude,  j.norm,      *j.omega,   *j.energy,
-                                         *j.momentum, *j.position, *j.velocity};
+        std::vector<ErrorSummary> every;
+        for (const char* name : {"attitude", "norm", "omega", "energy", "momentum", "position", "velocity"})
+            every.push_back(j[name].value());
+        return every;
     };
     for (std::size_t i = 0; i < 7; ++i) {
         // pieces: the same bits
@@ -110,7 +112,7 @@ TEST(Judge, InBinary64AndInPiecesIsTheSameToRounding) {
     }
     ASSERT_EQ(joined.over_time.size(), narrow.over_time.size());
     for (std::size_t k = 0; k < joined.over_time.size(); ++k) {
-        EXPECT_EQ(joined.over_time[k].attitude, narrow.over_time[k].attitude);
+        EXPECT_EQ(joined.over_time[k].error["attitude"], narrow.over_time[k].error["attitude"]);
         EXPECT_EQ(joined.over_time[k].until, narrow.over_time[k].until);
     }
 }
@@ -128,7 +130,7 @@ TEST(Judge, OneSampleIsOneSpan) {
     c.file.rows = {c.file.rows[4]}, c.truth.samples = {c.truth.samples[4]};
     const Judgement found = judge(c.scene, c.file, c.truth);
     EXPECT_EQ(found.over_time.size(), 1u);
-    EXPECT_EQ(found.attitude.max_time, 4);
+    EXPECT_EQ(found["attitude"]->max_time, 4);
 }
 
 }  // namespace

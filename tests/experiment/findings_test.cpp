@@ -20,7 +20,7 @@ Result row(const PlannedScene& scene, const PlannedCurve& curve, double setting,
     Result r;
     r.scene = scene.label, r.method = curve.method->name, r.setting_kind = curve.kind, r.setting = setting;
     r.formulation = curve.formulation;
-    r.errors.attitude_max = r.errors.attitude_final = error;
+    r.errors["attitude"].max = r.errors["attitude"].final = error;
     r.seconds_min = r.seconds_median = seconds;
     return r;
 }

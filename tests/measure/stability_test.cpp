@@ -38,8 +38,8 @@ Trajectory turning_at(double rate, double final_rate) {
 
 Errors errors_of(double attitude, double omega, double energy) {
     Errors errors;
-    errors.attitude_final = errors.attitude_max = attitude;
-    errors.omega_max = omega, errors.energy_max = energy;
+    errors["attitude"].final = errors["attitude"].max = attitude;
+    errors["omega"].max = omega, errors["energy"].max = energy;
     return errors;
 }
 

@@ -86,7 +86,7 @@ StudyResult run_collisions(const Plan& plan, const RunOptions& options) {
                     if (found.size() == right.size() && both > 0) worst = late;
                     if (run.status == Status::ok) {
                         const Errors e = errors(error_series(scene, run, truth), run, truth);
-                        energy = cell_of(e.energy_max), attitude = cell_of(e.attitude_max);
+                        energy = cell_of(e["energy"].max), attitude = cell_of(e["attitude"].max);
                     }
                 }
                 row.insert(row.end(), {static_cast<long>(run.impact_times.size()), Cell{}, first, worst, height, energy,

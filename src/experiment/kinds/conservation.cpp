@@ -7,17 +7,9 @@
 namespace polhode {
 namespace {
 
-struct Quantity {
-    const char* name;
-    std::vector<double> ErrorSeries::*values;
-    double saturation;
-};
-
+const char* const quantities[] = {"energy", "momentum", "attitude", "norm"};
 // an attitude beyond about 1 rad is lost: it cannot exceed pi
-const Quantity quantities[] = {{"energy", &ErrorSeries::energy, 1},
-                               {"momentum", &ErrorSeries::momentum, 1},
-                               {"attitude", &ErrorSeries::attitude, 1},
-                               {"norm", &ErrorSeries::norm, 1}};
+constexpr double saturation = 1;
 
 }  // namespace
 
@@ -25,9 +17,8 @@ Table growth_table(const Plan& plan, const std::vector<Result>& results) {
     Table table{{"scene", "evaluations_per_revolution", "method", "setting_kind", "setting", "status", "revolutions",
                  "seconds_median"},
                 {}};
-    for (const Quantity& q : quantities)
-        for (const char* column : {"_error", "_exponent", "_uncertainty"})
-            table.columns.push_back(std::string(q.name) + column);
+    for (const std::string quantity : quantities)
+        for (const char* column : {"_error", "_exponent", "_uncertainty"}) table.columns.push_back(quantity + column);
     table.columns.push_back("message");
     for (const PlannedScene& scene : plan.scenes)
         for (const double cost : plan.experiment.evaluations_per_revolution)
@@ -41,9 +32,9 @@ Table growth_table(const Plan& plan, const std::vector<Result>& results) {
                                       std::string(name_of(r.status)),
                                       cell_of(r.revolutions),
                                       cell_of(r.seconds_median)};
-                for (const Quantity& q : quantities) {
-                    const std::vector<double>& values = r.series.*q.values;
-                    const auto growth = error_growth(r.series.t, values, q.saturation);
+                for (const char* quantity : quantities) {
+                    const std::vector<double>& values = r.series[quantity];
+                    const auto growth = error_growth(r.series.t, values, saturation);
                     std::optional<double> largest, exponent, uncertainty;
                     // an attitude that is lost at the end says nothing against energy and momentum
                     const bool whole = r.status == Status::ok || r.status == Status::tolerance_not_met;

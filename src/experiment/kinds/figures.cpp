@@ -51,7 +51,7 @@ std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const 
 
 Figure error_against_setting(const Plan& plan, const std::vector<Result>& results, SettingKind kind, bool at_end) {
     const bool step = kind == SettingKind::step;
-    std::optional<double> Errors::*const error = at_end ? &Errors::attitude_final : &Errors::attitude_max;
+    std::optional<double> ErrorOfRun::*const error = at_end ? &ErrorOfRun::final : &ErrorOfRun::max;
     Figure figure;
     figure.title = fmt::format("{}: attitude error against {}", plan.experiment.name, step ? "step" : "tolerance");
     figure.columns = 2;
@@ -67,7 +67,7 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
                 panel.curves.push_back(curve_of(
                     results, scene, planned,
                     [&](const Result& r) { return step ? r.step_taken : std::optional(r.setting); },
-                    [&](const Result& r) { return r.errors.*error; }));
+                    [&](const Result& r) { return r.errors["attitude"].*error; }));
         figure.panels.push_back(std::move(panel));
     }
     return figure;
@@ -118,7 +118,7 @@ std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vec
         for (const PlannedCurve& planned : plan.curves)
             panel.curves.push_back(curve_of(
                 results, scene, planned, [](const Result& r) { return r.seconds_median; },
-                [](const Result& r) { return r.errors.attitude_max; }));
+                [](const Result& r) { return r.errors["attitude"].max; }));
         figure.panels.push_back(std::move(panel));
     }
     return paged(plan.experiment.name, plan, figure);

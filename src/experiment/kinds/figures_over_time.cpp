@@ -23,13 +23,16 @@ std::string figure_name(const Plan& plan, const PlannedScene& scene) {
 }
 
 struct Quantity {
-    const char *title, *label;
-    std::vector<double> ErrorSeries::*values;
+    const char *measure, *label;
+
+    std::string title() const { return std::string(measures()[measure_index(measure)].title); }
+    const std::vector<double>& of(const ErrorSeries& series) const { return series[measure]; }
+    bool is_attitude() const { return std::string_view(measure) == "attitude"; }
 };
-const Quantity attitude{"attitude", "attitude error (rad)", &ErrorSeries::attitude};
-const Quantity momentum{"angular momentum", "|L - L_ref| / max |L_ref|", &ErrorSeries::momentum};
-const Quantity energy{"energy", "|E - E_ref| / max E", &ErrorSeries::energy};
-const Quantity norm{"norm", "||q| - 1|", &ErrorSeries::norm};
+const Quantity attitude{"attitude", "attitude error (rad)"};
+const Quantity momentum{"momentum", "|L - L_ref| / max |L_ref|"};
+const Quantity energy{"energy", "|E - E_ref| / max E"};
+const Quantity norm{"norm", "||q| - 1|"};
 
 // The floors over time, of a panel of the attitude's error; `shaped` makes a curve of t and the values.
 template <class Shaped>
@@ -56,9 +59,9 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
         figure.columns = 3;
         for (const Quantity& quantity : {attitude, momentum, energy}) {
             Panel panel;
-            panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
+            panel.title = quantity.title(), panel.x_label = "time (s)", panel.y_label = quantity.label;
             panel.log_x = false;
-            if (quantity.values == &ErrorSeries::attitude)
+            if (quantity.is_attitude())
                 panel.guides = floors_over_time(
                     results, scene, [](const char* label, const std::vector<double>& t, const std::vector<double>& y) {
                         return Guide{label, t, y};
@@ -76,7 +79,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                     curve.color = planned.color, curve.dash = dashes[planned.method]++;
                     // beyond the palette colours come again, told apart by their markers
                     curve.points = planned.color >= palette_size;
-                    const std::vector<double>& y = row->series.*quantity.values;
+                    const std::vector<double>& y = quantity.of(row->series);
                     curve.x.assign(row->series.t.begin(),
                                    row->series.t.begin() + static_cast<long>(std::min(y.size(), row->series.t.size())));
                     curve.y = y;
@@ -101,8 +104,8 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
             figure.columns = 2;
             for (const Quantity& quantity : {energy, momentum, attitude, norm}) {
                 Panel panel;
-                panel.title = quantity.title, panel.x_label = "time (s)", panel.y_label = quantity.label;
-                if (quantity.values == &ErrorSeries::attitude)
+                panel.title = quantity.title(), panel.x_label = "time (s)", panel.y_label = quantity.label;
+                if (quantity.is_attitude())
                     panel.guides = floors_over_time(
                         results, scene,
                         [](const char* label, const std::vector<double>& t, const std::vector<double>& y) {
@@ -112,7 +115,7 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
                 for (const PlannedCurve& planned : plan.curves)
                     for (const Result* row : rows_of(results, scene, planned)) {
                         if (row->evaluations_per_revolution != cost) continue;
-                        Envelope envelope = error_envelope(row->series.t, row->series.*quantity.values);
+                        Envelope envelope = error_envelope(row->series.t, quantity.of(row->series));
                         Curve curve;
                         curve.label = curve_label(planned);
                         curve.color = planned.color, curve.dash = planned.kind == SettingKind::step;

@@ -20,8 +20,8 @@ std::vector<Point> points_of(const std::vector<Result>& results, const PlannedSc
     same.formulation = formulation;
     std::vector<Point> points;
     for (const Result* row : rows_of(results, scene, same))
-        if (row->status == Status::ok && row->seconds_min && row->errors.attitude_max.value_or(0) > 0)
-            points.push_back({row->setting, std::log(*row->errors.attitude_max), std::log(*row->seconds_min)});
+        if (row->status == Status::ok && row->seconds_min && row->errors["attitude"].max.value_or(0) > 0)
+            points.push_back({row->setting, std::log(*row->errors["attitude"].max), std::log(*row->seconds_min)});
     return points;
 }
 

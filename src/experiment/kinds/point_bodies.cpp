@@ -49,7 +49,8 @@ class Bench {
     Outcome judge(const Trajectory& trajectory, std::optional<double> stretch) const {
         Outcome outcome{trajectory, {}, stretch};
         if (trajectory.status != Status::ok || !truth.available) return outcome;
-        outcome.attitude_error = errors(error_series(problem.scene, trajectory, truth), trajectory, truth).attitude_max;
+        outcome.attitude_error =
+            errors(error_series(problem.scene, trajectory, truth), trajectory, truth)["attitude"].max;
         return outcome;
     }
     Outcome run(const Way& way, Settings settings, const PointOptions& options) const {

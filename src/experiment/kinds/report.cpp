@@ -150,10 +150,10 @@ Table order_table(const Plan& plan, const std::vector<Result>& results) {
             std::vector<double> setting, error;
             std::optional<double> floor;  // at the end, as the errors
             for (const Result* row : rows_of(results, scene, curve)) {
-                if (row->status != Status::ok || !row->errors.attitude_final) continue;
+                if (row->status != Status::ok || !row->errors["attitude"].final) continue;
                 setting.push_back(row->step_taken.value_or(row->setting));
                 floor = row->floors.float64_final;
-                error.push_back(*row->errors.attitude_final);
+                error.push_back(*row->errors["attitude"].final);
             }
             if (error.empty() || curve.kind == SettingKind::none) continue;
             const auto observed = observed_order(setting, error, 1);
@@ -179,7 +179,7 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
             std::vector<const Result*> best;
             for (const Result& r : results) {
                 if (r.scene != scene.label || r.status != Status::ok || !r.seconds_median) continue;
-                if (!r.errors.attitude_max || *r.errors.attitude_max > wanted) continue;
+                if (!r.errors["attitude"].max || *r.errors["attitude"].max > wanted) continue;
                 const auto same = std::find_if(best.begin(), best.end(),
                                                [&](const Result* other) { return other->method == r.method; });
                 if (same == best.end())

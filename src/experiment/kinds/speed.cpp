@@ -56,14 +56,14 @@ std::optional<TimeAt> time_at(const std::vector<const Result*>& rows, double lev
     };
     const Result* before = nullptr;
     for (const Result* row : rows) {
-        if (row->status != Status::ok || !row->seconds_median || !row->errors.attitude_max) {
+        if (row->status != Status::ok || !row->seconds_median || !row->errors["attitude"].max) {
             before = nullptr;
             continue;
         }
-        const double error = std::max(*row->errors.attitude_max, 1e-18);
+        const double error = std::max(*row->errors["attitude"].max, 1e-18);
         if (error <= level) {
             offer({*row->seconds_median, *row->seconds_min});
-            const double coarser = before ? *before->errors.attitude_max : 0;
+            const double coarser = before ? *before->errors["attitude"].max : 0;
             if (coarser > level) {
                 const double along = std::log(coarser / level) / std::log(coarser / error);
                 const auto between = [&](double from, double to) { return from * std::pow(to / from, along); };
@@ -192,15 +192,15 @@ void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, con
     for (const PlannedCurve& curve : plan.curves) {
         const Result* best = nullptr;
         for (const Result* row : speeds.rows(curve))
-            if (row->status == Status::ok && row->errors.attitude_max &&
-                (!best || *row->errors.attitude_max < *best->errors.attitude_max))
+            if (row->status == Status::ok && row->errors["attitude"].max &&
+                (!best || *row->errors["attitude"].max < *best->errors["attitude"].max))
                 best = row;
         std::vector<Cell> row{scene.label, curve_label(curve)};
         if (best) {
             row.insert(row.end(),
                        {cell_of(curve.kind == SettingKind::none ? std::nullopt : std::optional(best->setting)),
-                        cell_of(best->errors.attitude_max), cell_of(best->errors.momentum_max),
-                        cell_of(best->errors.energy_max), cell_of(best->seconds_median)});
+                        cell_of(best->errors["attitude"].max), cell_of(best->errors["momentum"].max),
+                        cell_of(best->errors["energy"].max), cell_of(best->seconds_median)});
         } else {
             row.insert(row.end(), 5, Cell());
         }
@@ -238,8 +238,8 @@ void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool qu
                     return cell_of(growth ? std::optional(growth->exponent) : std::nullopt);
                 };
                 row.insert(row.end(),
-                           {cell_of(worst.attitude_max), exponent(series.attitude), cell_of(worst.energy_max),
-                            exponent(series.energy), trajectory.steps, timed.seconds / longer.scene.duration, ""});
+                           {cell_of(worst["attitude"].max), exponent(series["attitude"]), cell_of(worst["energy"].max),
+                            exponent(series["energy"]), trajectory.steps, timed.seconds / longer.scene.duration, ""});
             } else {
                 row.insert(row.end(), {Cell(), Cell(), Cell(), Cell(), Cell(), Cell(), trajectory.message});
             }

@@ -135,7 +135,7 @@ MapCell run_cell(const StepMap& map, const MapColumn& column, const Method& meth
     if (run.status != Status::unsupported)
         worst = errors(error_series(column.problem.scene, run, column.truth), run, column.truth);
     cell.outcome = outcome_of(run, worst, column.truth);
-    if (worst.attitude_max) cell.attitude_error = *worst.attitude_max;
+    if (worst["attitude"].max) cell.attitude_error = *worst["attitude"].max;
     if (run.status != Status::ok || run.samples.empty()) return cell;
     const Sample& end = run.samples.back();
     const Vector3<double> L = momentum_W(column.problem, end.q, end.angular_velocity_B);

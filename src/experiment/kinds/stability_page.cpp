@@ -129,8 +129,8 @@ class MethodPage {
             for (const StabilityRun& run : f->runs) {
                 ++ended[run.result.status];
                 if (run.result.status != Status::ok) continue;
-                if (curve_.kind != SettingKind::tolerance || !run.result.errors.attitude_max) continue;
-                ratios.push_back(*run.result.errors.attitude_max / run.result.setting);
+                if (curve_.kind != SettingKind::tolerance || !run.result.errors["attitude"].max) continue;
+                ratios.push_back(*run.result.errors["attitude"].max / run.result.setting);
                 if (ratios.back() > worst)
                     worst = ratios.back(), worst_on = fmt::format("{} at {:g}", f->scene->label, run.result.setting);
             }
@@ -182,7 +182,7 @@ std::string summary(const StabilityFindings& found) {
     for (const StabilityFinding& f : found.findings)
         for (const StabilityRun& run : f.runs) {
             ++runs, ++ended[run.result.status];
-            const double error = run.result.errors.attitude_max.value_or(0);
+            const double error = run.result.errors["attitude"].max.value_or(0);
             ok_beyond_one += run.result.status == Status::ok && error > 1;
             for (const Cell& cell : row_of("", run.result))
                 if (const double* value = std::get_if<double>(&cell)) not_finite += !std::isfinite(*value);

@@ -66,11 +66,11 @@ void find_conditioning(const Problem& problem, long samples, StabilityScene& sce
 // What the sweep calls `ok` although nobody could use it gets its name here.
 void name_the_wrong(const Experiment& experiment, Result& result, Outcome outcome) {
     if (result.status != Status::ok) return;
-    const double attitude = result.errors.attitude_max.value_or(0);
+    const double attitude = result.errors["attitude"].max.value_or(0);
     if (outcome == Outcome::diverged) {
         result.status = Status::diverged;
         result.message = fmt::format("rates up to {:.3g} times the true motion's largest off, energy {:.3g} times",
-                                     result.errors.omega_max.value_or(0), result.errors.energy_max.value_or(0));
+                                     result.errors["omega"].max.value_or(0), result.errors["energy"].max.value_or(0));
     } else if (attitude > 1) {
         result.status = result.setting_kind == SettingKind::tolerance ? Status::tolerance_not_met : Status::failed;
         result.message =
@@ -97,7 +97,7 @@ class Search {
         if (ladder.size() > 1) {
             const auto attitude_within = [](double limit) {
                 return [limit](const StabilityRun& r) {
-                    return r.outcome <= Outcome::close && *r.result.errors.attitude_max <= limit;
+                    return r.outcome <= Outcome::close && *r.result.errors["attitude"].max <= limit;
                 };
             };
             halve(

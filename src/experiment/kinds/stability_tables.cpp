@@ -50,7 +50,7 @@ std::vector<std::string> families(const StabilityFindings& found) {
 std::optional<double> smallest_error(const StabilityFinding& finding) {
     std::optional<double> smallest;
     for (const StabilityRun& run : finding.runs) {
-        const std::optional<double>& error = run.result.errors.attitude_max;
+        const std::optional<double>& error = run.result.errors["attitude"].max;
         if (run.outcome <= Outcome::damped_to_rest && error && (!smallest || *error < *smallest)) smallest = error;
     }
     return smallest;
@@ -133,8 +133,8 @@ Table outcomes_table(const Plan& plan, const StabilityFindings& found) {
                 ++runs, ++by_status[run.result.status], ++by_outcome[run.outcome];
                 cut += run.result.cut;
                 longest = std::max(longest, run.result.seconds_min.value_or(0));
-                if (run.result.status == Status::ok && run.result.errors.attitude_max)
-                    ok_errors.push_back(*run.result.errors.attitude_max);
+                if (run.result.status == Status::ok && run.result.errors["attitude"].max)
+                    ok_errors.push_back(*run.result.errors["attitude"].max);
             }
         }
         std::vector<Cell> row{std::string(curve.method->name), std::string(name_of(curve.kind)), runs};
@@ -164,8 +164,8 @@ Table tolerances_table(const Plan& plan, const StabilityFindings& found) {
                 for (const StabilityRun& run : f.runs) {
                     if (run.result.setting != tolerance) continue;
                     ++scenes, ++ended[run.result.status];
-                    if (run.result.status != Status::ok || !run.result.errors.attitude_max) continue;
-                    ratios.push_back(*run.result.errors.attitude_max / tolerance);
+                    if (run.result.status != Status::ok || !run.result.errors["attitude"].max) continue;
+                    ratios.push_back(*run.result.errors["attitude"].max / tolerance);
                     if (ratios.back() >= *std::max_element(ratios.begin(), ratios.end())) worst = f.scene->label;
                 }
             }
@@ -201,7 +201,7 @@ Table counts_table(const StabilityFindings& found) {
                                   {},
                                   {},
                                   {},
-                                  r.errors.attitude_max ? Cell(*r.errors.attitude_max / r.setting) : Cell(),
+                                  r.errors["attitude"].max ? Cell(*r.errors["attitude"].max / r.setting) : Cell(),
                                   r.message});
         }
     }
@@ -228,7 +228,7 @@ Table float32_table(const StabilityFindings& found) {
                 return other.result.setting == run->result.setting;
             });
             if (same == pair->runs.end() || same->result.cut || run->result.cut) continue;
-            const auto &error32 = run->result.errors.attitude_max, &error64 = same->result.errors.attitude_max;
+            const auto &error32 = run->result.errors["attitude"].max, &error64 = same->result.errors["attitude"].max;
             const bool outweighs = error64 && (!error32 || *error32 > 2 * *error64);
             if (!outweighs) break;
             below = run->result.setting;
@@ -277,7 +277,7 @@ Table damping_table(const Plan& plan, const StabilityFindings& found) {
         for (const StabilityFinding& f : found.findings) {
             if (f.method != curve.method || f.kind != curve.kind || f.scene->label != name || !was_run(f)) continue;
             const StabilityRun* best = nullptr;
-            const auto error = [](const StabilityRun* run) { return run->result.errors.attitude_max.value_or(4); };
+            const auto error = [](const StabilityRun* run) { return run->result.errors["attitude"].max.value_or(4); };
             for (const StabilityRun& run : f.runs) {
                 const bool reaches = error(&run) <= wanted;
                 const bool before = best && error(best) <= wanted;
@@ -291,7 +291,7 @@ Table damping_table(const Plan& plan, const StabilityFindings& found) {
             table.rows.push_back(
                 {std::string(curve.method->name), std::string(error(best) <= wanted ? "yes" : "no"), r.setting,
                  r.rhs_evaluations ? Cell(static_cast<double>(*r.rhs_evaluations) / f.scene->duration) : Cell(),
-                 cell_of(r.errors.attitude_max), std::string(name_of(r.status))});
+                 cell_of(r.errors["attitude"].max), std::string(name_of(r.status))});
         }
     }
     return table;

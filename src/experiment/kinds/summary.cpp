@@ -52,8 +52,8 @@ Table summary_table(const Plan& plan, const std::vector<Result>& results) {
                     continue;
                 }
                 ++ok;
-                note(attitude, row.errors.attitude_max), note(momentum, row.errors.momentum_max);
-                note(energy, row.errors.energy_max), note(norm, row.errors.norm_max);
+                note(attitude, row.errors["attitude"].max), note(momentum, row.errors["momentum"].max);
+                note(energy, row.errors["energy"].max), note(norm, row.errors["norm"].max);
                 if (const auto scene = rk4.find(row.scene); scene != rk4.end() && has_step_time(row))
                     ratios.push_back(step_time(row) / scene->second);
             }

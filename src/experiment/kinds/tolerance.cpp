@@ -13,8 +13,8 @@ namespace {
 // log10(R / error); empty for a run that did not do what it was asked
 std::optional<double> digits(const std::vector<const Result*>& rows, double tolerance) {
     for (const Result* row : rows)
-        if (row->setting == tolerance && row->status == Status::ok && row->errors.attitude_max.value_or(0) > 0)
-            return std::log10(tolerance / *row->errors.attitude_max);
+        if (row->setting == tolerance && row->status == Status::ok && row->errors["attitude"].max.value_or(0) > 0)
+            return std::log10(tolerance / *row->errors["attitude"].max);
     return {};
 }
 

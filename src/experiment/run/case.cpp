@@ -103,10 +103,10 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (result.status == Status::ok && !reference.available)
         result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);
     if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
-        result.errors.attitude_final.value_or(0) > 1) {
+        result.errors["attitude"].final.value_or(0) > 1) {
         result.status = Status::tolerance_not_met;
         result.message =
-            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors.attitude_final,
+            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors["attitude"].final,
                         kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "not known");
     }
     if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {

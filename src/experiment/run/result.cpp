@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <limits>
+#include <functional>
 #include <stdexcept>
+#include <type_traits>
 
 namespace polhode {
 namespace {
-
-std::string text(const Table& table, std::size_t row, const char* column) {
-    return text_of(table.rows[row][column_index(table, column)]);
-}
 
 bool has_column(const Table& table, const std::string& column) {
     return std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end();
@@ -52,153 +48,219 @@ Formulation formulation_named(const std::string& name) {
 }
 
 std::optional<double> error_over_tolerance(const Result& r) {
-    if (r.setting_kind != SettingKind::tolerance || !(r.setting > 0) || !r.errors.attitude_max) return {};
-    return *r.errors.attitude_max / r.setting;
+    const std::optional<double>& attitude = r.errors["attitude"].max;
+    if (r.setting_kind != SettingKind::tolerance || !(r.setting > 0) || !attitude) return {};
+    return *attitude / r.setting;
 }
 
-const std::vector<std::string> series_columns{
-    "t", "attitude_error", "omega_error", "energy_error", "momentum_error", "norm_error", "float64_floor"};
+// the measures of the contract's columns, in their order; those of further measures stand at the end of a table
+const char* const contract_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
-}  // namespace
-
-std::vector<std::string> result_columns() {
-    return {"experiment",
-            "scene",
-            "method",
-            "setting_kind",
-            "setting",
-            "status",
-            "seconds_min",
-            "seconds_median",
-            "repeats",
-            "steps",
-            "rhs_evaluations",
-            "attitude_error_final",
-            "attitude_error_max",
-            "omega_error_max",
-            "energy_error_max",
-            "momentum_error_max",
-            "norm_error_max",
-            "message",
-            "step_taken",
-            "cut",
-            "formulation",
-            "evaluations_per_revolution",
-            "revolutions",
-            "float64_floor",
-            "float32_floor",
-            "float64_floor_final",
-            "float32_floor_final",
-            "rejected_steps",
-            "newton_failures",
-            "order_reductions",
-            "error_over_tolerance"};
+std::vector<std::size_t> contracted() {
+    std::vector<std::size_t> result;
+    for (const char* name : contract_measures) result.push_back(measure_index(name));
+    return result;
+}
+std::vector<std::size_t> beyond_contract() {
+    std::vector<std::size_t> result;
+    const std::vector<std::size_t> before = contracted();
+    for (std::size_t m = 0; m < measures().size(); ++m)
+        if (measures()[m].tabled && std::ranges::find(before, m) == before.end()) result.push_back(m);
+    return result;
 }
 
-std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
-    return {experiment,
-            r.scene,
-            r.method,
-            std::string(name_of(r.setting_kind)),
-            r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting),
-            std::string(name_of(r.status)),
-            cell_of(r.seconds_min),
-            cell_of(r.seconds_median),
-            r.repeats,
-            cell_of(r.steps),
-            cell_of(r.rhs_evaluations),
-            cell_of(r.errors.attitude_final),
-            cell_of(r.errors.attitude_max),
-            cell_of(r.errors.omega_max),
-            cell_of(r.errors.energy_max),
-            cell_of(r.errors.momentum_max),
-            cell_of(r.errors.norm_max),
-            r.message,
-            cell_of(r.step_taken),
-            std::string(r.cut ? "cut" : ""),
-            std::string(name_of(r.formulation)),
-            cell_of(r.evaluations_per_revolution),
-            cell_of(r.revolutions),
-            cell_of(r.floors.float64),
-            cell_of(r.floors.float32),
-            cell_of(r.floors.float64_final),
-            cell_of(r.floors.float32_final),
-            cell_of(r.counts.rejected_steps),
-            cell_of(r.counts.newton_failures),
-            cell_of(r.counts.order_reductions),
-            cell_of(error_over_tolerance(r))};
-}
-
-Result result_of(const Table& table, std::size_t row) {
-    const auto at = [&](const char* column) { return text(table, row, column); };
-    Result r;
-    r.scene = at("scene");
-    r.method = at("method");
-    r.setting_kind = setting_kind_named(at("setting_kind"));
-    r.setting = number(at("setting")).value_or(0);
-    r.status = status_named(at("status"));
-    r.seconds_min = number(at("seconds_min"));
-    r.seconds_median = number(at("seconds_median"));
-    r.repeats = count(at("repeats")).value_or(0);
-    r.steps = count(at("steps"));
-    r.rhs_evaluations = count(at("rhs_evaluations"));
-    r.errors.attitude_final = number(at("attitude_error_final"));
-    r.errors.attitude_max = number(at("attitude_error_max"));
-    r.errors.omega_max = number(at("omega_error_max"));
-    r.errors.energy_max = number(at("energy_error_max"));
-    r.errors.momentum_max = number(at("momentum_error_max"));
-    r.errors.norm_max = number(at("norm_error_max"));
-    r.message = at("message");
-    r.step_taken = number(at("step_taken"));
-    r.cut = at("cut") == "cut";
-    r.formulation = formulation_named(at("formulation"));
-    r.evaluations_per_revolution = number(at("evaluations_per_revolution"));
-    r.revolutions = number(at("revolutions"));
-    if (has_column(table, "float64_floor"))
-        r.floors = {number(at("float64_floor")), number(at("float32_floor")), number(at("float64_floor_final")),
-                    number(at("float32_floor_final"))};
-    if (has_column(table, "rejected_steps"))
-        r.counts = {count(at("rejected_steps")), count(at("newton_failures")), count(at("order_reductions"))};
-    return r;
-}
-
-Table series_table(const ErrorSeries& s) {
-    Table table{series_columns, {}};
-    for (std::size_t k = 0; k < s.t.size(); ++k) {
-        const auto at = [&](const std::vector<double>& v) { return k < v.size() ? Cell(v[k]) : Cell(); };
-        table.rows.push_back(
-            {s.t[k], at(s.attitude), at(s.omega), at(s.energy), at(s.momentum), at(s.norm), at(s.float64_floor)});
+std::vector<ErrorColumn> columns_of(const std::vector<std::size_t>& these) {
+    std::vector<ErrorColumn> columns;
+    for (const std::size_t m : these) {
+        const std::string name(measures()[m].name);
+        if (measures()[m].tabled_at_end) columns.push_back({name + "_error_final", m, true});
+        columns.push_back({name + "_error_max", m, false});
     }
-    return table;
+    return columns;
 }
 
-ErrorSeries series_of(const Table& table) {
-    ErrorSeries s;
-    std::vector<double>* const blocks[] = {&s.t,        &s.attitude, &s.omega,        &s.energy,
-                                           &s.momentum, &s.norm,     &s.float64_floor};
-    for (std::size_t k = 0; k < table.rows.size(); ++k)
-        for (std::size_t c = 0; c < series_columns.size(); ++c) {
-            if (c == series_columns.size() - 1 && !has_column(table, series_columns[c])) break;
-            const auto value = number(text(table, k, series_columns[c].c_str()));
-            if (!value && c == 0) throw std::invalid_argument("a sample without its time");
-            if (value && blocks[c]->size() < k) throw std::invalid_argument("an error behind a gap");
-            if (value) blocks[c]->push_back(*value);
+Cell cell(const std::optional<double>& value) { return cell_of(value); }
+Cell cell(const std::optional<long>& value) { return cell_of(value); }
+Cell cell(long value) { return value; }
+Cell cell(const std::string& value) { return value; }
+template <class Enumeration>
+requires std::is_enum_v<Enumeration> Cell cell(Enumeration value) { return std::string(name_of(value)); }
+
+void read(const std::string& text, std::optional<double>& value) { value = number(text); }
+void read(const std::string& text, std::optional<long>& value) { value = count(text); }
+void read(const std::string& text, long& value) { value = count(text).value_or(0); }
+void read(const std::string& text, std::string& value) { value = text; }
+void read(const std::string& text, Status& value) { value = status_named(text); }
+void read(const std::string& text, SettingKind& value) { value = setting_kind_named(text); }
+void read(const std::string& text, Formulation& value) { value = formulation_named(text); }
+
+struct Column {
+    std::string name;
+    std::function<Cell(const Result&)> cell;
+    std::function<void(const std::string&, Result&)> read;  // nothing where it follows from others
+    bool later = false;                                     // a table from before it was there is read all the same
+};
+
+// a column of one member: a pointer to it, or a function that finds it
+template <class At>
+Column column(std::string name, At at, bool later = false) {
+    return {std::move(name), [at](const Result& r) { return cell(std::invoke(at, r)); },
+            [at](const std::string& text, Result& r) { read(text, std::invoke(at, r)); }, later};
+}
+
+// but for the experiment's name, which stands first
+const std::vector<Column>& columns() {
+    const auto of_errors = [](std::vector<Column>& all, const std::vector<std::size_t>& these, bool later) {
+        for (const ErrorColumn& c : columns_of(these))
+            all.push_back(column(
+                c.name,
+                [c](auto& r) -> auto& { return c.at_end ? r.errors[c.measure].final : r.errors[c.measure].max; },
+                later));
+    };
+    static const std::vector<Column> every = [&] {
+        std::vector<Column> all{
+            column("scene", &Result::scene),
+            column("method", &Result::method),
+            column("setting_kind", &Result::setting_kind),
+            {"setting", [](const Result& r) { return r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting); },
+             [](const std::string& text, Result& r) { r.setting = number(text).value_or(0); }},
+            column("status", &Result::status),
+            column("seconds_min", &Result::seconds_min),
+            column("seconds_median", &Result::seconds_median),
+            column("repeats", &Result::repeats),
+            column("steps", &Result::steps),
+            column("rhs_evaluations", &Result::rhs_evaluations)};
+        of_errors(all, contracted(), false);
+        all.insert(
+            all.end(),
+            {column("message", &Result::message),
+             column("step_taken", &Result::step_taken),
+             {"cut", [](const Result& r) { return Cell(std::string(r.cut ? "cut" : "")); },
+              [](const std::string& text, Result& r) { r.cut = text == "cut"; }},
+             column("formulation", &Result::formulation),
+             column("evaluations_per_revolution", &Result::evaluations_per_revolution),
+             column("revolutions", &Result::revolutions),
+             column(
+                 "float64_floor", [](auto& r) -> auto& { return r.floors.float64; }, true),
+             column(
+                 "float32_floor", [](auto& r) -> auto& { return r.floors.float32; }, true),
+             column(
+                 "float64_floor_final", [](auto& r) -> auto& { return r.floors.float64_final; }, true),
+             column(
+                 "float32_floor_final", [](auto& r) -> auto& { return r.floors.float32_final; }, true),
+             column(
+                 "rejected_steps", [](auto& r) -> auto& { return r.counts.rejected_steps; }, true),
+             column(
+                 "newton_failures", [](auto& r) -> auto& { return r.counts.newton_failures; }, true),
+             column(
+                 "order_reductions", [](auto& r) -> auto& { return r.counts.order_reductions; }, true),
+             {"error_over_tolerance", [](const Result& r) { return cell_of(error_over_tolerance(r)); }, {}, true}});
+        of_errors(all, beyond_contract(), true);
+        return all;
+    }();
+    return every;
+}
+
+struct SeriesColumn {
+    std::string name;
+    std::function<std::vector<double>&(ErrorSeries&)> values;
+    bool later = false;
+};
+
+std::vector<SeriesColumn> series_columns() {
+    std::vector<SeriesColumn> all{{"t", [](ErrorSeries & s) -> auto& {return s.t;
+}
+}
+};
+const auto add =
+               [&](const std::vector<std::size_t>&these, bool later) {
+                   for (const std::size_t m : these)
+            all.push_back({std::string(measures()[m].name) + "_error",
+                           [m](ErrorSeries& s) -> auto& { return s[m];
+               },
+           later
+});
+}
+;
+add(contracted(), false);
+    all.push_back({"float64_floor", [](ErrorSeries& s) -> auto& { return s.float64_floor;
+    }
+    , true
+    });
+    add(beyond_contract(), true);
+    return all;
+    }
+
+    }  // namespace
+
+    std::vector<ErrorColumn> error_columns() {
+        std::vector<ErrorColumn> all = columns_of(contracted()), others = columns_of(beyond_contract());
+        all.insert(all.end(), others.begin(), others.end());
+        return all;
+    }
+
+    std::vector<std::string> result_columns() {
+        std::vector<std::string> names{"experiment"};
+        for (const Column& c : columns()) names.push_back(c.name);
+        return names;
+    }
+
+    std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
+        std::vector<Cell> row{experiment};
+        for (const Column& c : columns()) row.push_back(c.cell(r));
+        return row;
+    }
+
+    Result result_of(const Table& table, std::size_t row) {
+        Result r;
+        for (const Column& c : columns())
+            if (c.read && (!c.later || has_column(table, c.name)))
+                c.read(text_of(table.rows[row][column_index(table, c.name)]), r);
+        return r;
+    }
+
+    Table series_table(const ErrorSeries& series) {
+        Table table;
+        ErrorSeries s = series;
+        for (const SeriesColumn& column : series_columns()) {
+            table.columns.push_back(column.name);
+            const std::vector<double>& values = column.values(s);
+            table.rows.resize(s.t.size());
+            for (std::size_t k = 0; k < s.t.size(); ++k)
+                table.rows[k].push_back(k < values.size() ? Cell(values[k]) : Cell());
         }
-    return s;
-}
+        return table;
+    }
 
-Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
-    Table table{{"scene", "method", "setting"}, {}};
-    table.columns.insert(table.columns.end(), series_columns.begin(), series_columns.end());
-    table.columns.push_back("experiment");
-    for (const Result& r : results)
-        for (const std::vector<Cell>& line : series_table(r.series).rows) {
-            std::vector<Cell> row{r.scene, r.method, r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
-            row.insert(row.end(), line.begin(), line.end());
-            row.push_back(experiment);
-            table.rows.push_back(std::move(row));
+    ErrorSeries series_of(const Table& table) {
+        ErrorSeries s;
+        for (const SeriesColumn& column : series_columns()) {
+            if (column.later && !has_column(table, column.name)) continue;
+            const std::size_t index = column_index(table, column.name);
+            std::vector<double>& values = column.values(s);
+            for (std::size_t k = 0; k < table.rows.size(); ++k) {
+                const auto value = number(text_of(table.rows[k][index]));
+                if (!value && &values == &s.t) throw std::invalid_argument("a sample without its time");
+                if (value && values.size() < k) throw std::invalid_argument("an error behind a gap");
+                if (value) values.push_back(*value);
+            }
         }
-    return table;
-}
+        return s;
+    }
 
-}  // namespace polhode
+    Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
+        Table table{{"scene", "method", "setting"}, {}};
+        for (const SeriesColumn& column : series_columns()) table.columns.push_back(column.name);
+        table.columns.emplace_back("experiment");
+        for (const Result& r : results)
+            for (const std::vector<Cell>& line : series_table(r.series).rows) {
+                std::vector<Cell> row{r.scene, r.method,
+                                      r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
+                row.insert(row.end(), line.begin(), line.end());
+                row.push_back(experiment);
+                table.rows.push_back(std::move(row));
+            }
+        return table;
+    }
+
+    }  // namespace polhode

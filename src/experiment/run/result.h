@@ -39,17 +39,28 @@ struct Result {
     ErrorSeries series;                                ///< only of a `drift` or `conservation` experiment
 };
 
+/// A column of the result table that tells an error.
+struct ErrorColumn {
+    std::string name;         ///< "attitude_error_max", ..
+    std::size_t measure = 0;  ///< of measures()
+    bool at_end = false;      ///< of its error at the end of the run; else of the largest over the samples
+};
+/// The tabled measures' columns: those of the contract in its order, then the others.
+std::vector<ErrorColumn> error_columns();
+
 /// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
 /// float32_floor, float64_floor_final and float32_floor_final, then rejected_steps, newton_failures, order_reductions,
-/// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance.
+/// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance; then those of
+/// tabled measures beyond the contract's.
 std::vector<std::string> result_columns();
 std::vector<Cell> row_of(const std::string& experiment, const Result& result);
 
-/// The result that row_of() wrote, or one written before there were floors, or counts. Throws std::invalid_argument
-/// where a cell cannot be read.
+/// The result that row_of() wrote, or one written before there was a column behind `revolutions`. Throws
+/// std::invalid_argument where a cell cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
-/// drift.csv: scene, method, setting, t, the five errors and float64_floor, then the experiment.
+/// drift.csv: scene, method, setting, t, the contract's errors, float64_floor and the other tabled errors, then the
+/// experiment.
 Table drift_table(const std::string& experiment, const std::vector<Result>& results);
 
 /// The series of one case, without its scene, method and setting; and back.

@@ -60,7 +60,7 @@ TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
         EXPECT_EQ(f.beyond->outcome, Outcome::diverged);
         EXPECT_FALSE(f.beyond->result.message.empty());
         ASSERT_TRUE(f.accurate);
-        EXPECT_LE(*f.accurate->result.errors.attitude_max, accurate_attitude);
+        EXPECT_LE(*f.accurate->result.errors["attitude"].max, accurate_attitude);
     }
     // A-stable: stable at the longest step there is
     const StabilityFinding& midpoint = finding(found, "implicit_midpoint", SettingKind::step);
@@ -83,7 +83,7 @@ TEST_F(StabilityStudy, NoRowHidesWhatIsWrong) {
         for (const StabilityRun& run : f.runs) {
             ++outcomes[run.outcome];
             if (run.result.status == Status::ok) {
-                EXPECT_LE(run.result.errors.attitude_max.value_or(0), 1) << f.method->name;
+                EXPECT_LE(run.result.errors["attitude"].max.value_or(0), 1) << f.method->name;
             } else if (run.result.status != Status::unsupported) {
                 EXPECT_FALSE(run.result.message.empty()) << f.method->name;
             }

@@ -72,14 +72,14 @@ TEST_F(Sweep, HasARowForEveryCase) {
         EXPECT_LE(*r.seconds_min, *r.seconds_median);
         EXPECT_EQ(r.repeats, 3);
         EXPECT_GT(*r.rhs_evaluations, *r.steps);
-        EXPECT_LT(*r.errors.attitude_max, 0.1);
-        EXPECT_GE(*r.errors.attitude_max, *r.errors.attitude_final);
+        EXPECT_LT(*r.errors["attitude"].max, 0.1);
+        EXPECT_GE(*r.errors["attitude"].max, *r.errors["attitude"].final);
         EXPECT_EQ(r.step_taken.has_value(), r.setting_kind == SettingKind::step);
         EXPECT_GT(*r.floors.float64, 0x1p-53);
     }
     // a finer setting is more accurate
     for (std::size_t i = 0; i + 1 < results.size(); i += 2)
-        EXPECT_GT(*results[i].errors.attitude_max, *results[i + 1].errors.attitude_max);
+        EXPECT_GT(*results[i].errors["attitude"].max, *results[i + 1].errors["attitude"].max);
 }
 
 TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
@@ -134,7 +134,7 @@ TEST_F(Sweep, ALimitOnEvaluationsCutsByCountAlone) {
     EXPECT_EQ(results[2].rhs_evaluations, 120);
     EXPECT_EQ(results[3].status, Status::failed);
     EXPECT_TRUE(results[3].cut);
-    EXPECT_FALSE(results[3].errors.attitude_max || results[3].seconds_min);
+    EXPECT_FALSE(results[3].errors["attitude"].max || results[3].seconds_min);
     EXPECT_NE(results[3].message.find("130"), std::string::npos) << results[3].message;
 }
 
@@ -195,7 +195,7 @@ TEST_F(Sweep, AnInducedFailureIsARowAndCutsItsCurveOnly) {
             ++failed;
             EXPECT_FALSE(r.message.empty());
             EXPECT_TRUE(r.cut);
-            EXPECT_FALSE(r.errors.attitude_max || r.seconds_min);
+            EXPECT_FALSE(r.errors["attitude"].max || r.seconds_min);
         } else {
             ++fine;
             EXPECT_EQ(r.status, Status::ok);
@@ -359,7 +359,7 @@ TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
 TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
     Result r;
     r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 0.25;
-    r.counts = {12, 3, std::nullopt}, r.errors.attitude_max = 1.25;
+    r.counts = {12, 3, std::nullopt}, r.errors["attitude"].max = 1.25;
     Table row{result_columns(), {row_of("e", r)}};
     EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "5");
     const Result back = result_of(parse_csv(csv(row)), 0);
@@ -377,7 +377,7 @@ TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
 
 TEST(Result, RowsFromBeforeTheFloorsReadBack) {
     Result r;
-    r.scene = "s", r.method = "m", r.floors.float64 = 1e-13, r.series.t = {0, 1}, r.series.attitude = {0, 0.5};
+    r.scene = "s", r.method = "m", r.floors.float64 = 1e-13, r.series.t = {0, 1}, r.series["attitude"] = {0, 0.5};
     r.series.float64_floor = {1e-16, 2e-16};
     Table row{result_columns(), {row_of("e", r)}}, series = series_table(r.series);
     EXPECT_EQ(result_of(row, 0).floors.float64, 1e-13);
@@ -389,19 +389,19 @@ TEST(Result, RowsFromBeforeTheFloorsReadBack) {
     series.columns.pop_back();
     for (auto& line : series.rows) line.pop_back();
     EXPECT_TRUE(series_of(series).float64_floor.empty());
-    EXPECT_EQ(series_of(series).attitude, r.series.attitude);
+    EXPECT_EQ(series_of(series)["attitude"], r.series["attitude"]);
 }
 
 TEST(Result, RowsReadBack) {
     Result r;
     r.scene = "a,\"b\"", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 1e-7;
     r.status = Status::tolerance_not_met, r.message = "ends, badly\nindeed";
-    r.seconds_min = 0.1, r.steps = 12, r.errors.attitude_max = 1.0 / 3, r.cut = true, r.repeats = 4;
+    r.seconds_min = 0.1, r.steps = 12, r.errors["attitude"].max = 1.0 / 3, r.cut = true, r.repeats = 4;
     const Result back = result_of(parse_csv(csv({result_columns(), {row_of("e", r)}})), 0);
     EXPECT_EQ(csv({result_columns(), {row_of("e", back)}}), csv({result_columns(), {row_of("e", r)}}));
     EXPECT_EQ(back.scene, r.scene);
     EXPECT_EQ(back.message, r.message);
-    EXPECT_EQ(*back.errors.attitude_max, 1.0 / 3);
+    EXPECT_EQ(*back.errors["attitude"].max, 1.0 / 3);
 }
 
 }  // namespace

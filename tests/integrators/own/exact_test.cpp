@@ -35,7 +35,7 @@ double in_units_of_rounding(const Scene& scene, double* kappa = nullptr, long sa
     EXPECT_TRUE(condition.available) << condition.message;
     const double peak = std::max(1.0, condition.state_peak().value);
     if (kappa != nullptr) *kappa = peak;
-    return found.attitude_max.value() / (peak * float64_roundoff);
+    return found["attitude"].max.value() / (peak * float64_roundoff);
 }
 
 Scene free_scene(const Vector3<double>& moments, const Vector3<double>& w, double duration) {

@@ -30,7 +30,7 @@ double attitude_error(const Scene& scene, double tolerance, long samples = 50) {
     EXPECT_EQ(run.status, Status::ok) << run.message;
     const Reference truth = reference(scene, samples);
     EXPECT_TRUE(truth.available) << truth.message;
-    return errors(error_series(scene, run, truth), run, truth).attitude_max.value_or(HUGE_VAL);
+    return errors(error_series(scene, run, truth), run, truth)["attitude"].max.value_or(HUGE_VAL);
 }
 
 TEST(Taylor, KeepsItsToleranceUnderEveryLoad) {

@@ -1,0 +1,111 @@
+#include "measure/measures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace polhode {
+namespace {
+
+template <class S>
+S length(const Vector3<S>& v) {
+    return square_root(dot(v, v));
+}
+template <class S>
+S magnitude(const S& x) {
+    return x < 0 ? -x : x;
+}
+
+// the angle from the two parts of a quaternion of any length: it scales out
+template <class S>
+S angle_of(const Quaternion<S>& r) {
+    return S(2 * std::atan2(double(length(vector_part(r))), double(magnitude(r.w))));
+}
+
+template <class S>
+S norm_error(const ComparedSample<S>& c) {
+    if (c.orthogonality_defect) return S(*c.orthogonality_defect);
+    // |q| - 1 = (|q|^2 - 1) / (|q| + 1), with nothing cancelled in binary64
+    const S square = squared_norm(c.q);
+    return magnitude(S(square - S(1))) / (square_root(square) + S(1));
+}
+
+const std::vector<Measure>& table() {
+    static const std::vector<Measure> all{
+        {.name = "attitude",
+         .title = "attitude",
+         .unit = "rad",
+         .meaning = "Angle between the attitude and the truth",
+         .needs = known_truth,
+         .tabled = true,
+         .tabled_at_end = true,
+         .over_time = true,
+         .error = [](const auto& c) { return angle_of(conjugate(c.truth.q) * c.q); }},
+        {.name = "omega",
+         .title = "angular velocity",
+         .unit = "relative",
+         .meaning = "|w_B - w_B,truth| over the run's largest |w|",
+         .needs = known_truth | known_angular_velocity,
+         .tabled = true,
+         .error = [](const auto& c) { return length(c.angular_velocity_B - c.truth.angular_velocity_B); },
+         .scale = [](const auto& truth) { return length(truth.angular_velocity_B); }},
+        {.name = "momentum",
+         .title = "angular momentum",
+         .unit = "relative",
+         .meaning = "|L_W - L_W,truth| as a vector, over the run's largest |L|",
+         .needs = known_truth | known_angular_velocity,
+         .tabled = true,
+         .over_time = true,
+         .error = [](const auto& c) { return length(c.angular_momentum_W - c.truth.angular_momentum_W); },
+         .scale = [](const auto& truth) { return length(truth.angular_momentum_W); }},
+        {.name = "energy",
+         .title = "energy",
+         .unit = "relative",
+         .meaning = "|E - E_truth| over the run's largest of |E| and the kinetic energy",
+         .needs = known_truth | known_angular_velocity | known_center,
+         .tabled = true,
+         .over_time = true,
+         .error = [](const auto& c) { return magnitude(decltype(c.energy)(c.energy - c.truth.energy)); },
+         .scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
+        {.name = "position",
+         .title = "position",
+         .unit = "m",
+         .meaning = "Distance of the centre of mass from the truth",
+         .needs = known_truth | known_position,
+         .error = [](const auto& c) { return length(c.position_W - c.truth.position_W); }},
+        {.name = "velocity",
+         .title = "velocity",
+         .unit = "m/s",
+         .meaning = "|v - v_truth| of the centre of mass",
+         .needs = known_truth | known_velocity,
+         .error = [](const auto& c) { return length(c.velocity_W - c.truth.velocity_W); }},
+        {.name = "norm",
+         .title = "norm of q",
+         .unit = "",
+         .meaning = "| |q| - 1 |; of a matrix method the Frobenius norm of A^T A - 1",
+         .tabled = true,
+         .over_time = true,
+         .error = [](const auto& c) { return norm_error(c); }},
+    };
+    return all;
+}
+
+}  // namespace
+
+std::span<const Measure> measures() { return table(); }
+
+std::size_t measure_index(std::string_view name) {
+    const auto found = std::ranges::find(table(), name, &Measure::name);
+    if (found == table().end()) throw std::invalid_argument(fmt::format("there is no measure \"{}\"", name));
+    return static_cast<std::size_t>(found - table().begin());
+}
+
+double attitude_error(const Quaternion<double>& q, const Quaternion<Pair>& reference) {
+    const auto wide = [](const Pair& pair) { return Wide(pair.high) + Wide(pair.low); };
+    const Quaternion<Wide> truth{wide(reference.w), wide(reference.x), wide(reference.y), wide(reference.z)};
+    return double(angle_of(conjugate(truth) * cast<Wide>(q)));
+}
+
+}  // namespace polhode

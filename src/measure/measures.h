@@ -1,0 +1,126 @@
+// What is measured of a trajectory: each measure is one row of data, and one function of a sample beside the truth.
+//
+// Tables of results, series over time, the list of metrics and the reports on files take their columns from here, so
+// that a new measure is one entry in measures.cpp.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "body/elementary.h"
+#include "motion/exact_body.h"
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// The truth at one time. S is double, which drops the low parts of the truth, or Wide.
+template <class S>
+struct TrueState {
+    Quaternion<S> q;
+    Vector3<S> angular_velocity_B, position_W, velocity_W, angular_momentum_W;
+    S kinetic = S(0), energy = S(0);  ///< J
+};
+
+/// A sample beside the truth at its time, with the energy (J) and the angular momentum (kg m^2/s, world axes) that
+/// follow from the sample's own numbers.
+template <class S>
+struct ComparedSample {
+    Quaternion<S> q;  ///< as the method left it, of any length but zero
+    Vector3<S> angular_velocity_B, position_W, velocity_W;
+    std::optional<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1
+    Vector3<S> angular_momentum_W;
+    S energy = S(0);
+    TrueState<S> truth;
+};
+
+/// One formula in binary64 and in 128 bits.
+template <template <class> class Argument>
+struct MeasureFormula {
+    double (*binary64)(const Argument<double>&) = nullptr;
+    Wide (*binary128)(const Argument<Wide>&) = nullptr;
+
+    MeasureFormula() = default;
+    template <class F>
+    MeasureFormula(F formula) : binary64(formula), binary128(formula) {}
+
+    double operator()(const Argument<double>& argument) const { return binary64(argument); }
+    Wide operator()(const Argument<Wide>& argument) const { return binary128(argument); }
+    explicit operator bool() const { return binary64 != nullptr; }
+};
+
+/// What has to be known of a motion for a measure of it; joined by |.
+enum Known : unsigned {
+    known_truth = 1,
+    known_angular_velocity = 2,
+    known_position = 4,
+    known_velocity = 8,
+    known_center = 16,  ///< position and velocity of the centre of mass, if only by the attitude about a pivot
+};
+
+struct Measure {
+    std::string_view name;       ///< "attitude": columns are attitude_error, attitude_error_max, ..
+    std::string_view title;      ///< for people
+    std::string_view unit;       ///< "rad", "m", "relative"; empty where the title says it
+    std::string_view meaning;    ///< one line
+    unsigned needs = 0;          ///< Known, joined
+    bool tabled = false;         ///< has columns in the tables of results and series; without, only `check` tells it
+    bool tabled_at_end = false;  ///< and one of its value at the end of the run
+    bool over_time = false;      ///< `check` tells its growth
+    MeasureFormula<ComparedSample> error;
+    /// What the error is relative to: the largest of this over the run. Absolute where there is none.
+    MeasureFormula<TrueState> scale = {};
+};
+
+/// All measures, in the order of reports.
+std::span<const Measure> measures();
+/// The index of a measure by its name. Throws std::invalid_argument where there is none.
+std::size_t measure_index(std::string_view name);
+
+/// A value for each measure, by its name or its index in measures().
+template <class T>
+class PerMeasure {
+  public:
+    T& operator[](std::size_t measure) { return values_[measure]; }
+    const T& operator[](std::size_t measure) const { return values_[measure]; }
+    T& operator[](std::string_view measure) { return values_[measure_index(measure)]; }
+    const T& operator[](std::string_view measure) const { return values_[measure_index(measure)]; }
+    std::size_t size() const { return values_.size(); }
+
+  private:
+    std::vector<T> values_ = std::vector<T>(measures().size());
+};
+
+template <class S>
+TrueState<S> true_state(const ExactBody<S>& body, const ReferenceSample& truth) {
+    const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };
+    const auto vector = [&](const Vector3<Pair>& v) { return Vector3<S>{value(v[0]), value(v[1]), value(v[2])}; };
+    TrueState<S> state{{value(truth.q.w), value(truth.q.x), value(truth.q.y), value(truth.q.z)},
+                       vector(truth.angular_velocity_B),
+                       vector(truth.position_W),
+                       vector(truth.velocity_W),
+                       vector(truth.angular_momentum_W),
+                       S(0),
+                       value(truth.energy)};
+    state.kinetic = dot(state.angular_velocity_B, body.inertia_B * state.angular_velocity_B) / S(2);
+    if (!body.pivoted) state.kinetic += body.mass * dot(state.velocity_W, state.velocity_W) / S(2);
+    return state;
+}
+
+/// Sets the energy and the angular momentum of a sample whose other numbers are set. `unit` is its q, normalised; loads
+/// act as the scene has them at time t (s).
+template <class S>
+void set_invariants(ComparedSample<S>& sample, const Scene& scene, const ExactBody<S>& body, double t,
+                    const Quaternion<S>& unit) {
+    const Invariants<S> own =
+        invariants(scene, body, t, unit, sample.angular_velocity_B, sample.position_W, sample.velocity_W);
+    sample.angular_momentum_W = own.angular_momentum_W, sample.energy = own.energy;
+}
+
+/// Rotation angle (rad) between q, of any length, and the truth, without regard to sign.
+double attitude_error(const Quaternion<double>& q, const Quaternion<Pair>& reference);
+
+}  // namespace polhode

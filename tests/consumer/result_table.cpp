@@ -24,8 +24,8 @@ constexpr const char* scene_text = R"({
 })";
 
 std::vector<Cell> row(const Method& method, const Trajectory& trajectory, const Errors& errors) {
-    return {std::string(method.name),     std::string(name_of(trajectory.status)), cell_of(errors.attitude_max),
-            cell_of(errors.momentum_max), cell_of(errors.energy_max),              trajectory.seconds};
+    return {std::string(method.name),        std::string(name_of(trajectory.status)), cell_of(errors["attitude"].max),
+            cell_of(errors["momentum"].max), cell_of(errors["energy"].max),           trajectory.seconds};
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ void make_a_table() {
         const Trajectory trajectory = solve(scene, *run.method, *run.settings);
         expect_ok(std::string(run.method->name).c_str(), trajectory);
         const Errors off = errors(error_series(scene, trajectory, truth), trajectory, truth);
-        expect_below(("attitude error of " + std::string(run.method->name)).c_str(), off.attitude_max.value_or(4),
+        expect_below(("attitude error of " + std::string(run.method->name)).c_str(), off["attitude"].max.value_or(4),
                      run.limit);
         table.rows.push_back(row(*run.method, trajectory, off));
     }

@@ -62,34 +62,37 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
     SensitivitySession<SystemType> session(problem, by_bdf ? Multistep::bdf : Multistep::adams,
                                            by_bdf ? Iteration::newton : Iteration::functional, tolerance);
     FreeFlight flight;
-    const auto keep = [&](double t, const Segment& segment, const Sensitivity<SystemType>& S) {
-        add(result, problem, segment, t, S, flight);
-        return std::isfinite(result.state.back());
-    };
     const auto fail = [&](std::string message) {
         result.message = std::move(message);
-        return result;
+        return false;
     };
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < problem.segments.size() && k < times.size(); ++i) {
-        const Segment& segment = problem.segments[i];
-        const bool last = i + 1 == problem.segments.size();
-        if (const int flag = session.enter(segment); flag < 0) return fail(session.failure(flag).message);
-        const auto belongs = [&](double t) { return t < segment.end || last; };
-        for (; k < times.size() && times[k] == segment.begin && belongs(times[k]); ++k)
-            keep(times[k], segment, session.sensitivity());
-        while (session.time() < segment.end && k < times.size()) {
+    SampleQueue samples(times);
+    const Segment* entered = nullptr;
+    const auto enter = [&](const Segment& segment) {
+        if (samples.empty()) return false;
+        entered = &segment;
+        const int flag = session.enter(segment);
+        return flag >= 0 || fail(session.failure(flag).message);
+    };
+    const auto show = [&](double t) {
+        const Sensitivity<SystemType> S = t == session.time() ? session.sensitivity() : session.sensitivity_inside(t);
+        add(result, problem, *entered, t, S, flight);
+        return std::isfinite(result.state.back()) || fail(fmt::format("kappa is beyond binary64 at t = {:g} s", t));
+    };
+    const auto go = [&](const Segment& segment) {
+        while (session.time() < segment.end && !samples.empty()) {
             if (++result.steps > max_steps)
                 return fail(fmt::format("more than {} steps: known until t = {:g} s", max_steps, session.time()));
             if (const int flag = session.step(); flag < 0) return fail(session.failure(flag).message);
-            for (; k < times.size() && times[k] <= session.time() && belongs(times[k]); ++k)
-                if (!keep(times[k], segment,
-                          times[k] == session.time() ? session.sensitivity() : session.sensitivity_inside(times[k])))
-                    return fail(fmt::format("kappa is beyond binary64 at t = {:g} s", times[k]));
+            for (; samples.due(segment, session.time()); samples.pop())
+                if (!show(samples.front())) return false;
         }
         flight.pass(segment, segment.end);
-    }
-    result.available = true;
+        return true;
+    };
+    follow(problem.segments, samples, enter, show, go);
+    result.available = samples.empty();
+    if (!result.available) return result;
     result.message =
         fmt::format("CVODES' forward sensitivities, {}, relative tolerance {:g}, {} steps",
                     by_bdf ? "backward differentiation formulas" : "Adams' formulas", tolerance, result.steps);

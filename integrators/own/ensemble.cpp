@@ -10,6 +10,7 @@
 #include "integrators/method.h"
 #include "integrators/own/octets.h"
 #include "motion/exact_body.h"
+#include "motion/itinerary.h"
 #include "motion/translation.h"
 #include "text/decimal.h"
 #include "text/parallel.h"
@@ -63,12 +64,11 @@ Plan plan_of(const Scene& scene) {
     plan.drifts = !scene.pivot;
     for (const Load& load : scene.loads) plan.one_by_one |= std::holds_alternative<UserTorque>(load);
     const ExactBody<double> body = exact_body<double>(scene);
-    const std::vector<double> times = event_times(scene);
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-        const Forcing<double> f = forcing_at(scene, body, times[i], Quaternion<double>{});
-        const auto impulses = impulses_at(scene, body, times[i], Quaternion<double>{});
+    for (const Leg& leg : itinerary(scene)) {
+        const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});
+        const auto impulses = impulses_at(scene, body, leg.begin, Quaternion<double>{});
         plan.one_by_one |= !f.world_points.empty() || f.springs.size() > 1 || translation_couples(f, impulses);
-        plan.pieces.push_back({times[i], times[i + 1], !f.any_torque(), !impulses.empty(), terms_of(f)});
+        plan.pieces.push_back({leg.begin, leg.end, !f.any_torque(), !impulses.empty(), terms_of(f)});
     }
     return plan;
 }

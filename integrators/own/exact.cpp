@@ -61,7 +61,7 @@ bool through_pieces(const Problem& problem, Visit&& visit) {
         enter<FreeRotation<double>>(problem, segment, y);
         const std::optional<Form> form = form_of(problem, segment, y);
         if (!form || !visit(segment, *form)) return false;
-        if (&segment != &problem.segments.back()) advance(*form, segment.end - segment.begin, y);
+        if (!segment.last) advance(*form, segment.end - segment.begin, y);
     }
     return true;
 }
@@ -95,15 +95,10 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     };
     const auto run = [&] {
         trajectory.samples.clear();
-        long next = settings.record ? 0 : settings.samples;
+        SampleQueue samples = settings.record ? SampleQueue(duration, settings.samples) : SampleQueue({&duration, 1});
         return through_pieces(problem, [&](const Segment& segment, const Form& form) {
-            // a sample at an event belongs to the piece that it opens
-            const bool last = &segment == &problem.segments.back();
-            for (; next <= settings.samples; ++next) {
-                const double t = sample_time(duration, next, settings.samples);
-                if (!(t < segment.end || last)) return true;
-                if (!sample(segment, form, t)) return false;
-            }
+            for (; samples.in(segment); samples.pop())
+                if (!sample(segment, form, samples.front())) return false;
             return true;
         });
     };

@@ -386,7 +386,7 @@ class TaylorSession {
     }
     /// An event: impulses, then the loads of this segment.
     int enter(const Segment& of_problem) {
-        const Segment& segment = scaled_->segments[static_cast<std::size_t>(&of_problem - problem_->segments.data())];
+        const Segment& segment = scaled_->segments[of_problem.index];
         settle();
         polhode::enter<SystemType>(*scaled_, segment, y_.data());
         series_.reset();

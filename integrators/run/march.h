@@ -185,14 +185,13 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         return trajectory;
     }
     S stepper(problem, options...);
-    std::size_t next = 0;  // the event to come
+    EventQueue<Segment> events(problem.segments);
     const auto failed = [&] {
         if constexpr (requires { stepper.failed(); }) return stepper.failed();
         return false;
     };
     const auto pass_events = [&](double t) {
-        while (next < problem.segments.size() && problem.segments[next].begin <= t)
-            stepper.enter(problem.segments[next++]);
+        while (events.due(t)) stepper.enter(events.pop());
     };
     // the steps between two samples: step i goes from time(i) to time(i + 1)
     struct Interval {
@@ -207,12 +206,12 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     const auto take_step = [&](const Interval& at, long i) {
         double t = at.time(i);
         const double stop = at.time(i + 1);
-        if (next == problem.segments.size() || problem.segments[next].begin > stop) {
+        if (!events.due(stop)) {
             stepper.step(t, at.h);
             return;
         }
-        while (next < problem.segments.size() && problem.segments[next].begin <= stop) {
-            const double event = problem.segments[next].begin;
+        while (events.due(stop)) {
+            const double event = events.front();
             if (event > t) stepper.step(t, event - t);
             t = event;
             pass_events(event);
@@ -227,14 +226,14 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     struct Nothing {};
     std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
     long copied_at = 0;  // steps before it, in this repetition
-    std::size_t next_of_copy = 0;
+    EventQueue<Segment> events_of_copy = events;
     // in the first `reached` steps of this repetition the motion has diverged: in which? That is the last one counted.
     const auto diverge = [&](long reached, std::string what) {
         trajectory.steps = reached;
         std::string state;
         if (!trajectory.samples.empty()) state = last_state(trajectory.samples.back());
         if constexpr (std::copyable<S>) {
-            stepper = *copy, next = next_of_copy;
+            stepper = *copy, events = events_of_copy;
             for (long n = copied_at; n < reached; ++n) {
                 const Interval at = interval(n / per_sample + 1);
                 const long i = n % per_sample;
@@ -253,7 +252,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     // false when the run ended early
     const auto run = [&](bool recording) {
         stepper.restart();
-        next = 0;
+        events = EventQueue<Segment>(problem.segments);
         pass_events(0);
         if (recording) {
             const Sample start = stepper.sample(0);
@@ -269,7 +268,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
             for (long first = 0; first < per_sample;) {
                 const long done = (k - 1) * per_sample + first, last = std::min(first + longest_stretch, per_sample);
                 if constexpr (std::copyable<S>)
-                    if (done - copied_at >= between_copies) copy = stepper, copied_at = done, next_of_copy = next;
+                    if (done - copied_at >= between_copies) copy = stepper, copied_at = done, events_of_copy = events;
                 long i = first;
                 for (bool going = true; i < last && going; ++i) {
                     if (!budget.take(stepper.rhs_evaluations())) {
@@ -351,7 +350,6 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     constexpr long between_looks = 16;  // steps, at the energy
     Trajectory trajectory;
     const double T = problem.scene.duration, bound = energy_bound(problem);
-    const long N = settings.samples;
     long rejected = 0;
     Budget budget(settings);
     const auto fail = [&](Status status, std::string message) {
@@ -396,23 +394,21 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
         rejected = 0;
         long until_look = between_looks;
         Pace pace(settings, T, budget.steps());
-        long k = 0;
-        for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-            const Segment& segment = problem.segments[i];
+        SampleQueue samples = recording ? SampleQueue(T, settings.samples) : SampleQueue();
+        double t = 0, h = 0;
+        const auto enter = [&](const Segment& segment) {
             stepper.enter(segment);
-            double t = segment.begin, h = segment.end > t ? stepper.first_step(t) : 0;
-            // a sample at the segment's begin shows the motion after its impulses
-            if (recording && sample_time(T, k, N) == t && (i + 1 == problem.segments.size() || segment.end > t)) {
-                if (!record(problem, stepper.sample(t), bound, trajectory)) return false;
-                ++k;
-            }
-            const bool closes = i + 1 < problem.segments.size() && problem.segments[i + 1].begin == segment.end;
+            t = segment.begin, h = segment.end > t ? stepper.first_step(t) : 0;
+            return true;
+        };
+        const auto show = [&](double at) { return record(problem, stepper.sample(at), bound, trajectory); };
+        return follow(problem.segments, samples, enter, show, [&](const Segment& segment) {
             while (t < segment.end) {
                 if (!budget.take(stepper.rhs_evaluations())) {
                     budget.stop(trajectory);
                     return false;
                 }
-                const bool looking = recording && k <= N && sample_time(T, k, N) <= t + h * 1.0000001;
+                const bool looking = samples.front() <= t + h * 1.0000001;
                 std::optional<S> before;
                 if (looking) before = stepper;
                 double from = t, side_step = h;
@@ -424,22 +420,20 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                     if (std::string what = divergence(problem, sample, bound); !what.empty())
                         return fail(Status::diverged, what + last_state(sample));
                 }
-                while (recording && k <= N && sample_time(T, k, N) <= t) {
-                    const double at = sample_time(T, k, N);
+                for (; samples.due(segment, t); samples.pop()) {
+                    const double at = samples.front();
                     if (at == t) {
-                        if (closes && t == segment.end) break;  // the next segment shows it
-                        if (!record(problem, stepper.sample(t), bound, trajectory)) return false;
+                        if (!show(t)) return false;
                     } else {
                         if (!before) return fail(Status::failed, "a sample was passed unseen");
                         while (from < at)
                             if (!advance(*before, from, side_step, at)) return false;
                         if (!record(problem, before->sample(at), bound, trajectory)) return false;
                     }
-                    ++k;
                 }
             }
-        }
-        return true;
+            return true;
+        });
     };
     const Stopwatch stopwatch;
     for (int repetition = 0; repetition < settings.repetitions; ++repetition) {

@@ -44,25 +44,23 @@ class SolverRun {
         const auto failure = session_.failure(flag);
         return fail(failure.status, failure.message);
     }
-    bool keep(const Sample& sample) { return record(problem_, sample, bound_, trajectory_); }
 
     bool run(bool recording, Budget& budget) {
         // steps in a row that do not move t before a run is given up
         constexpr int standstill = 100;
         const double T = problem_.scene.duration;
-        const long N = settings_.samples;
-        long k = 0;
+        SampleQueue samples = recording ? SampleQueue(T, settings_.samples) : SampleQueue();
         session_.restart();
         Pace pace(settings_, T, budget.steps());
-        for (std::size_t i = 0; i < problem_.segments.size(); ++i) {
-            const Segment& segment = problem_.segments[i];
-            const bool last = i + 1 == problem_.segments.size();
-            if (const int flag = session_.enter(segment); flag < 0) return fail(flag);
-            // a sample at an event shows the motion after it
-            if (recording && sample_time(T, k, N) == segment.begin && (last || segment.end > segment.begin)) {
-                if (!keep(session_.sample())) return false;
-                ++k;
-            }
+        const auto enter = [&](const Segment& segment) {
+            const int flag = session_.enter(segment);
+            return flag >= 0 || fail(flag);
+        };
+        const auto show = [&](double at) {
+            const std::optional<Sample> sample = at == session_.time() ? session_.sample() : session_.sample_inside(at);
+            return sample ? record(problem_, *sample, bound_, trajectory_) : fail(session_.inside_flag());
+        };
+        return follow(problem_.segments, samples, enter, show, [&](const Segment& segment) {
             int still = 0;
             while (session_.time() < segment.end) {
                 if (!budget.take(session_.rhs_evaluations())) {
@@ -77,16 +75,11 @@ class SolverRun {
                 if (still == standstill)
                     return fail(Status::tolerance_not_met,
                                 fmt::format("step size below the spacing of numbers at t = {:g} s", t));
-                for (; recording && k <= N && sample_time(T, k, N) <= t; ++k) {
-                    const double at = sample_time(T, k, N);
-                    if (at == t && t == segment.end && !last) break;  // the next segment shows it
-                    const std::optional<Sample> sample = at == t ? session_.sample() : session_.sample_inside(at);
-                    if (!sample) return fail(session_.inside_flag());
-                    if (!keep(*sample)) return false;
-                }
+                for (; samples.due(segment, t); samples.pop())
+                    if (!show(samples.front())) return false;
             }
-        }
-        return true;
+            return true;
+        });
     }
 
     const Problem& problem_;

@@ -24,7 +24,7 @@ struct Piece {
     std::optional<ClosedForm<P>> form;
 
     explicit Piece(const Scene& scene) : body(exact_body<P>(scene)) {
-        if (event_times(scene).size() != 2 || !impulses_at<P>(scene, body, 0, Quaternion<P>{}).empty()) return;
+        if (itinerary(scene).size() != 1 || !impulses_at<P>(scene, body, 0, Quaternion<P>{}).empty()) return;
         if (!is_diagonal(body.inertia_B)) return;
         const Forcing<P> forcing = forcing_at<P>(scene, body, 0, Quaternion<P>{});
         if (!body.pivoted && (forcing.has_body_force || forcing.has_translational_drag)) return;

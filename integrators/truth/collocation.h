@@ -215,22 +215,27 @@ Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, 
     const int n = step.dimension();
     std::vector<P> y(n), at_sample(n);
     std::vector<Block> blocks = step.form().blocks(given, moments);
-    std::size_t next = 0;
+    SampleQueue samples(sample_times);
 
-    through_segments<P>(scene, step.form(), y, [&](double begin, double end, bool last) {
-        step.enter(begin);
-        const auto before_end = [&](double t) { return t < end || (last && t == end); };
-        for (; next < sample_times.size() && sample_times[next] == begin && before_end(begin); ++next)
-            run.motions.push_back(step.form().motion(y.data()));
+    const auto enter = [&](const Leg& leg) {
+        step.form().enter(leg.begin, y.data());
+        step.enter(leg.begin);
+        return true;
+    };
+    const auto show = [&](double) {
+        run.motions.push_back(step.form().motion(y.data()));
+        return true;
+    };
+    step.form().initial(y.data());
+    follow(itinerary(scene), samples, enter, show, [&](const Leg& leg) {
         const auto emit = [&](const P& t, const P& reached, const P& h) {
             on_step(t, h, step);
-            for (; next < sample_times.size() && sample_times[next] <= reached && before_end(sample_times[next]);
-                 ++next) {
-                step.evaluate((P(sample_times[next]) - t) / h, at_sample.data());
+            for (; samples.due(leg, reached); samples.pop()) {
+                step.evaluate((P(samples.front()) - t) / h, at_sample.data());
                 run.motions.push_back(step.form().motion(at_sample.data()));
             }
         };
-        run.fault = collocate(step, begin, end, y, blocks, settings, run.steps, emit);
+        run.fault = collocate(step, leg.begin, leg.end, y, blocks, settings, run.steps, emit);
         return run.fault.empty();
     });
     return run;

@@ -1,5 +1,5 @@
 // Taylor series method over any formulation of polynomial form: order fixed by the digits asked for, step from the
-// last coefficients (Jorba & Zou 2005), samples from the polynomial, pieces between events.
+// last coefficients (Jorba & Zou 2005), samples from the polynomial, legs between events.
 #pragma once
 
 #include <fmt/format.h>
@@ -43,18 +43,6 @@ double log2_size(const Block& block, Component&& component) {
     for (int i = block.first; i < block.first + block.size; ++i)
         largest = std::max(largest, log2_magnitude(component(i)));
     return largest;
-}
-
-/// Runs through the pieces between events: march(begin, end, y) integrates one, in place; emit(y) takes a sample.
-template <class P, class Form, class March>
-void through_segments(const Scene& scene, Form& form, std::vector<P>& y, March&& march) {
-    const std::vector<double> times = event_times(scene);
-    form.initial(y.data());
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-        form.enter(times[i], y.data());
-        const bool last = i + 2 == times.size();
-        if (!march(times[i], times[i + 1], last)) return;
-    }
 }
 
 /// A formulation that knows planes: `geometry()` in its body axes, `placement(y)`, `fastest(a, b, reach)`: a bound on
@@ -131,18 +119,21 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
     const int n = form.dimension();
     std::vector<P> y(n), at_sample(n);
     std::vector<Block> blocks = form.blocks(scales, moments);
-    std::size_t next = 0;  // the first sample still to come
+    SampleQueue samples(sample_times);
 
-    through_segments<P>(scene, form, y, [&](double begin, double end, bool last) {
+    const auto enter = [&](const Leg& leg) {
+        form.enter(leg.begin, y.data());
+        return true;
+    };
+    const auto show = [&](double) {
+        run.motions.push_back(form.motion(y.data()));
+        return true;
+    };
+    form.initial(y.data());
+    follow(itinerary(scene), samples, enter, show, [&](const Leg& leg) {
         Series<P> series(record<P>(form, n), settings.order);
-        // samples at an event belong to the piece that it opens
-        const auto before_end = [&](double t) { return t < end || (last && t == end); };
-        P t(begin);
-        while (next < sample_times.size() && sample_times[next] == begin && before_end(begin)) {
-            run.motions.push_back(form.motion(y.data()));
-            ++next;
-        }
-        while (t < end) {
+        P t(leg.begin);
+        while (t < leg.end) {
             if (run.steps++ >= settings.max_steps) {
                 run.fault = "more steps than are allowed";
                 return false;
@@ -165,7 +156,7 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
                     const double allowed = std::log2(block.scale) - settings.digits * std::log2(10.0);
                     log2_step = std::min(log2_step, (allowed - size) / k);
                 }
-            const P remaining = P(end) - t;
+            const P remaining = P(leg.end) - t;
             const double step = settings.step_factor * std::exp2(log2_step);
             if (std::isnan(step)) {
                 run.fault = "the motion is not finite";
@@ -173,7 +164,7 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
             }
             const bool to_end = remaining <= step;
             P h = to_end ? remaining : P(step);
-            P reached = to_end ? P(end) : t + h;
+            P reached = to_end ? P(leg.end) : t + h;
             bool impact = false;
             if constexpr (MeetsPlanes<Form, P>)
                 if (form.geometry().any())
@@ -185,9 +176,8 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
                 run.fault = "the step vanishes";
                 return false;
             }
-            for (; next < sample_times.size() && sample_times[next] <= reached && before_end(sample_times[next]);
-                 ++next) {
-                series.evaluate(P(sample_times[next]) - t, at_sample.data());
+            for (; samples.due(leg, reached); samples.pop()) {
+                series.evaluate(P(samples.front()) - t, at_sample.data());
                 run.motions.push_back(form.motion(at_sample.data()));
             }
             on_step(t, h, series);

@@ -33,19 +33,24 @@ class Run {
 
     std::vector<Sample> samples_at(const std::vector<double>& times) {
         std::vector<Sample> samples;
-        for (std::size_t k = 0; k < problem_.segments.size() && samples.size() < times.size(); ++k) {
-            const Segment& segment = problem_.segments[k];
-            const bool last = k + 1 == problem_.segments.size();
+        SampleQueue queue(times);
+        const auto begin = [&](const Segment& segment) {
             forcing_ = &segment.forcing;
             enter<FullMotion<double>>(problem_, segment, y_.data());
             limit();
+            return true;
+        };
+        const auto show = [&](double t) {
+            samples.push_back(sample_of<FullMotion<double>>(problem_, t, y_.data()));
+            return true;
+        };
+        const auto go = [&](const Segment& segment) {
             double t = segment.begin;
-            while (samples.size() < times.size() && (last || times[samples.size()] < segment.end)) {
-                if (!march(t, times[samples.size()])) return samples;
-                samples.push_back(sample_of<FullMotion<double>>(problem_, times[samples.size()], y_.data()));
-            }
-            if (!last && samples.size() < times.size() && !march(t, segment.end)) return samples;
-        }
+            for (; queue.in(segment); queue.pop())
+                if (!march(t, queue.front()) || !show(queue.front())) return false;
+            return !queue.empty() && march(t, segment.end);
+        };
+        follow(problem_.segments, queue, begin, show, go);
         return samples;
     }
 

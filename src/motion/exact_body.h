@@ -58,9 +58,6 @@ ExactBody<P> exact_body(const Scene& scene) {
     return b;
 }
 
-/// The times at which the motion is not smooth, with 0 first and the scene's duration last.
-std::vector<double> event_times(const Scene& scene);
-
 /// True for a load (not an impulse) that acts on the segment beginning at `begin`.
 inline bool acts(const Window& window, double begin) { return window.from <= begin && begin < window.until; }
 

@@ -65,11 +65,10 @@ Problem pose(const Scene& scene, Formulation formulation) {
     problem.initial_q = cast<double>(exact.q * q_BP);
     problem.axis = Vector3<double>(0, 0, 1);
 
-    const std::vector<double> times = event_times(scene);
     std::vector<Forcing<Wide>> forcings;
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
+    for (const Leg& leg : itinerary(scene)) {
         Segment segment;
-        segment.begin = times[i], segment.end = times[i + 1];
+        static_cast<Leg&>(segment) = leg;
         forcings.push_back(forcing_at(scene, exact, segment.begin, q_BP));
         segment.forcing = rounded<double>(forcings.back());
         segment.impulses = rounded(impulses_at(scene, exact, segment.begin, q_BP));
@@ -104,7 +103,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
 
 std::size_t segment_at(const Problem& problem, double t) {
     std::size_t i = problem.segments.size() - 1;
-    while (i > 0 && problem.segments[i].begin > t) --i;
+    while (i > 0 && !acts_before_sample(problem.segments[i].begin, t)) --i;
     return i;
 }
 

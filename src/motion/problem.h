@@ -7,6 +7,7 @@
 #include "motion/contact.h"
 #include "motion/equations.h"
 #include "motion/exact_body.h"
+#include "motion/itinerary.h"
 #include "motion/systems.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
@@ -48,9 +49,8 @@ struct Needs {
     std::vector<LeftOut> left_out;
 };
 
-/// The motion between two events.
-struct Segment {
-    double begin = 0, end = 0;                   ///< s
+/// A leg of the run, with what acts on it.
+struct Segment : Leg {
     std::vector<PosedImpulse<double>> impulses;  ///< at `begin`, before the motion goes on
     Forcing<double> forcing;                     ///< in posed axes
     PrincipalAxisRotation<double> about_axis;    ///< where the needs say principal_axis_rotation

@@ -63,10 +63,7 @@ Columns columns_of(const EulerForm<Ball>& form, const std::vector<Ball>& y) {
 class Certifier {
   public:
     Certifier(const Scene& scene, const std::vector<double>& times, int digits)
-        : scene_(scene),
-          times_(times),
-          events_(event_times(scene)),
-          least_bits_(digits * bits_per_digit + spare_bits) {}
+        : scene_(scene), times_(times), legs_(itinerary(scene)), least_bits_(digits * bits_per_digit + spare_bits) {}
 
     double least_bits() const { return least_bits_; }
 
@@ -76,23 +73,25 @@ class Certifier {
         EulerForm<Ball> form(scene_);
         std::vector<Ball> y(form.dimension());
         form.initial(y.data());
-        std::size_t next = 0;  // the first sample still to come
-        for (std::size_t i = 0; i + 1 < events_.size(); ++i) {
-            const double begin = events_[i], end = events_[i + 1];
-            const bool last = i + 2 == events_.size();
-            form.enter(begin, y.data());
-            Piece piece{form, begin, end, {}};
-            // samples at an event belong to the piece that it opens
-            const auto belongs = [&](double t) { return t < end || (last && t == end); };
-            for (; next < times_.size() && times_[next] == begin && belongs(begin); ++next)
-                result.columns.push_back(columns_of(form, y));
-            for (; next < times_.size() && belongs(times_[next]); ++next) piece.sample_times.push_back(times_[next]);
-            Enclosure enclosure = enclosed(piece, i, y, result);
-            if (!result.fault.empty()) return result;
+        SampleQueue samples(times_);
+        const auto enter = [&](const Leg& leg) {
+            form.enter(leg.begin, y.data());
+            return true;
+        };
+        const auto show = [&](double) {
+            result.columns.push_back(columns_of(form, y));
+            return true;
+        };
+        follow(legs_, samples, enter, show, [&](const Leg& leg) {
+            Piece piece{form, leg.begin, leg.end, {}};
+            for (; samples.in(leg); samples.pop()) piece.sample_times.push_back(samples.front());
+            Enclosure enclosure = enclosed(piece, leg.index, y, result);
+            if (!result.fault.empty()) return false;
             result.steps += enclosure.steps;
             for (const std::vector<Ball>& state : enclosure.samples) result.columns.push_back(columns_of(form, state));
             y = std::move(enclosure.end);
-        }
+            return true;
+        });
         return result;
     }
 
@@ -108,7 +107,7 @@ class Certifier {
 
     const Scene& scene_;
     const std::vector<double>& times_;
-    std::vector<double> events_;
+    std::vector<Leg> legs_;
     double least_bits_;
     std::vector<Route> routes_;    // made when first needed
     double sensitivity_bits_ = 0;  // lost by parallelepipeds
@@ -127,7 +126,7 @@ class Certifier {
         form.initial(unused.data());
         double growth = 0, spread = 0;
         for (PiecePlan& plan : truth::plan_pieces(problem)) {
-            form.enter(events_[routes_.size()], unused.data());
+            form.enter(legs_[routes_.size()].begin, unused.data());
             const bool closed = truth::has_closed_form(form.forcing());
             if (!closed) growth += plan.growth_bits, spread = std::max(spread, plan.spread_bits);
             routes_.push_back({std::move(plan), closed, Carry::norm});

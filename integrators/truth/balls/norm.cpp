@@ -114,7 +114,6 @@ double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
 }  // namespace
 
 std::vector<PiecePlan> plan_pieces(const Problem& problem) {
-    const std::vector<double> times = event_times(problem.scene);
     const int n = problem.body.pivoted ? 7 : 13, blocks = n == 7 ? 2 : 4;
     const int first[] = {0, 3, 7, 10, 13};
     const double size[] = {problem.scales.angular_velocity, 1, problem.scales.position, problem.scales.velocity};
@@ -141,8 +140,8 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
 
     Scout scout(problem);
     std::vector<PiecePlan> plans;
-    for (std::size_t piece = 0; piece + 1 < times.size(); ++piece) {
-        const std::vector<Visit> visits = scout.visits(times[piece], times[piece + 1]);
+    for (const Segment& segment : problem.segments) {
+        const std::vector<Visit> visits = scout.visits(segment.begin, segment.end);
         double best[4] = {0, 0, 0, 0}, cost = growth(visits, weights(best)) + spread(best);
         for (const double stride : {8.0, 2.0, 0.5})
             for (bool better = true; better;) {
@@ -164,7 +163,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
             for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
         for (int b = 0; b < blocks; ++b) plan.scales.insert(plan.scales.end(), first[b + 1] - first[b], size[b]);
         plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
-        plan.damping_number = damping_number(problem, problem.segments[piece]);
+        plan.damping_number = damping_number(problem, segment);
         plans.push_back(std::move(plan));
     }
     return plans;

@@ -1,6 +1,6 @@
-#include <algorithm>
+#include "motion/itinerary.h"
 
-#include "motion/exact_body.h"
+#include <algorithm>
 
 namespace polhode {
 
@@ -24,6 +24,14 @@ std::vector<double> event_times(const Scene& scene) {
     // an impulse at the very end opens a segment of no length, so that the last sample shows the motion after it
     if (impulse_at_end) times.push_back(scene.duration);
     return times;
+}
+
+std::vector<Leg> itinerary(const Scene& scene) {
+    const std::vector<double> times = event_times(scene);
+    std::vector<Leg> legs;
+    for (std::size_t i = 0; i + 1 < times.size(); ++i)
+        legs.push_back({i, times[i], times[i + 1], i + 2 == times.size()});
+    return legs;
 }
 
 }  // namespace polhode

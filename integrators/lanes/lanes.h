@@ -10,36 +10,43 @@
 
 namespace polhode {
 
-/// Lowered to as many registers as the instructions in use need. Passed by reference: by value they would have no
-/// calling convention of their own where there are no such registers.
+/// Four binary64 numbers side by side. The compiler spreads them over as many registers as the instructions in use
+/// need. They are passed by reference, because not every processor has a calling convention for them by value.
 using Lanes4 = double __attribute__((vector_size(32)));
+/// Eight binary64 numbers side by side, with the properties of Lanes4.
 using Lanes8 = double __attribute__((vector_size(64)));
 
+/// The vector instructions that a kernel is compiled for.
 enum class InstructionSet {
-    plain,  ///< what every processor of the architecture has
-    avx2,
-    avx512,  ///< F, DQ and VL
+    plain,   ///< those that every processor of the architecture has
+    avx2,    ///< AVX2: registers of four binary64 numbers
+    avx512,  ///< AVX-512 F, DQ and VL: registers of eight
 };
 
-/// The widest that this processor has, but none wider than the environment variable POLHODE_INSTRUCTION_SET (plain,
-/// avx2, avx512) allows. Found once.
+/// The widest instruction set that this processor has, but none wider than the environment variable
+/// POLHODE_INSTRUCTION_SET (plain, avx2, avx512) allows. Found once.
 InstructionSet instruction_set();
 
-/// The widest that this processor has.
+/// The widest instruction set that this processor has, whatever the environment says.
 InstructionSet widest_instruction_set();
 
-/// "plain", "avx2", "avx512"
+/// The name as the environment variable spells it: "plain", "avx2" or "avx512".
 std::string_view name_of(InstructionSet set);
 
-// A register is never handed over a call: all that computes on lanes is inlined into the functions above.
+/// Before a function that computes on lanes: it is always inlined, so that no register is handed over a call.
 #define POLHODE_INLINE [[gnu::always_inline]] inline
+/// Behind the parameters of a lambda that computes on lanes: it is always inlined.
 #define POLHODE_INLINE_LAMBDA __attribute__((always_inline))
 
 #if defined(__x86_64__)
+/// Before a function that is compiled for AVX2.
 #define POLHODE_TARGET_AVX2 [[gnu::target("avx2")]]
+/// Before a function that is compiled for AVX-512.
 #define POLHODE_TARGET_AVX512 [[gnu::target("avx512f,avx512dq,avx512vl")]]
 #else
+/// Nothing: another architecture.
 #define POLHODE_TARGET_AVX2
+/// Nothing: another architecture.
 #define POLHODE_TARGET_AVX512
 #endif
 

@@ -11,22 +11,23 @@
 
 namespace polhode {
 
+/// How an ensemble is solved.
 struct EnsembleSettings {
     /// Relative: a step's error is a tenth of this, in rad for the attitude. Bodies with a closed form are as near as
     /// rounding leaves them.
     double tolerance = 1e-10;
-    int threads = 1;                                  ///< at least 1
-    long max_steps = 1'000'000;                       ///< a body that needs more between two events is `failed`
-    double seconds_limit = 3600;                      ///< s; likewise, of the thread, for a body solved by itself
+    int threads = 1;              ///< at least 1
+    long max_steps = 1'000'000;   ///< a body that needs more between two events is `failed`
+    double seconds_limit = 3600;  ///< s of the thread's time; a body solved by itself that needs more is `failed`
     InstructionSet instructions = instruction_set();  ///< not beyond what the processor has; same bits in each
 };
 
 /// What became of one body.
 struct EnsembleRow {
-    Status status = Status::ok;
-    bool moved = false;   ///< `end` holds a motion: false for a body that could not begin
-    Sample end;           ///< the motion at the scene's duration, or where the body's run ended
-    std::string message;  ///< why, wherever status is not ok
+    Status status = Status::ok;  ///< how its run ended
+    bool moved = false;          ///< `end` holds a motion: false for a body that could not begin
+    Sample end;                  ///< the motion at the scene's duration, or where the body's run ended
+    std::string message;         ///< why, wherever status is not ok
 };
 
 /// The motion of each body at the scene's duration. A body that fails, or that cannot be (see fault_of), gets a row
@@ -40,7 +41,8 @@ struct EnsembleRow {
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});
 
-/// The same into rows of the caller's, as many as bodies.
+/// The motion of each body at the scene's duration, written into rows of the caller's. Throws std::invalid_argument
+/// also where there are not as many rows as bodies. Everything else is as in the function that returns the rows.
 void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, const EnsembleSettings& settings,
                     std::span<EnsembleRow> rows);
 

@@ -11,7 +11,7 @@
 
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/taylor.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 
 namespace polhode::truth {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "integrators/truth/motion.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 #include "motion/problem.h"
 #include "motion/systems.h"
 

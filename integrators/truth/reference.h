@@ -15,7 +15,7 @@ namespace polhode {
 /// How long a truth may take where nobody says otherwise, s.
 constexpr double truth_seconds = 3600;
 
-/// The motion at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
+/// The truth at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
 /// after it. Made twice, in two formulations with two orders and steps; where they differ by more than 10^-digits
 /// (attitude in rad, other blocks relative to their largest length) precision is raised, and in the end
 /// `available` is false and the message says how many digits agreed. A scene with a user's own torque has no truth,
@@ -26,8 +26,9 @@ constexpr double truth_seconds = 3600;
 /// than 1 sample or digit.
 Reference reference(const Scene& scene, long samples, int digits = 25, double seconds_limit = truth_seconds);
 
-/// The same at times of the caller's own (s), increasing from 0 or later. The run lasts to the last of them, also
-/// beyond the scene's duration. Throws std::invalid_argument where the times are none or not in order.
+/// The truth at times of the caller's own (s), which increase from 0 or later. The run lasts to the last of them, also
+/// where that lies beyond the scene's duration. Throws std::invalid_argument where there are no times or they are not
+/// in order; all else is as for equally spaced samples.
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25,
                     double seconds_limit = truth_seconds);
 
@@ -35,22 +36,24 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 /// it has one and lasts beyond 2 10^5 rad, "none" with a user's own torque.
 std::string_view truth_method(const Problem& problem);
 
-/// Numbers of a trajectory file's columns after t: q, w in world axes, p, v, as decimals.
+/// The numbers of one line of a trajectory file after t, as decimals: q, w in world axes, p, v.
 using DecimalColumns = std::array<std::string, 13>;
 
+/// The truth in decimals.
 struct DecimalReference {
-    bool available = false;
-    std::string message;     ///< why there is none, or how it was made
-    double bound = 0;        ///< as Reference::bound
-    std::string scene_hash;  ///< of write_scene(scene)
-    std::vector<double> times;
+    bool available = false;     ///< false: there is none, and nothing but `message` is set
+    std::string message;        ///< why there is none, or how it was made
+    double bound = 0;           ///< largest of the attitude's error (rad) and the other blocks' relative errors
+    std::string scene_hash;     ///< of write_scene(scene)
+    std::vector<double> times;  ///< of the samples, s
     std::vector<DecimalColumns> columns;    ///< one a sample
     std::vector<std::string> impact_times;  ///< s, of the impacts on the scene's planes
     double impact_time_error = 0;           ///< s, largest of them
 };
 
-/// The same motion as decimals of two significant digits more than `digits`: `digits` are right relative to the block's
-/// largest length (a component that nearly vanishes has fewer of its own).
+/// The truth at sample_time(duration, k, samples), k = 0..samples, as decimals. `digits` digits are right relative to
+/// the largest length of a block (q, w, p or v), so that a component that nearly vanishes has fewer of its own; two
+/// more are written. The cache, the limit of time and what is thrown are as for reference().
 DecimalReference decimal_reference(const Scene& scene, long samples, int digits = 17,
                                    double seconds_limit = truth_seconds);
 

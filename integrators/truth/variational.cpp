@@ -10,7 +10,7 @@
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/truth/taylor.h"
 #include "motion/dual.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 #include "motion/systems.h"
 
 namespace polhode::truth {

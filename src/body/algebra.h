@@ -18,68 +18,88 @@ using Product = decltype(A() * B());
 /// Three components along the axes of one frame; a suffix _B or _W of the variable's name says which.
 template <class S>
 struct Vector3 {
-    std::array<S, 3> component{};
+    std::array<S, 3> component{};  ///< x, y, z
 
+    /// The zero vector.
     Vector3() : component{S(0), S(0), S(0)} {}
+    /// The vector (x, y, z).
     Vector3(S x, S y, S z) : component{x, y, z} {}
+    /// The i-th component, i = 0, 1, 2.
     S& operator[](std::size_t i) { return component[i]; }
+    /// The i-th component, i = 0, 1, 2.
     const S& operator[](std::size_t i) const { return component[i]; }
+    /// Whether all components are equal.
     bool operator==(const Vector3&) const = default;
 };
 
 /// w + x i + y j + z k, Hamilton's product. A unit quaternion q maps body vectors to world vectors: v_W = q v_B q*.
 template <class S>
 struct Quaternion {
-    S w = S(1), x = S(0), y = S(0), z = S(0);
+    S w = S(1);  ///< the scalar part; a quaternion is the identity unless it is given others
+    S x = S(0);  ///< of the vector part, along the first axis
+    S y = S(0);  ///< of the vector part, along the second axis
+    S z = S(0);  ///< of the vector part, along the third axis
 
+    /// Whether all four numbers are equal: q and -q, one rotation, are not.
     bool operator==(const Quaternion&) const = default;
 };
 
 /// Nine components, row by row: M[row][column].
 template <class S>
 struct Matrix3 {
-    std::array<Vector3<S>, 3> row{};
+    std::array<Vector3<S>, 3> row{};  ///< the zero matrix unless it is given others
 
+    /// The i-th row, i = 0, 1, 2.
     Vector3<S>& operator[](std::size_t i) { return row[i]; }
+    /// The i-th row, i = 0, 1, 2.
     const Vector3<S>& operator[](std::size_t i) const { return row[i]; }
+    /// Whether all entries are equal.
     bool operator==(const Matrix3&) const = default;
 };
 
+/// The sum, component by component.
 template <class A, class B>
 Vector3<Product<A, B>> operator+(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+/// The difference, component by component.
 template <class A, class B>
 Vector3<Product<A, B>> operator-(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
+/// The opposite vector.
 template <class S>
 Vector3<S> operator-(const Vector3<S>& a) {
     return {-a[0], -a[1], -a[2]};
 }
 
+/// The vector scaled by a number.
 template <class A, class B>
 Vector3<Product<A, B>> operator*(const A& a, const Vector3<B>& v) {
     return {a * v[0], a * v[1], a * v[2]};
 }
 
+/// The scalar product a . b.
 template <class A, class B>
 Product<A, B> dot(const Vector3<A>& a, const Vector3<B>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/// The vector product a x b.
 template <class A, class B>
 Vector3<Product<A, B>> cross(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+/// The matrix applied to a column vector, M v.
 template <class A, class B>
 Vector3<Product<A, B>> operator*(const Matrix3<A>& m, const Vector3<B>& v) {
     return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
 }
 
+/// The transpose.
 template <class S>
 Matrix3<S> transposed(const Matrix3<S>& m) {
     Matrix3<S> t;
@@ -88,6 +108,7 @@ Matrix3<S> transposed(const Matrix3<S>& m) {
     return t;
 }
 
+/// The matrix product a b.
 template <class A, class B>
 Matrix3<Product<A, B>> operator*(const Matrix3<A>& a, const Matrix3<B>& b) {
     Matrix3<Product<A, B>> c;
@@ -96,11 +117,13 @@ Matrix3<Product<A, B>> operator*(const Matrix3<A>& a, const Matrix3<B>& b) {
     return c;
 }
 
+/// The sum, entry by entry.
 template <class A, class B>
 Matrix3<Product<A, B>> operator+(const Matrix3<A>& a, const Matrix3<B>& b) {
     return {{a[0] + b[0], a[1] + b[1], a[2] + b[2]}};
 }
 
+/// The matrix with the components of `d` on its diagonal and zeros elsewhere.
 template <class S>
 Matrix3<S> diagonal(const Vector3<S>& d) {
     Matrix3<S> m;
@@ -122,6 +145,7 @@ Matrix3<S> inverse(const Matrix3<S>& m) {
     return result;
 }
 
+/// q* = w - x i - y j - z k: of a unit quaternion, the inverse rotation.
 template <class S>
 Quaternion<S> conjugate(const Quaternion<S>& q) {
     return {q.w, -q.x, -q.y, -q.z};
@@ -134,17 +158,19 @@ Quaternion<Product<A, B>> operator*(const Quaternion<A>& a, const Quaternion<B>&
             a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
+/// |q|^2 = w^2 + x^2 + y^2 + z^2.
 template <class S>
 S squared_norm(const Quaternion<S>& q) {
     return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
 }
 
+/// The part (x, y, z).
 template <class S>
 Vector3<S> vector_part(const Quaternion<S>& q) {
     return {q.x, q.y, q.z};
 }
 
-/// |q|^2 R(q): the rotation matrix in its homogeneous form, a quadratic in q with no constant term.
+/// |q|^2 R(q), a quadratic form in q: for a unit quaternion, the rotation matrix from body to world axes.
 template <class S>
 Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
     const S ww = q.w * q.w, xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
@@ -169,7 +195,7 @@ Vector3<S> world_axis(const Quaternion<S>& q, int b) {
     return {twice(q.x * q.z - q.w * q.y), twice(q.y * q.z + q.w * q.x), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
 }
 
-/// |q|^2 R(q) v: body to world for a unit q.
+/// |q|^2 R(q) v: for a unit quaternion, the body vector v in world axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     // (w^2 - u.u) v + 2 (u.v) u + 2 w u x v
@@ -179,21 +205,23 @@ Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     return scale * v + (twice_projection * u + twice_w * cross(u, v));
 }
 
-/// |q|^2 R(q)^T v: world to body for a unit q.
+/// |q|^2 R(q)^T v: for a unit quaternion, the world vector v in body axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate_back(const Quaternion<S>& q, const Vector3<V>& v) {
     return rotate(conjugate(q), v);
 }
 
-/// Component-wise change of scalar, each by To(from).
+/// The vector in another scalar, each component made by To(from).
 template <class To, class From>
 Vector3<To> cast(const Vector3<From>& v) {
     return {To(v[0]), To(v[1]), To(v[2])};
 }
+/// The quaternion in another scalar, each number made by To(from).
 template <class To, class From>
 Quaternion<To> cast(const Quaternion<From>& q) {
     return {To(q.w), To(q.x), To(q.y), To(q.z)};
 }
+/// The matrix in another scalar, each entry made by To(from).
 template <class To, class From>
 Matrix3<To> cast(const Matrix3<From>& m) {
     return {{cast<To>(m[0]), cast<To>(m[1]), cast<To>(m[2])}};

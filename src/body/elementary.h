@@ -9,6 +9,7 @@
 
 #include "body/wide.h"
 
+/// @cond declarations of the C library
 #ifdef __clang__
 // the C library has them for every compiler and declares them for GCC alone
 extern "C" {
@@ -20,31 +21,44 @@ polhode::Wide roundf128(polhode::Wide);
 polhode::Wide cbrtf128(polhode::Wide);
 }
 #endif
+/// @endcond
 
 namespace polhode {
 
-/// sqrt for any scalar; the one for 128 bits is in body/wide.h.
+/// The square root in any scalar; the one in 128 bits is in body/wide.h.
 template <class S>
 S square_root(const S& x) {
     using std::sqrt;
     return sqrt(x);
 }
 
+/// The elementary functions and constants of a scalar whose library has them in its own namespace.
 template <class S>
 struct Elementary {
+    /// The ratio of a circle's circumference to its diameter.
     static S pi() {
         static thread_local const S value = acos(S(-1));
         return value;
     }
+    /// The distance from 1 to the next number above it.
     static S epsilon() { return std::numeric_limits<S>::epsilon(); }
+    /// Positive infinity.
     static S infinity() { return std::numeric_limits<S>::infinity(); }
+    /// e^x.
     static S exponential(const S& x) { return exp(x); }
+    /// e^x - 1, without cancellation near x = 0.
     static S exponential_less_one(const S& x) { return expm1(x); }
+    /// The sine and the cosine of an angle in rad.
     static void sine_cosine(const S& x, S& sine, S& cosine) { sine = sin(x), cosine = cos(x); }
+    /// |x|.
     static S magnitude(const S& x) { return abs(x); }
+    /// The nearest whole number.
     static S rounded(const S& x) { return round(x); }
+    /// The real cube root.
     static S cube_root(const S& x) { return cbrt(x); }
 };
+
+/// @cond specialisations
 
 template <std::floating_point F>
 struct Elementary<F> {
@@ -71,5 +85,6 @@ struct Elementary<Wide> {
     static Wide rounded(const Wide& x) { return roundf128(x); }
     static Wide cube_root(const Wide& x) { return cbrtf128(x); }
 };
+/// @endcond
 
 }  // namespace polhode

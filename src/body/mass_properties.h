@@ -9,22 +9,22 @@
 
 namespace polhode {
 
-/// Of a body in its own axes: mass (kg), centre of mass from the origin (m), inertia tensor about the centre of mass
-/// (kg m^2). A negative mass is a hole.
+/// The mass properties of a body in its own axes. A negative mass is a hole.
 template <class S>
 struct MassProperties {
-    S mass = S(0);
-    Vector3<S> center;
-    Matrix3<S> inertia;
+    S mass = S(0);       ///< kg
+    Vector3<S> center;   ///< of mass, from the origin, m
+    Matrix3<S> inertia;  ///< about the centre of mass, kg m^2
 };
 
+/// q / |q|, which must not be zero.
 template <class S>
 Quaternion<S> normalized(const Quaternion<S>& q) {
     const S norm = square_root(squared_norm(q));
     return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
-/// R I R^T.
+/// The inertia tensor in axes that the unit quaternion q maps its own to: R I R^T.
 template <class S>
 Matrix3<S> rotated(const Matrix3<S>& inertia, const Quaternion<S>& q) {
     const Matrix3<S> R = rotation_matrix(q);
@@ -59,14 +59,14 @@ MassProperties<S> composite(const std::vector<MassProperties<S>>& parts) {
     return whole;
 }
 
-/// A mass (kg) at a point (m).
+/// A point mass.
 template <class S>
 struct PointMass {
-    S mass = S(0);
-    Vector3<S> position;
+    S mass = S(0);        ///< kg
+    Vector3<S> position;  ///< m
 };
 
-/// sum m_i (|r_i|^2 1 - r_i r_i^T) about their centre of mass.
+/// The mass properties of point masses: the tensor is sum m_i (|r_i|^2 1 - r_i r_i^T) about their centre of mass.
 template <class S>
 MassProperties<S> of_points(const std::vector<PointMass<S>>& points) {
     std::vector<MassProperties<S>> parts;

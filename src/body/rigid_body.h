@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// Parallel axis theorem: what the tensor about the centre of mass gains at a point `arm` away from it,
-/// m (|a|^2 1 - a a^T).
+/// What the inertia tensor about the centre of mass gains at a point `arm` (m) away from it, by the parallel axis
+/// theorem: m (|a|^2 1 - a a^T), in kg m^2.
 template <class S>
 Matrix3<S> parallel_axis(const S& mass, const Vector3<S>& arm) {
     const S square = dot(arm, arm);
@@ -20,25 +20,26 @@ Matrix3<S> parallel_axis(const S& mass, const Vector3<S>& arm) {
 /// Principal moments (kg m^2) and the unit quaternion that maps principal components to body components:
 /// I_B = R(q_BP) diag(moments) R(q_BP)^T. A diagonal tensor keeps its axes and their order, with q_BP = 1 exactly.
 struct PrincipalFrame {
-    Vector3<double> moments;
-    Quaternion<double> q_BP;
+    Vector3<double> moments;          ///< I1, I2, I3, kg m^2
+    Quaternion<double> q_BP;          ///< principal axes to body axes, of unit length
     Vector3<double> gyroscopic;       ///< (I2 - I3)/I1, (I3 - I1)/I2, (I1 - I2)/I3, each rounded once
     Vector3<double> inverse_moments;  ///< 1/I_i, rounded once
 };
 
-/// The same before it is rounded.
+/// A principal frame before it is rounded to binary64.
 struct WidePrincipalFrame {
-    Vector3<Wide> moments;
-    Quaternion<Wide> q_BP;
+    Vector3<Wide> moments;  ///< kg m^2
+    Quaternion<Wide> q_BP;  ///< principal axes to body axes, of unit length
 };
 
-/// The principal frame of a tensor, worked out in 128-bit arithmetic (Jacobi rotations); of entries that disagree
-/// across the diagonal their mean counts.
+/// The principal frame of an inertia tensor (kg m^2), found by Jacobi rotations in 128-bit arithmetic. Where two
+/// entries disagree across the diagonal their mean counts.
 WidePrincipalFrame wide_principal_frame(const Matrix3<Wide>& inertia);
 
-/// Every number rounded once.
+/// The frame in binary64, with every number rounded once.
 PrincipalFrame rounded(const WidePrincipalFrame& frame);
 
+/// The principal frame of an inertia tensor (kg m^2) in binary64, with every number rounded once.
 inline PrincipalFrame principal_frame(const Matrix3<Wide>& inertia) { return rounded(wide_principal_frame(inertia)); }
 
 }  // namespace polhode

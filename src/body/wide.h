@@ -6,6 +6,7 @@
 
 namespace polhode {
 
+/// 113 bits of precision, computed in software.
 __extension__ using Wide = __float128;
 
 /// The square root by Newton's iteration from the binary64 one: two steps from 53 bits give 113.

@@ -13,24 +13,29 @@ namespace polhode {
 
 /// One body of an ensemble: what it is and how it starts.
 struct EnsembleBody {
-    double mass = 1;                         ///< kg
-    Matrix3<double> inertia_B;               ///< kg m^2, about the centre of mass, off-diagonal entries -int xy dm
-    Quaternion<double> orientation;          ///< body to world; stands for its normalised value
-    Vector3<double> angular_velocity;        ///< rad/s, in the scene's angular_velocity_frame
-    Vector3<double> position_W, velocity_W;  ///< of the centre of mass, m and m/s; none with a pivot
+    double mass = 1;                   ///< kg
+    Matrix3<double> inertia_B;         ///< kg m^2, about the centre of mass, off-diagonal entries -int xy dm
+    Quaternion<double> orientation;    ///< body to world; stands for its normalised value
+    Vector3<double> angular_velocity;  ///< rad/s, in the scene's angular_velocity_frame
+    Vector3<double> position_W;        ///< of the centre of mass, m; zero with a pivot
+    Vector3<double> velocity_W;        ///< of the centre of mass, m/s; zero with a pivot
 
+    /// Whether all numbers are equal.
     bool operator==(const EnsembleBody&) const = default;
 };
 
-/// The scene's own body.
+/// The scene's own body and start, as a row of an ensemble.
 EnsembleBody ensemble_body(const Scene& scene);
 
 /// What makes a body impossible: the columns at fault, what is wrong and what would be right.
 struct BodyFault {
-    std::string columns, fault, remedy;
+    std::string columns;  ///< those at fault, "qw,qx,qy,qz"
+    std::string fault;    ///< what is wrong
+    std::string remedy;   ///< what would be right
 };
 
-/// The rules of a scene's body and start (see validate), for one row; `pivoted`: the scene holds a point of the body.
+/// What is wrong with one row by the rules of a scene's body and start (see validate), or nothing. `pivoted` says that
+/// the scene holds a point of the body.
 std::optional<BodyFault> fault_of(const EnsembleBody& body, bool pivoted);
 
 /// What a table says. Columns that it lacks are the scene's.
@@ -51,7 +56,7 @@ EnsembleTable parse_ensemble(std::string_view text, const std::string& file, con
 /// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
 EnsembleTable read_ensemble(const std::string& path, const Scene& scene);
 
-/// A table of all columns that reads back to the same.
+/// The table as CSV with all columns; parse_ensemble() reads the same bodies back. `pivoted`: without p and v.
 std::string write_ensemble(const EnsembleTable& table, bool pivoted);
 
 }  // namespace polhode

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "body/elementary.h"
+#include "body/mass_properties.h"
 #include "body/rigid_body.h"
 #include "motion/equations.h"
-#include "scene/body_source.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -17,17 +17,20 @@ namespace polhode {
 /// Everything in body axes; inertia about the pivot where there is one, else about the centre of mass.
 template <class P>
 struct ExactBody {
-    P mass = P(0);
-    Matrix3<P> inertia_B;
-    bool pivoted = false;
-    Vector3<P> center;  ///< of mass, from the body's own origin
-    Vector3<P> origin;  ///< body point about which the equations are written: pivot or centre of mass
-    Vector3<P> arm;     ///< from there to the centre of mass (zero in flight)
-    Quaternion<P> q;    ///< at t = 0, normalised
-    Vector3<P> angular_velocity_B, position_W, velocity_W;  ///< at t = 0; p, v of the centre of mass
+    P mass = P(0);                  ///< kg
+    Matrix3<P> inertia_B;           ///< about `origin`, kg m^2
+    bool pivoted = false;           ///< a body point is held at the world's origin
+    Vector3<P> center;              ///< of mass, from the body's own origin, m
+    Vector3<P> origin;              ///< body point about which the equations are written: pivot or centre of mass, m
+    Vector3<P> arm;                 ///< from there to the centre of mass, m (zero in flight)
+    Quaternion<P> q;                ///< body to world at t = 0, normalised
+    Vector3<P> angular_velocity_B;  ///< at t = 0, rad/s
+    Vector3<P> position_W;          ///< of the centre of mass at t = 0, m
+    Vector3<P> velocity_W;          ///< of the centre of mass at t = 0, m/s
 };
 
-/// p and v of the centre of mass of a body that turns about a fixed pivot.
+/// The position p (m) and the velocity v (m/s) of the centre of mass of a body that turns about a fixed pivot, world
+/// axes: p = R(q) arm, v = R(q) (w x arm), with w in body axes.
 template <class P>
 void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P>& arm, Vector3<P>& p, Vector3<P>& v) {
     const P scale = P(1) / squared_norm(q);
@@ -35,30 +38,12 @@ void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P
     v = scale * rotate(q, cross(w, arm));
 }
 
+/// The scene's body and start, exact in the scalar P. Made for double and Wide; for any other scalar include
+/// motion/exact_body_of.h, which brings along all that a body can be made of.
 template <class P>
-ExactBody<P> exact_body(const Scene& scene) {
-    ExactBody<P> b;
-    const MassProperties<P> body = mass_properties<P>(scene.body);
-    b.mass = body.mass;
-    b.center = body.center;
-    b.pivoted = scene.pivot.has_value();
-    b.origin = b.pivoted ? cast<P>(*scene.pivot) : body.center;
-    b.arm = body.center - b.origin;
-    b.inertia_B = body.inertia + parallel_axis(b.mass, b.arm);
-    b.q = normalized(cast<P>(scene.initial.orientation));
-    b.angular_velocity_B = cast<P>(scene.initial.angular_velocity);
-    if (scene.initial.angular_velocity_frame == Frame::world)
-        b.angular_velocity_B = rotate_back(b.q, b.angular_velocity_B);
-    if (b.pivoted) {
-        pivoted_center(b.q, b.angular_velocity_B, b.arm, b.position_W, b.velocity_W);
-    } else {
-        b.position_W = cast<P>(scene.initial.position_W);
-        b.velocity_W = cast<P>(scene.initial.velocity_W);
-    }
-    return b;
-}
+ExactBody<P> exact_body(const Scene& scene);
 
-/// True for a load (not an impulse) that acts on the segment beginning at `begin`.
+/// Whether a load (not an impulse) acts on the segment that begins at `begin` (s).
 inline bool acts(const Window& window, double begin) { return window.from <= begin && begin < window.until; }
 
 /// The loads that act from `begin` on, in axes that q_BP maps to the body's (1: the body's own). User torques are
@@ -125,7 +110,7 @@ Forcing<P> forcing_at(const Scene& scene, const ExactBody<P>& body, double begin
     return f;
 }
 
-/// The impulses at time `at`, in file order; axes as above.
+/// The impulses at time `at` (s), in the file's order, in axes that q_BP maps to the body's.
 template <class P>
 std::vector<PosedImpulse<P>> impulses_at(const Scene& scene, const ExactBody<P>& body, double at,
                                          const Quaternion<P>& q_BP) {
@@ -140,15 +125,17 @@ std::vector<PosedImpulse<P>> impulses_at(const Scene& scene, const ExactBody<P>&
     return found;
 }
 
-/// Energy (J): kinetic, and the potentials of the loads that act at time t (gravity, springs, forces constant in the
-/// world at a body point); angular momentum (kg m^2/s, world axes) about the pivot or the centre of mass. `q` maps
-/// body to world, of unit length.
+/// What a free motion keeps, and what loads change.
 template <class P>
 struct Invariants {
-    P kinetic = P(0), energy = P(0);
-    Vector3<P> angular_momentum_W;
+    P kinetic = P(0);  ///< energy, J
+    /// Kinetic energy and the potentials of gravity, of springs and of forces constant in the world at a body point, J.
+    P energy = P(0);
+    Vector3<P> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
 };
 
+/// Energy and angular momentum of a body at time t (s), under the loads that act then. `q`, of unit length, maps body
+/// to world; w_B is the angular velocity (rad/s), p_W and v_W are of the centre of mass (m, m/s).
 template <class P>
 Invariants<P> invariants(const Scene& scene, const ExactBody<P>& body, double t, const Quaternion<P>& q,
                          const Vector3<P>& w_B, const Vector3<P>& p_W, const Vector3<P>& v_W) {

@@ -9,9 +9,16 @@
 
 namespace polhode {
 
-enum class Status { ok, unsupported, diverged, tolerance_not_met, failed };
+/// How a run ended.
+enum class Status {
+    ok,                 ///< at its end
+    unsupported,        ///< not begun: the method cannot represent the scene
+    diverged,           ///< with a number that is not finite, or an energy beyond all bounds
+    tolerance_not_met,  ///< the solver says so; in tables also a tolerance-driven run that ends more than 1 rad off
+    failed,             ///< otherwise; the message says why
+};
 
-/// The word of the result table.
+/// The word that stands for a status in the result table: the enumerator's name.
 const char* name_of(Status status);
 
 /// The motion at one time, in the body's own axes and the world's.
@@ -20,10 +27,10 @@ struct Sample {
     Quaternion<double> q;                ///< body to world, as the method left it (not normalised)
     Vector3<double> angular_velocity_B;  ///< rad/s
     Vector3<double> position_W;          ///< of the centre of mass, m
-    Vector3<double> velocity_W;          ///< m/s
+    Vector3<double> velocity_W;          ///< of the centre of mass, m/s
 };
 
-/// w in world axes, by the sample's own attitude (normalised).
+/// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
 Vector3<double> angular_velocity_W(const Sample& sample);
 
 /// What a solver tells of its troubles; empty where it does not tell, or cannot have them.
@@ -33,26 +40,28 @@ struct SolverCounts {
     std::optional<long> order_reductions;  ///< orders lowered because the step came near its limit of stability
 };
 
+/// What a method returns: the motion at the sample times, how the run ended and what it cost.
 struct Trajectory {
-    Status status = Status::ok;
+    Status status = Status::ok;   ///< how the run ended
     std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
     std::vector<Sample> samples;  ///< those reached; the first at t = 0
     std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
     std::vector<double> impact_times;          ///< s, of the impacts on the scene's planes
-    long steps = 0;
-    long rhs_evaluations = 0;
-    SolverCounts counts;
+    long steps = 0;                            ///< taken
+    long rhs_evaluations = 0;    ///< evaluations of the right-hand side, or what a method counts in their place
+    SolverCounts counts;         ///< the solver's own troubles
     double seconds = 0;          ///< wall clock of the integration alone, set-up left out
     bool limit_reached = false;  ///< `failed` because of one of Settings' limits
     double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
 };
 
-/// t_k = k T / N, the k-th of N + 1 sample times: one formula, so that truth and methods mean the same binary64.
+/// t_k = k T / n, the k-th of n + 1 sample times, in s. Truth and methods use this one formula, so that both mean the
+/// same binary64.
 inline double sample_time(double duration, long k, long n) {
     return k == n ? duration : duration * static_cast<double>(k) / static_cast<double>(n);
 }
 
-/// All of them, k = 0..n.
+/// The n + 1 sample times k T / n, k = 0..n, in s.
 inline std::vector<double> sample_times(double duration, long n) {
     std::vector<double> times;
     for (long k = 0; k <= n; ++k) times.push_back(sample_time(duration, k, n));
@@ -61,20 +70,26 @@ inline std::vector<double> sample_times(double duration, long n) {
 
 /// A value in two parts, high + low, |low| <= ulp(high)/2: about 106 bits.
 struct Pair {
-    double high = 0, low = 0;
+    double high = 0;  ///< the value rounded to binary64
+    double low = 0;   ///< what the rounding left
 
+    /// Zero.
     constexpr Pair() = default;
+    /// high + low, which must not overlap.
     constexpr Pair(double high_, double low_ = 0) : high(high_), low(low_) {}
 };
 
 /// The truth at one time, to more digits than a double has.
 struct ReferenceSample {
-    double t = 0;
-    Quaternion<Pair> q;  ///< body to world, |q| = 1, without sign flips between samples
-    Vector3<Pair> angular_velocity_B, angular_momentum_W, position_W, velocity_W;
-    Pair energy;
+    double t = 0;                      ///< s
+    Quaternion<Pair> q;                ///< body to world, |q| = 1, without sign flips between samples
+    Vector3<Pair> angular_velocity_B;  ///< rad/s
+    Vector3<Pair> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
+    Vector3<Pair> position_W;          ///< of the centre of mass, m
+    Vector3<Pair> velocity_W;          ///< of the centre of mass, m/s
+    Pair energy;                       ///< kinetic and potential, J
 
-    /// Its leading parts.
+    /// The sample in binary64: the leading part of each number.
     Sample rounded() const {
         const auto high = [](const Vector3<Pair>& v) { return Vector3<double>{v[0].high, v[1].high, v[2].high}; };
         return {
@@ -82,14 +97,14 @@ struct ReferenceSample {
     }
 };
 
-/// The motion to judge others by.
+/// The truth: the motion that others are judged by.
 struct Reference {
-    bool available = false;
+    bool available = false;          ///< false: there is none, and nothing but `message` is set
     std::string message;             ///< why there is none, or how it was made
     double bound = 0;                ///< largest of the attitude's error (rad) and the other blocks' relative errors
     std::vector<Pair> impact_times;  ///< s, of the impacts on the scene's planes
     double impact_time_error = 0;    ///< s, largest of them
-    std::vector<ReferenceSample> samples;
+    std::vector<ReferenceSample> samples;  ///< one at each sample time
 };
 
 }  // namespace polhode

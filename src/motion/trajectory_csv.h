@@ -22,6 +22,7 @@ struct TrajectoryRow {
     Vector3<double> position_W;          ///< of the centre of mass, or of the body's origin, m
     Vector3<double> velocity_W;          ///< of the centre of mass, m/s
 
+    /// Whether all numbers are equal.
     bool operator==(const TrajectoryRow&) const = default;
 };
 
@@ -34,16 +35,21 @@ struct TrajectoryFile {
     bool has_velocity = false;          ///< vx, vy, vz
     std::string read_past;              ///< "line 1 begins with a byte order mark", ..: empty where nothing was
 
+    /// Whether the rows, and what is known of them, are equal.
     bool operator==(const TrajectoryFile&) const = default;
 };
 
-/// What the four columns of a quaternion hold: each what its name says, or w, x, y, z or x, y, z, w in the order in
-/// which the columns stand, whatever they are named.
-enum class QuaternionColumns { by_name, scalar_first, scalar_last };
+/// What the four columns of a quaternion hold.
+enum class QuaternionColumns {
+    by_name,       ///< each what its name says
+    scalar_first,  ///< w, x, y, z in the order in which the columns stand, whatever they are named
+    scalar_last,   ///< x, y, z, w in the order in which the columns stand, whatever they are named
+};
 
 /// Reads trajectory files: columns by name, in any order; t and q must be there, of w, p, v and o (the body's origin,
 /// in place of p) whole blocks or nothing; `bound`, which `truth` writes, is read past. Numbers are the binary64
-/// nearest to the decimal written, whatever the locale. Lines may end in \r\n, a byte order mark may stand in front
+/// nearest to the decimal written, whatever the locale. Lines may end in a carriage return and a line feed, a byte
+/// order mark may stand in front
 /// (`read_past` says so), `#` begins a comment line, spaces may stand around a cell. Throws InputError ("FILE: line 3,
 /// column qw: FAULT; REMEDY"): no header or no sample, an unknown, missing or repeated column, a line of another length
 /// than the header, what is no finite number, a time below 0 or not above the one before, a quaternion without a
@@ -55,7 +61,7 @@ TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
 /// Reads and parses a file of at most 1 GiB. Throws InputError, also when it cannot be read.
 TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion = QuaternionColumns::by_name);
 
-/// The file with its own columns in the usual order; reads back to the same rows.
+/// The file as CSV, with the columns that it has in the usual order; parse_trajectory() reads the same rows back.
 std::string write_trajectory(const TrajectoryFile& file);
 
 /// The samples of a file: w turned into body axes and the body's origin exchanged for its centre of mass (m, from the

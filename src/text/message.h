@@ -13,13 +13,15 @@ namespace polhode {
 /// would be right. what() is one line: "FILE: PLACE: FAULT; REMEDY".
 class InputError : public std::runtime_error {
   public:
+    /// Says "FILE: PLACE: FAULT; REMEDY"; an empty place is left out.
     InputError(const std::string& file, const std::string& place, const std::string& fault, const std::string& remedy);
     /// A fault in what `file` brings in at `place`: "FILE: PLACE: " and the fault's own line.
     InputError(const std::string& file, const std::string& place, const InputError& inner);
 };
 
 /// `text` fit for one line on a terminal: control characters, line separators and bytes that are not UTF-8 escaped
-/// (\n, \x1b, ..), and of `limit` bytes at the most: "..." stands for the middle of a longer one.
+/// as a backslash and a letter or hexadecimal digits, and of `limit` bytes at the most: "..." stands for the middle of
+/// a longer one.
 std::string one_line(std::string_view text, std::size_t limit);
 
 /// Offset of the first byte that does not continue UTF-8 (RFC 3629: no surrogates, no overlong forms), or npos.
@@ -29,10 +31,10 @@ std::size_t first_invalid_utf8(std::string_view text);
 /// up to a third of the longer one and no more than one beyond the nearest, or one contained in the other.
 std::vector<std::string> near_misses(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "did you mean a or b?", or an empty text.
+/// "did you mean a or b?" of the near misses among the candidates; an empty text where there are none.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "a, b, c"
+/// The words with commas between them: "a, b, c".
 std::string listed(const std::vector<std::string>& words);
 
 }  // namespace polhode

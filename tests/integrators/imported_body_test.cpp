@@ -8,7 +8,7 @@
 #include "integrators/method.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 #include "scene/scene_file.h"
 
 namespace polhode {

@@ -10,7 +10,7 @@
 
 #include "build_kind.h"
 #include "integrators/scenes.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 
 namespace polhode {
 namespace {

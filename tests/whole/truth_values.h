@@ -7,7 +7,7 @@
 #include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
-#include "motion/exact_body.h"
+#include "motion/exact_body_of.h"
 #include "scene/scene_file.h"
 
 namespace polhode {

@@ -87,7 +87,8 @@ Complex<S> conjugate(const Complex<S>& a) {
     return {a.re, -a.im};
 }
 
-/// Of sums in q^(n(n-1)) with q <= exp(-pi): enough for binary64, for 113 bits, for 180 digits.
+/// How many terms the theta functions' sums need, whose terms fall as q^(n(n-1)) with a nome q <= exp(-pi): in
+/// binary64, in 113 bits, and for 180 digits.
 template <class S>
 constexpr int most_theta_terms = std::is_same_v<S, double> ? 4
                                  : std::is_same_v<S, Wide> ? 6
@@ -149,7 +150,7 @@ class Lattice {
         dn_factor = trigonometric ? S(theta4 / theta3) : S(theta2 / theta3);
     }
 
-    /// The same, rounded: what was set up in more digits, to be evaluated in fewer.
+    /// A lattice that was set up in more digits, rounded in order to be evaluated in fewer.
     template <class From>
     explicit Lattice(const Lattice<From>& b)
         : trigonometric(b.trigonometric),
@@ -198,7 +199,7 @@ class Lattice {
     /// theta_4 on the real line (up to a factor that all of these share), what sn, cn, dn are quotients by.
     S denominator(const Harmonics<S>& h) const { return trigonometric ? alternating_even(h) : plain_odd(h); }
 
-    /// Its derivative by scale * u; the harmonics need their even sines.
+    /// The derivative of denominator() by scale * u. The harmonics must have their even sines.
     S denominator_slope(const Harmonics<S>& h) const {
         S sum = trigonometric ? S(0) : h.odd_sine[0];
         for (int n = 1; n <= terms; ++n) {
@@ -355,7 +356,7 @@ class ShiftedTheta {
         return total;
     }
 
-    /// Its derivative by scale * u.
+    /// The derivative of the value by scale * u.
     Complex<S> derivative(const Harmonics<S>& h) const {
         Complex<S> total;
         for (int n = 0; n <= terms_; ++n) {

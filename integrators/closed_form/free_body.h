@@ -1,7 +1,7 @@
 // The torque-free motion of a rigid body in closed form, attitude included, over any scalar: valid for every t at once,
 // without stepping.
 //
-// All of them pose w and q in principal axes; q maps these to the world and is continuous in t.
+// Every class here takes w and q in principal axes; q maps these to the world and is continuous in t.
 #pragma once
 
 #include <utility>
@@ -137,7 +137,7 @@ class FreeAsymmetricBody {
     FreeAsymmetricBody(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q)
         : FreeAsymmetricBody(Labelled(moments, w), q) {}
 
-    /// The same, rounded.
+    /// A body that was set up in more digits, rounded in order to be evaluated in fewer.
     template <class From>
     explicit FreeAsymmetricBody(const FreeAsymmetricBody<From>& b)
         : axis_(b.axis_),

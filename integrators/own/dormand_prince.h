@@ -57,7 +57,7 @@ struct Dop853Tableau {
                                -1.52160949662516078556178806805e-1,
                                2.01365400804030348374776537501e-1,
                                4.47106157277725905176885569043e-2};
-    /// Of the method of order 3: stages 1, 9 and 12.
+    /// The weights of the embedded method of order 3, which uses the stages 1, 9 and 12.
     double third[dop853_stages] = {
         0.244094488188976377952755905512,   0, 0, 0, 0, 0, 0, 0, 0.733846688281611857341361741547, 0, 0,
         0.220588235294117647058823529412e-1};
@@ -113,9 +113,9 @@ POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const 
 
 using Dop853Step = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double h,
                         RotationStep& to);
-/// The same step, and the same bits, by each instruction set.
+/// One step, compiled for each instruction set; all give the same bits.
 Dop853Step dop853_step_plain, dop853_step_avx2, dop853_step_avx512;
-/// By the set at hand.
+/// The step for an instruction set that the processor has.
 Dop853Step* dop853_step(InstructionSet set);
 
 }  // namespace polhode

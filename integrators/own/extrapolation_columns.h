@@ -79,7 +79,7 @@ constexpr auto extrapolation_weights() {
     return weights;
 }
 
-/// The same at run time, and what a step costs.
+/// A row of the extrapolation table chosen at run time: its columns, their weights and what a step costs.
 struct ExtrapolationRow {
     int columns = 0;
     int evaluations = 0;       ///< of the right-hand side in a step

@@ -189,9 +189,9 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
 
 using MidpointStep = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double H,
                           int row, RotationStep& to);
-/// The same step, and the same bits, by each instruction set.
+/// One step, compiled for each instruction set; all give the same bits.
 MidpointStep midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512;
-/// By the set at hand.
+/// The step for an instruction set that the processor has.
 MidpointStep* midpoint_step(InstructionSet set);
 
 template <class Register>

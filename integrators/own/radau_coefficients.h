@@ -24,7 +24,7 @@ struct RadauCoefficients {
     int order() const { return 2 * stages - 1; }
 };
 
-/// Of 3, 5 or 7 stages.
+/// The coefficients for 3, 5 or 7 stages.
 const RadauCoefficients& radau_coefficients(int stages);
 
 }  // namespace polhode

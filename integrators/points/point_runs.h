@@ -1,4 +1,5 @@
-// Bodies made of points as methods and as the study of them calls these, with what Settings has no place for.
+// Runs of bodies made of points, with the options that Settings has no place for: the methods and the experiment call
+// them.
 #pragma once
 
 #include "integrators/method.h"
@@ -10,15 +11,15 @@ namespace polhode {
 struct PointOptions {
     Arrangement arrangement{};
     std::optional<double> stiffness{};  ///< N/m, of every spring; default_stiffness() where absent
-    /// Of the springs' slowest vibration, as a share of the critical one; 0, and 1 for CVODE, where absent.
+    /// The damping of the springs' slowest vibration as a share of the critical one. Where absent: 1 for CVODE, else 0.
     std::optional<double> damping_ratio{};
     int iterations = 10;  ///< sweeps over the distances a step, of the position-based update
 };
 
-/// What it tells: the trajectory, and the largest | |d| - l | / l over all samples and links.
+/// What a run gives.
 struct PointRun {
     Trajectory trajectory;
-    double largest_stretch = 0;
+    double largest_stretch = 0;  ///< the largest | |d| - l | / l over all samples and links
 };
 
 PointRun point_springs_rk4(const Problem& problem, const Settings& settings, const PointOptions& options);

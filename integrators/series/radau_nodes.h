@@ -25,7 +25,7 @@ struct Radau {
     std::vector<P> nodes;    ///< 0 and the c_i: where the collocation polynomial is known
     std::vector<P> weights;  ///< barycentric, of `nodes`
     std::vector<P> last;     ///< the polynomial's Legendre coefficient of degree `stages`: last . values at `nodes`
-    std::vector<P> last_but_one;  ///< likewise of degree stages - 1, from the values at the c_i (quadrature)
+    std::vector<P> last_but_one;  ///< its coefficient of degree stages - 1, from the values at the c_i (quadrature)
 
     explicit Radau(int s);
 

@@ -27,7 +27,7 @@ void convolve(T& result, const T* a, const T* b, int k, T& scratch) {
     if (k % 2 == 0) add_product(result, a[k / 2], a[k / 2], scratch);
 }
 
-/// The same for a machine's own numbers: the sum stays in a register.
+/// The k-th coefficient of a product for the machine's own numbers, whose sum stays in a register.
 template <std::floating_point T>
 void convolve(T& result, const T* a, const T* b, int k, T&) {
     T sum = 0;

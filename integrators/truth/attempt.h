@@ -18,34 +18,36 @@ struct Truth {
     double seconds = 0;                        ///< wall clock, when it was computed
     bool limit_reached = false;                ///< there is none because the time allowed was spent
     std::vector<DecimalColumns> decimals;      ///< one a sample, to more digits than agree
-    std::vector<std::string> impact_decimals;  ///< of Reference::impact_times, likewise
+    std::vector<std::string> impact_decimals;  ///< Reference::impact_times, to more digits than agree
 };
 
 /// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.
 Truth find_truth(const Scene& scene, long samples, int digits, double seconds_limit = truth_seconds);
 
+/// Two runs of the truth, compared.
 struct Attempt {
     std::string fault;         ///< why a run did not reach the end; empty if both did
     double agreed_digits = 0;  ///< -log10 of the largest difference
     Truth truth;
 };
 
-/// `working`: decimal digits of the arithmetic, of those instantiated: 50, 100. `local_digits`: of each step.
+/// The truth by Taylor series in both formulations. `working` is the number of decimal digits of the arithmetic, 50 or
+/// 100; `local_digits` that of each step.
 template <unsigned working>
 Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// The same by collocation, for stiff scenes.
+/// The truth by Radau collocation in both formulations, for stiff scenes; the digits are as for the Taylor series.
 template <unsigned working>
 Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
 /// Whether the motion has a closed form throughout: no events, principal axes as given.
 bool closed_form_serves(const Problem& problem);
 
-/// By closed form at any time; the beginning also by Taylor series.
+/// The truth by closed form, at any time; its beginning is also made by Taylor series and compared.
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// By Taylor series of Euler's equations and by closed form: for motions that hang on a component of w so small beside
-/// the others that momenta in world axes cannot hold it.
+/// The truth by Taylor series of Euler's equations and by closed form, compared: for motions that hang on a component
+/// of w so small beside the others that momenta in world axes cannot hold it.
 Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
                                           double local_digits);
 

@@ -14,10 +14,11 @@ namespace polhode::truth {
 /// Changes whenever computed digits might: files of another version are left alone.
 constexpr const char* cache_version = "polhode truth 2";
 
-/// The hash of all that the truth depends on: the scene without its name and texts, samples, digits, version.
+/// The hash of all that a truth at equally spaced samples depends on: the scene without its name and texts, the number
+/// of samples, the digits, the version.
 std::string cache_key(const Scene& scene, long samples, int digits);
 
-/// Likewise for samples at times of the caller's own.
+/// The hash of all that a truth at times of the caller's own (s) depends on.
 std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits);
 
 /// The truth kept under `key`; nothing where there is none, or the file is torn, foreign or of another version.

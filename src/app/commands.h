@@ -15,13 +15,21 @@ namespace polhode {
 /// ended in a named failure. Bad usage or input is thrown: UsageError, InputError.
 using AddCommand = void (*)(CLI::App& program, int& exit_code);
 
+/// One trajectory (solve.cpp).
 void add_solve(CLI::App& program, int& exit_code);
+/// All that is known of a scene or a method before solving (describe.cpp).
 void add_describe(CLI::App& program, int& exit_code);
+/// Experiments into tables and pictures (run.cpp).
 void add_run(CLI::App& program, int& exit_code);
+/// The reference trajectory (truth.cpp).
 void add_truth(CLI::App& program, int& exit_code);
+/// Trajectories of anyone's making against the truth (check.cpp).
 void add_check(CLI::App& program, int& exit_code);
+/// What there is (list.cpp).
 void add_list(CLI::App& program, int& exit_code);
+/// Golden data for an engine's unit tests (export.cpp).
 void add_export(CLI::App& program, int& exit_code);
+/// A scene for many bodies (ensemble_command.cpp).
 void add_ensemble(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.

@@ -11,23 +11,25 @@ namespace polhode {
 
 using Polyline = std::vector<Vector3<double>>;
 
-/// Everything in principal axes, rad/s.
+/// The curve that the angular velocity draws in the body: principal axes, rad/s.
 struct PolhodeCurve {
     std::string fault;  ///< empty, or why there is no curve
     Vector3<double> moments;
     bool body_axes = true;  ///< the principal axes are the body's own
     /// The curve stays on the ellipsoid: no torque, and no impulse after the start.
     bool free = false;
-    /// Of rotation, J: at t = 0, or the run's largest where that is zero. Zero: never in motion.
+    /// The kinetic energy of rotation, J, at t = 0, or the run's largest where that is zero. Zero for a body that never
+    /// turns.
     double energy = 0;
     bool energy_of_start = true;
-    /// 2 E = I1 w1^2 + I2 w2^2 + I3 w3^2: sqrt(2 E / I_i).
+    /// The semi-axes sqrt(2 E / I_i) of the ellipsoid 2 E = I1 w1^2 + I2 w2^2 + I3 w3^2.
     Vector3<double> semi_axes;
-    /// In order of time, in pieces between impulses; of a free body no further than once round.
+    /// The curve in order of time, in pieces between impulses; for a free body no further than once round.
     std::vector<Polyline> curve;
     bool closed = false;  ///< the curve ends where it began
     double until = 0;     ///< s, the time shown
-    /// Of a free asymmetric body: the two ellipses through the ends of the middle axis, L^2 = 2 E I2 (Poinsot 1834).
+    /// The separatrix of a free asymmetric body: the two ellipses through the ends of the middle axis, L^2 = 2 E I2
+    /// (Poinsot 1834).
     std::vector<Polyline> separatrix;
 };
 

@@ -62,11 +62,13 @@ double orthogonality_defect(const Matrix3<double>& A);
 /// rotation: finite, A^T A = 1 within `tolerance` (orthogonality_defect), and no reflection (det A > 0).
 void require_rotation(const Matrix3<double>& A, double tolerance = 1e-9);
 
-/// Of a rotation matrix, off by rounding or a little drift, by its largest component (S. W. Shepperd 1978, J. Guidance
-/// and Control 1, 223): well-conditioned everywhere. w >= 0. Throws like require_rotation.
+/// The quaternion of a rotation matrix that may be off by rounding or a little drift, found by its largest component
+/// (S. W. Shepperd 1978, J. Guidance and Control 1, 223), which is well-conditioned everywhere. w >= 0. Throws like
+/// require_rotation.
 Quaternion<double> quaternion_from_matrix(const Matrix3<double>& A);
 
-/// The same, unchecked: what it gives of anything but a rotation has no meaning. NaN in, NaN out.
+/// The quaternion of a matrix that is not checked: what comes of anything but a rotation has no meaning. NaN in, NaN
+/// out.
 Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A);
 
 /// As on D. Fleck's slide: X = col1 / |col1|, Z = X x col2 / |..|, Y = Z x X / |..|. The first column keeps its

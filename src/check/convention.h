@@ -37,18 +37,22 @@ Convention parse_convention(std::string_view text);
 /// The words that parse_convention() reads back; empty for ours.
 std::string name_of(const Convention& convention);
 
-/// The vector here that is v there.
+/// The vector in polhode's axes that is v in the other program's.
 Vector3<double> vector_from(Axes axes, const Vector3<double>& v);
-/// Likewise for an angular velocity, or the vector part of a quaternion: a mirror turns its sense round.
+/// The angular velocity, or the vector part of a quaternion, that is v in the other program: a mirror turns its sense
+/// round.
 Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v);
+/// The attitude that is q in the other program.
 Quaternion<double> quaternion_from(Axes axes, const Quaternion<double>& q);
 
-/// The other way.
+/// The vector in the other program's axes that is v here.
 Vector3<double> vector_to(Axes axes, const Vector3<double>& v);
+/// The angular velocity in the other program's axes that is v here.
 Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v);
+/// The attitude in the other program that is q here.
 Quaternion<double> quaternion_to(Axes axes, const Quaternion<double>& q);
 
-/// A file as it would stand in our conventions. The order of the quaternion's columns is the reader's matter:
+/// Turns a file into polhode's conventions. The order of the quaternion's columns is the reader's matter:
 /// read_trajectory(path, convention.quaternion).
 void convert(TrajectoryFile& file, const Convention& convention);
 

@@ -15,8 +15,8 @@ struct GnuplotRun {
 /// the time limit. Throws nothing: what goes wrong is in `fault`.
 GnuplotRun run_gnuplot(const std::string& script, std::chrono::milliseconds time_limit);
 
-/// The same for a script that draws one picture by the terminal "svg" or "pdf": a picture that is not whole is a fault,
-/// and a PDF's date of creation becomes the epoch, so that the same script gives the same bytes.
+/// Runs a script that draws one picture by the terminal "svg" or "pdf", as run_gnuplot() does. A picture that is not
+/// whole is a fault, and a PDF's date of creation becomes the epoch, so that the same script gives the same bytes.
 GnuplotRun gnuplot_picture(const std::string& script, const std::string& terminal,
                            std::chrono::milliseconds time_limit);
 

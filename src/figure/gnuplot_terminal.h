@@ -8,7 +8,7 @@ namespace polhode {
 /// A string in double quotes in which nothing has a meaning: no escape, no command substitution, no end.
 std::string gnuplot_quoted(const std::string& text);
 
-/// The same on one line: control characters become spaces.
+/// A string in double quotes in which nothing has a meaning, on one line: control characters become spaces.
 std::string gnuplot_quoted_line(std::string text);
 
 /// gnuplot's svg or pdfcairo terminal; sizes are in points, in its own unit where it is told.

@@ -24,7 +24,7 @@ struct Conserved {
     std::string name;           ///< "E", "L . u along gravity", ..
     std::string formula;        ///< what it is, with units
     std::vector<double> value;  ///< one number, or three of a vector in world axes
-    /// The same quantity on another sample of the same scene, in the same order.
+    /// The value of this quantity at another sample of the scene, its components in the order of `value`.
     std::vector<double> (*of)(const Problem&, const Conserved&, const Sample&);
     Vector3<double> direction;  ///< unit vector that some quantities are taken along: world or posed axes
 };

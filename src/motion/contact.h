@@ -42,7 +42,7 @@ class ContactGeometry {
     bool any() const { return !planes.empty() && !pieces.empty(); }
     std::size_t size() const { return planes.size() * pieces.size(); }
 
-    /// Of the k-th pair of a plane and a piece.
+    /// The gap of the k-th pair of a plane and a piece.
     Gap<S> gap(std::size_t k, const Placement<S>& at) const {
         const ContactPlane<S>& plane = planes[k / pieces.size()];
         const SupportPiece<S>& piece = pieces[k % pieces.size()];

@@ -11,16 +11,16 @@
 
 namespace polhode {
 
-/// What an impulse acts on. As made: immovable and at rest.
+/// What an impulse acts on. Unless it is given others it is immovable and at rest.
 template <class S>
 struct StruckBody {
-    S inverse_mass = S(0);         ///< 1/kg
-    Matrix3<S> inverse_inertia_W;  ///< 1/(kg m^2), about the centre of mass, world axes
-    Vector3<S> position_W;         ///< of the centre of mass, m
-    Vector3<S> velocity_W;         ///< of the centre of mass, m/s
-    Vector3<S> angular_velocity_W;
+    S inverse_mass = S(0);          ///< 1/kg
+    Matrix3<S> inverse_inertia_W;   ///< 1/(kg m^2), about the centre of mass, world axes
+    Vector3<S> position_W;          ///< of the centre of mass, m
+    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<S> angular_velocity_W;  ///< rad/s
 
-    /// Of the body's point that is at `point_W`, m/s.
+    /// The velocity (m/s) of the body's point that is at `point_W` (m).
     Vector3<S> velocity_at(const Vector3<S>& point_W) const {
         return velocity_W + cross(angular_velocity_W, point_W - position_W);
     }

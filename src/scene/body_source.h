@@ -57,7 +57,8 @@ struct EulerTurn {
     bool in_degrees = false;
     bool about_turned_axes = false;  ///< each about the axes as the ones before left them; else about fixed axes
 };
-/// Of a robot description: the inertial frame stands in the link's; the tensor is about the centre of mass in its axes.
+/// The inertial of a robot description. Its frame stands in the link's; the tensor is about the centre of mass in the
+/// axes of that frame.
 struct ImportedBody {
     std::string file, link;  ///< as the scene names them
     std::string hash;        ///< of the file's bytes
@@ -149,28 +150,30 @@ MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
     return composite(parts);
 }
 
-/// Of a scene's body.
+/// The mass properties of a scene's body, the exact function of its binary64 numbers.
 template <class S>
 MassProperties<S> mass_properties(const Body& body) {
     if (body.source) return mass_properties<S>(*body.source);
     return MassPropertiesOf<S>{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 
-/// Works out what follows from it.
+/// A source made of these, with the mass properties that follow.
 std::shared_ptr<const BodySource> body_source(MadeOf made_of);
 
-/// A body made of it, its numbers rounded once. Says nothing about whether they are those of a body: see validate().
+/// A scene's body of this source, each of its numbers rounded once. Says nothing about whether they are those of a
+/// body: see validate().
 Body body_of(std::shared_ptr<const BodySource> source);
 
 /// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign
 /// and triangle inequality within 1e-12 of the largest moment. Moments may be 0.
 std::string tensor_fault(const Matrix3<double>& inertia);
 
-/// "has norm .." of a quaternion that is not of length 1 within 1e-6, or empty; and what to give instead.
+/// What is wrong with a quaternion that is not of length 1 within 1e-6, "has norm ..", or an empty text; norm_remedy is
+/// what to give instead.
 std::string norm_fault(const Quaternion<double>& q);
 inline constexpr const char* norm_remedy = "a unit quaternion [w, x, y, z] has norm 1 within 1e-6";
 
-/// Of a body that was read with its shape: a shape, a mesh, or parts of such.
+/// Whether the body was read with its shape: it is a shape, a mesh, or parts of such.
 bool has_shape(const BodySource& source);
 
 }  // namespace polhode

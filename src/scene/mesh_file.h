@@ -23,7 +23,7 @@ struct MeshFile {
 /// without a vertex, a surface that mesh_fault() faults or that encloses no volume.
 MeshFile read_mesh(const std::string& path);
 
-/// The same from the bytes of a file; `path` is named in errors and tells the format.
+/// The surface in the bytes of a file, read as by read_mesh(); `path` is named in errors and tells the format.
 Mesh parse_mesh(std::string_view bytes, const std::string& path);
 
 }  // namespace polhode

@@ -15,7 +15,7 @@ namespace polhode {
 /// inertial, a missing element or attribute, what is no finite number, a mass or moment that is not positive.
 ImportedBody read_robot_body(const std::string& path, const std::string& link);
 
-/// The same from a file's text; `path` is named in errors.
+/// The inertial in a file's text, read as by read_robot_body(); `path` is named in errors.
 ImportedBody parse_robot_body(std::string_view text, const std::string& path, const std::string& link);
 
 }  // namespace polhode

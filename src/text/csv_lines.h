@@ -18,16 +18,17 @@ class CsvLines {
     /// The next line that is no comment; false at the end.
     bool next();
 
-    long number() const { return number_; }  ///< from 1
-    /// Of the line at hand; good until next() is called again.
+    /// The number of the line at hand, from 1.
+    long number() const { return number_; }
+    /// The cells of the line at hand, good until next() is called again.
     const std::vector<std::string_view>& cells() const { return cells_; }
     /// About how many lines are left with this one, if all are as long.
     std::size_t rows_left() const { return rest_.size() / (line_.size() + 1) + 2; }
-    /// "line 1 begins with a byte order mark", ..: empty where nothing was.
+    /// What was read past, "line 1 begins with a byte order mark", or an empty text.
     const std::string& read_past() const { return read_past_; }
 
-    /// Of a header: the place in `names` of each cell. Throws InputError: semicolons or tabs for commas, a name that is
-    /// none of them, or one given twice.
+    /// Takes the line at hand for a header and gives the place in `names` of each cell. Throws InputError: semicolons
+    /// or tabs for commas, a name that is none of them, or one given twice.
     std::vector<std::size_t> header(const std::vector<std::string>& names) const;
 
   private:

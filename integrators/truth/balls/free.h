@@ -71,7 +71,7 @@ struct PrincipalAxes {
     Vector3<Ball> moments;
     Matrix3<Ball> axes;  ///< columns, right-handed
 };
-/// Of a symmetric tensor; empty where balls of the working precision cannot separate the moments.
+/// The principal axes of a symmetric tensor; empty where balls of the working precision cannot separate the moments.
 std::optional<PrincipalAxes> principal_axes(const Matrix3<Ball>& tensor);
 
 /// The motion without torque from w_B on; empty where no closed form holds or balls cannot tell which.

@@ -27,10 +27,10 @@ class Transition {
   public:
     static constexpr long bits = 96;
 
-    /// Of the piece that the form has entered.
+    /// Takes the piece of the motion that the form has entered.
     Transition(const EulerForm<Ball>& form, int order);
 
-    /// Of the expansions to come, at most that of the constructor.
+    /// Sets the order of the expansions to come, at most the constructor's.
     void set_order(int order) { series_.set_order(order); }
     /// For t in [0, h] and beginnings such that the motion stays within `distance` of that from `point`. An error grows
     /// at most by `growth` on the way, within `allowed` of the motion from `point` (lengths in the norm).

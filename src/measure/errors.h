@@ -21,15 +21,18 @@ struct ErrorSeries : PerMeasure<std::vector<double>> {
 /// One measure of a run. A number that does not exist is empty: without the truth that it needs, of a run that did not
 /// reach the end, and a maximum that overflows.
 struct ErrorOfRun {
-    std::optional<double> final, max;  ///< at the end, and the largest over all samples
+    std::optional<double> final;  ///< at the end of the run
+    std::optional<double> max;    ///< the largest over all samples
 };
-/// errors["attitude"].max, ..
+/// The measures of a run by name: errors["attitude"].max is its largest attitude error.
 using Errors = PerMeasure<ErrorOfRun>;
 
-/// Sample by sample, as far as both go; sample k of the one must be sample k of the other (same t), else
-/// std::invalid_argument. A scale of zero makes that error absolute.
+/// The errors of a trajectory of `scene` against its truth, sample by sample, as far as both go. Sample k of the one
+/// must be at the time of sample k of the other, else std::invalid_argument is thrown. A scale of zero makes an error
+/// absolute.
 ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const Reference& reference);
 
+/// The errors of a run at its end and at their largest, from its series.
 Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Reference& reference);
 
 }  // namespace polhode

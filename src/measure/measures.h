@@ -20,47 +20,59 @@ namespace polhode {
 /// The truth at one time. S is double, which drops the low parts of the truth, or Wide.
 template <class S>
 struct TrueState {
-    Quaternion<S> q;
-    Vector3<S> angular_velocity_B, position_W, velocity_W, angular_momentum_W;
-    S kinetic = S(0), energy = S(0);  ///< J
+    Quaternion<S> q;                ///< body to world, of unit length
+    Vector3<S> angular_velocity_B;  ///< rad/s
+    Vector3<S> position_W;          ///< of the centre of mass, m
+    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<S> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
+    S kinetic = S(0);               ///< energy, J
+    S energy = S(0);                ///< kinetic and potential, J
 };
 
-/// A sample beside the truth at its time, with the energy (J) and the angular momentum (kg m^2/s, world axes) that
-/// follow from the sample's own numbers.
+/// A sample beside the truth at its time, with the energy and the angular momentum that follow from the sample's own
+/// numbers.
 template <class S>
 struct ComparedSample {
-    Quaternion<S> q;  ///< as the method left it, of any length but zero
-    Vector3<S> angular_velocity_B, position_W, velocity_W;
+    Quaternion<S> q;                             ///< body to world as the method left it, of any length but zero
+    Vector3<S> angular_velocity_B;               ///< rad/s
+    Vector3<S> position_W;                       ///< of the centre of mass, m
+    Vector3<S> velocity_W;                       ///< of the centre of mass, m/s
     std::optional<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1
-    Vector3<S> angular_momentum_W;
-    S energy = S(0);
-    TrueState<S> truth;
+    Vector3<S> angular_momentum_W;               ///< about the pivot, or else about the centre of mass, kg m^2/s
+    S energy = S(0);                             ///< kinetic and potential, J
+    TrueState<S> truth;                          ///< at the sample's time
 };
 
-/// One formula in binary64 and in 128 bits.
+/// One formula, compiled for binary64 and for 128 bits.
 template <template <class> class Argument>
 struct MeasureFormula {
-    double (*binary64)(const Argument<double>&) = nullptr;
-    Wide (*binary128)(const Argument<Wide>&) = nullptr;
+    double (*binary64)(const Argument<double>&) = nullptr;  ///< null: there is no formula
+    Wide (*binary128)(const Argument<Wide>&) = nullptr;     ///< null: there is no formula
 
+    /// No formula.
     MeasureFormula() = default;
+    /// A function object, or a generic lambda, that captures nothing.
     template <class F>
     MeasureFormula(F formula) : binary64(formula), binary128(formula) {}
 
+    /// The value in binary64.
     double operator()(const Argument<double>& argument) const { return binary64(argument); }
+    /// The value in 128 bits.
     Wide operator()(const Argument<Wide>& argument) const { return binary128(argument); }
+    /// Whether there is a formula.
     explicit operator bool() const { return binary64 != nullptr; }
 };
 
-/// What has to be known of a motion for a measure of it; joined by |.
+/// What has to be known of a motion for a measure of it. Several are joined by |.
 enum Known : unsigned {
-    known_truth = 1,
-    known_angular_velocity = 2,
-    known_position = 4,
-    known_velocity = 8,
-    known_center = 16,  ///< position and velocity of the centre of mass, if only by the attitude about a pivot
+    known_truth = 1,             ///< the truth
+    known_angular_velocity = 2,  ///< its angular velocity
+    known_position = 4,          ///< its position
+    known_velocity = 8,          ///< its velocity
+    known_center = 16,           ///< position and velocity of the centre of mass, if only by the attitude about a pivot
 };
 
+/// One measure of how wrong a trajectory is.
 struct Measure {
     std::string_view name;       ///< "attitude": columns are attitude_error, attitude_error_max, ..
     std::string_view title;      ///< for people
@@ -70,7 +82,7 @@ struct Measure {
     bool tabled = false;         ///< has columns in the tables of results and series; without, only `check` tells it
     bool tabled_at_end = false;  ///< and one of its value at the end of the run
     bool over_time = false;      ///< `check` tells its growth
-    MeasureFormula<ComparedSample> error;
+    MeasureFormula<ComparedSample> error;  ///< of one sample, before it is divided by the scale
     /// What the error is relative to: the largest of this over the run. Absolute where there is none.
     MeasureFormula<TrueState> scale = {};
 };
@@ -84,16 +96,22 @@ std::size_t measure_index(std::string_view name);
 template <class T>
 class PerMeasure {
   public:
+    /// The value of a measure by its index.
     T& operator[](std::size_t measure) { return values_[measure]; }
+    /// The value of a measure by its index.
     const T& operator[](std::size_t measure) const { return values_[measure]; }
+    /// The value of a measure by its name. Throws std::invalid_argument where there is none.
     T& operator[](std::string_view measure) { return values_[measure_index(measure)]; }
+    /// The value of a measure by its name. Throws std::invalid_argument where there is none.
     const T& operator[](std::string_view measure) const { return values_[measure_index(measure)]; }
+    /// How many measures there are.
     std::size_t size() const { return values_.size(); }
 
   private:
     std::vector<T> values_ = std::vector<T>(measures().size());
 };
 
+/// The truth at one time in the scalar S, with the kinetic energy of the body.
 template <class S>
 TrueState<S> true_state(const ExactBody<S>& body, const ReferenceSample& truth) {
     const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };

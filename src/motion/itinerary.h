@@ -17,9 +17,10 @@ constexpr bool acts_before_sample(double event, double sample) { return event <=
 
 /// The stretch of a run between two events, in which the motion is smooth.
 struct Leg {
-    std::size_t index = 0;      ///< 0 for the first one
-    double begin = 0, end = 0;  ///< s; an impulse at the very end opens a last leg of no length
-    bool last = false;
+    std::size_t index = 0;  ///< 0 for the first one
+    double begin = 0;       ///< s
+    double end = 0;         ///< s; an impulse at the very end opens a last leg of no length
+    bool last = false;      ///< no leg follows
 
     /// Whether a sample at t >= begin is this leg's, and not one's that begins later.
     bool shows(double t) const { return last || !acts_before_sample(end, t); }
@@ -29,7 +30,7 @@ struct Leg {
 /// twice where an impulse acts at the very end.
 std::vector<double> event_times(const Scene& scene);
 
-/// The legs between them: they follow each other without a gap from 0 to the scene's duration.
+/// The legs between the event times: they follow each other without a gap from 0 to the scene's duration.
 std::vector<Leg> itinerary(const Scene& scene);
 
 /// The samples of a run that are still to be taken.
@@ -37,22 +38,24 @@ class SampleQueue {
   public:
     /// No samples.
     SampleQueue() = default;
-    /// sample_time(duration, k, n), k = 0..n
+    /// The samples at sample_time(duration, k, n), k = 0..n.
     SampleQueue(double duration, long n) : duration_(duration), count_(n + 1) { look(); }
-    /// At times of the caller's own (s), which do not decrease and outlive the queue.
+    /// Samples at times of the caller's own (s), which do not decrease and outlive the queue.
     explicit SampleQueue(std::span<const double> times)
         : times_(times.data()), count_(static_cast<long>(times.size())) {
         look();
     }
 
+    /// Whether all samples have been taken.
     bool empty() const { return next_ == count_; }
-    /// The time of the next one; infinite where there is none.
+    /// The time of the next sample, s; infinite where there is none.
     double front() const { return front_; }
+    /// The next sample has been taken.
     void pop() { ++next_, look(); }
 
     /// Whether the next sample is one that the leg shows.
     bool in(const Leg& leg) const { return !empty() && leg.shows(front_); }
-    /// Whether it is, and the motion has come that far.
+    /// Whether the next sample is one that the leg shows, and the motion has come that far (s).
     template <class Time>
     bool due(const Leg& leg, const Time& reached) const {
         return in(leg) && front_ <= reached;
@@ -76,13 +79,14 @@ class SampleQueue {
 template <class LegType>
 class EventQueue {
   public:
+    /// All events of a run; the legs must outlive the queue.
     explicit EventQueue(const std::vector<LegType>& legs) : next_(legs.data()), end_(next_ + legs.size()) { look(); }
 
     /// Whether the next event acts before a sample at t.
     bool due(double t) const { return acts_before_sample(front_, t); }
-    /// The time of the next event; infinite where there is none.
+    /// The time of the next event, s; infinite where there is none.
     double front() const { return front_; }
-    /// The leg that it opens.
+    /// Meets the next event and gives the leg that it opens.
     const LegType& pop() {
         const LegType& leg = *next_++;
         look();

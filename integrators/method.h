@@ -3,9 +3,14 @@
 // A method of one's own, from outside the tree, is the same descriptor handed to solve().
 #pragma once
 
+#include <array>
 #include <complex>
+#include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "motion/problem.h"
@@ -34,6 +39,31 @@ struct Settings {
     Formulation formulation = Formulation::reduced;
 };
 
+/// What kind of scheme a method is.
+enum class Family {
+    unnamed,
+    closed_form,       ///< evaluated at each sample, nothing is stepped
+    series,            ///< Taylor series
+    extrapolation,     ///< of a scheme of low order to step zero
+    runge_kutta,       ///< stages within a step, explicit or implicit
+    multistep,         ///< from several steps before
+    splitting,         ///< flows of parts of the motion, one after the other
+    rotation_group,    ///< made for the rotation group or for what the motion keeps
+    published_update,  ///< a step as an article, a course or slides for game programmers print it
+    engine_update,     ///< a step as physics engines take it
+    points,            ///< the body is made of points
+    reference,         ///< the truth that errors are measured against
+};
+
+/// The arithmetic of a method's steps.
+enum class Precision { binary64, binary32, multiprecision };
+
+/// The names of `Method::library`.
+inline constexpr std::string_view sundials_library = "SUNDIALS", odeint_library = "Boost.Odeint", gsl_library = "GSL";
+
+/// A method: what is known of it, and the function that runs it. All that tables and pictures go by stands here;
+/// nothing reads it off the name. Texts are views: those of a method made at run time belong to what make_method()
+/// returns.
 struct Method {
     std::string_view name;
     std::string_view documentation{};  ///< Markdown, a paragraph; goes into README's table by its first sentence
@@ -51,7 +81,46 @@ struct Method {
     /// The same on theta'' = -gamma theta' - k theta, of (h gamma, h^2 k), where the scheme is not one for first-order
     /// systems.
     double (*pendulum_growth)(double damping, double stiffness) = nullptr;
+    Family family = Family::unnamed;
+    std::string_view library{};  ///< whose steps they are, sundials_library, ..; empty: this one's own
+    Precision precision = Precision::binary64;
+    std::string_view in_binary64{};  ///< of a method in binary32: the name of the same in binary64
+    /// What it integrates whatever formulation the problem was posed by; empty: the formulation asked for.
+    std::optional<Formulation> formulation{};
+    /// Why it does not solve the problem, as far as that is known before any step; empty where it does. Ask refusal(),
+    /// which knows of planes too.
+    std::string (*refuses)(const Problem&) = nullptr;
+    /// Of a method that needs more than problem and settings (a command line, a function of the user's own): called in
+    /// place of `solve`, with `context` as it stands here.
+    Trajectory (*solve_in)(const void* context, const Problem&, const Settings&) = nullptr;
+    const void* context = nullptr;
 };
+
+/// `methods`, each with `common`'s family, library, precision, formulation and refusal where it has none of its own.
+template <std::size_t count>
+constexpr std::array<Method, count> sharing(const Method& common, const Method (&methods)[count]) {
+    std::array<Method, count> all{};
+    for (std::size_t i = 0; i < count; ++i) {
+        Method& m = all[i];
+        m = methods[i];
+        if (m.family == Family::unnamed) m.family = common.family;
+        if (m.library.empty()) m.library = common.library;
+        if (m.precision == Precision::binary64) m.precision = common.precision;
+        if (!m.formulation) m.formulation = common.formulation;
+        if (!m.refuses) m.refuses = common.refuses;
+    }
+    return all;
+}
+
+/// A method made at run time: what `description` says, solved by `solve`. The result owns its texts and the function,
+/// and whoever keeps a pointer or reference to the method keeps the result as well. `solve` is called from several
+/// threads at once where trajectories are computed side by side.
+std::shared_ptr<const Method> make_method(const Method& description,
+                                          std::function<Trajectory(const Problem&, const Settings&)> solve);
+
+/// Why the method does not solve the problem, in one line: planes, loads or a body that it has no place for. Empty
+/// where it may; a run can still end as `unsupported` where only the run itself shows it, or the step does.
+std::string refusal(const Method& method, const Problem& problem);
 
 /// All methods of this build, in the order of the list in integrators/CMakeLists.txt.
 std::span<const Method* const> methods();

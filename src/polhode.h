@@ -8,11 +8,12 @@
 //     const polhode::Errors off = polhode::errors(polhode::error_series(scene, motion, truth), motion, truth);
 //     std::cout << polhode::trajectory_csv(motion) << *off.attitude_max << " rad, truth to " << truth.bound;
 //
-// Quantities are in SI units and radians. A name's suffix tells its axes: _W the inertial world frame, _B the body frame.
-// Functions throw InputError where a scene or a file is at fault and std::invalid_argument where an argument is out of
-// range; an integration that fails says so in Trajectory::status and throws nothing.
+// Quantities are in SI units and radians. A name's suffix tells its axes: _W the inertial world frame, _B the body
+// frame. Functions throw InputError where a scene or a file is at fault and std::invalid_argument where an argument is
+// out of range; an integration that fails says so in Trajectory::status and throws nothing.
 #pragma once
 
+#include "integrators/engines/external_method.h"
 #include "integrators/method.h"
 #include "integrators/own/ensemble.h"
 #include "integrators/run/march.h"

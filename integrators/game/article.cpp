@@ -214,16 +214,20 @@ class Article {
 
 template <Form form, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>()))
-        return unsupported("the article turns a body about its own origin: a pivot elsewhere has no place in it");
     return march<Article<form, S>>(problem, settings);
+}
+
+std::string refused_pivot(const Problem& problem) {
+    return problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>())
+               ? "the article turns a body about its own origin: a pivot elsewhere has no place in it"
+               : "";
 }
 
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (apply_torque, "
     "update_body_orientation); mended after Euler's equations";
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "article_as_written",
      .documentation =
          "The article's update as it is printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
@@ -284,9 +288,11 @@ constexpr Method in_binary64[] = {
      .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
 
-constexpr auto family =
-    with_binary32<in_binary64, solve<Form::as_written, float>, solve<Form::offset_as_written, float>,
-                  solve<Form::sign_as_written, float>, solve<Form::mended, float>, solve<Form::body_frame, float>>();
+constexpr auto in_binary64 = sharing({.family = Family::published_update, .refuses = refused_pivot}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Form::as_written, float>,
+                                      solve<Form::offset_as_written, float>, solve<Form::sign_as_written, float>,
+                                      solve<Form::mended, float>, solve<Form::body_frame, float>>();
 
 }  // namespace
 

@@ -114,7 +114,7 @@ class BaraffWitkin {
 
 template <class Scheme, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<BaraffWitkin<Scheme, S>>(pose(problem.scene, Formulation::full), settings);
+    return march<BaraffWitkin<Scheme, S>>(problem, settings);
 }
 
 constexpr std::string_view source =
@@ -122,7 +122,7 @@ constexpr std::string_view source =
     "Pixar course of A. Witkin & D. Baraff)";
 constexpr std::string_view kept = "L in world axes exactly where no torque acts";
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "baraff_witkin_rk4",
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
@@ -146,7 +146,10 @@ constexpr Method in_binary64[] = {
      .growth = explicit_euler_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
+constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+
+constexpr auto family =
+    with_binary32<in_binary64, refused_by_binary32, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
 
 }  // namespace
 

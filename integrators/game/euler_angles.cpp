@@ -198,7 +198,7 @@ constexpr std::string_view source =
     "D. Fleck, Game Physics, part IV: Moving to 3D (slides: roll, pitch, yaw); the rates as in B. Etkin, Dynamics of "
     "Atmospheric Flight, 1972, section 5.2";
 
-const Method family[] = {
+constexpr Method each[] = {
     {.name = "euler_angles",
      .documentation =
          "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near pitch "
@@ -227,18 +227,19 @@ const Method family[] = {
      .solve = euler_angles_cvode},
 };
 
+constexpr auto family = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+
 }  // namespace
 
 Trajectory solve_euler_angles(const Problem& problem, const Settings& settings, LockPassage* passage) {
-    return march<EulerAnglesStepper>(pose(problem.scene, Formulation::full), settings, passage);
+    return march<EulerAnglesStepper>(problem, settings, passage);
 }
 
 Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
     LockPassage own;
     if (!passage) passage = &own;
-    const Problem full = pose(problem.scene, Formulation::full);
-    passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, full.body.q)[1]);
-    Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(full, settings, passage);
+    passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, problem.body.q)[1]);
+    Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(problem, settings, passage);
     // the solver knows of the steps that shrink, not of the reason
     if (trajectory.status != Status::ok && passage->nearest < near)
         trajectory.message =
@@ -248,7 +249,7 @@ Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& sett
 
 Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
     using Vector = FixedVector<FullMotion<double>::dimension>;
-    return solve_watched<FullMotion<double>, Vector>(pose(problem.scene, Formulation::full), settings, passage);
+    return solve_watched<FullMotion<double>, Vector>(problem, settings, passage);
 }
 
 extern const std::span<const Method> euler_angles_methods;

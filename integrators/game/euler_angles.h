@@ -15,11 +15,12 @@ struct LockPassage {
     double nearest = std::numeric_limits<double>::infinity();  ///< rad, least distance of the pitch from a right angle
 };
 
-/// The methods `euler_angles` and `euler_angles_cvode`; `passage` may be nullptr.
+/// The methods `euler_angles` and `euler_angles_cvode`, of a problem posed in full; `passage` may be nullptr.
 Trajectory solve_euler_angles(const Problem& problem, const Settings& settings, LockPassage* passage);
 Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& settings, LockPassage* passage);
 
-/// The method `cvode_adams` on quaternions, by all 13 variables in body axes, watched likewise.
+/// The method `cvode_adams` on quaternions, by all 13 variables in body axes: of a problem posed in full too, and
+/// watched likewise.
 Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settings, LockPassage* passage);
 
 }  // namespace polhode

@@ -212,7 +212,7 @@ using DriftingMatrix = TurnedMatrix<false, S>;
 
 template <template <class> class Attitude, template <class> class Inertia = TransformedInertia, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<Fleck<S, Attitude<S>, Inertia<S>>>(pose(problem.scene, Formulation::full), settings);
+    return march<Fleck<S, Attitude<S>, Inertia<S>>>(problem, settings);
 }
 
 constexpr std::string_view source =
@@ -221,7 +221,7 @@ constexpr std::string_view source =
     "Developer, June 1997";
 constexpr std::string_view kept = "L in world axes exactly where no torque acts";
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "fleck_matrix",
      .documentation =
          "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
@@ -284,8 +284,10 @@ constexpr Method in_binary64[] = {
      .growth = explicit_euler_growth},
 };
 
+constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+
 constexpr auto family =
-    with_binary32<in_binary64, solve<MendedMatrix, TransformedInertia, float>,
+    with_binary32<in_binary64, refused_by_binary32, solve<MendedMatrix, TransformedInertia, float>,
                   solve<DriftingMatrix, TransformedInertia, float>, solve<TurnedQuaternion, TransformedInertia, float>,
                   solve<AccumulatedVertices, TransformedInertia, float>, solve<MendedMatrix, ResummedInertia, float>>();
 

@@ -144,7 +144,7 @@ class GyroscopicUpdate {
 
 template <Term term, Turning turning = Turning::exponential, int parts = 1, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<GyroscopicUpdate<term, turning, parts, S>>(pose(problem.scene, Formulation::full), settings);
+    return march<GyroscopicUpdate<term, turning, parts, S>>(problem, settings);
 }
 
 // a = -c v - s theta, v+ = v + a, theta+ = theta + the mean of v + a/4, v + 2a/4, v + 3a/4 and v + a
@@ -155,7 +155,7 @@ double substepped_pendulum_growth(double c, double s) {
 
 constexpr std::string_view catto = "E. Catto 2015, Numerical Methods, Game Developers Conference";
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "gyroscopic_none",
      .documentation =
          "The semi-implicit step of game engines without a gyroscopic term: w in world axes changes by the loads "
@@ -227,12 +227,15 @@ constexpr Method in_binary64[] = {
      .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<Term::none, Turning::exponential, 1, float>,
-                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
-                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
-                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
-                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
-                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+constexpr auto in_binary64 = sharing({.family = Family::engine_update, .formulation = Formulation::full}, each);
+
+constexpr auto family =
+    with_binary32<in_binary64, refused_by_binary32, solve<Term::none, Turning::exponential, 1, float>,
+                  solve<Term::explicit_euler, Turning::exponential, 1, float>,
+                  solve<Term::one_newton_step, Turning::exponential, 1, float>,
+                  solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                  solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
+                  solve<Term::explicit_euler, Turning::first_order, 1, float>>();
 
 }  // namespace
 

@@ -111,7 +111,7 @@ Trajectory solve_steps(const Problem& problem, const Settings& settings) {
     return march<ImpactStepper<LoadedMotion<double>, detection>>(problem, settings);
 }
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "impact_stepping",
      .documentation =
          "Semi-implicit Euler as game engines step, with impacts found after the fact: where a step ends with the body "
@@ -142,6 +142,8 @@ constexpr Method list[] = {
      .solve = solve_steps<Detection::by_halving>,
      .pendulum_growth = semi_implicit_euler_pendulum_growth},
 };
+
+constexpr auto list = sharing({.family = Family::published_update}, each);
 
 }  // namespace
 

@@ -84,13 +84,10 @@ class RotationVector {
 
 template <class S>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    if constexpr (!std::is_same_v<S, double>)
-        if (const std::string_view why = refused_by_binary32(problem); !why.empty())
-            return unsupported(std::string(why));
-    return march<RotationVector<S>>(pose(problem.scene, Formulation::full), settings);
+    return march<RotationVector<S>>(problem, settings);
 }
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "rotation_vector",
      .documentation =
          "Axis and angle in one vector theta as the integrated attitude, with w in body axes, by the classical "
@@ -108,7 +105,9 @@ constexpr Method in_binary64[] = {
      .growth = classical_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<float>>();
+constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
 
 }  // namespace
 

@@ -53,7 +53,7 @@ double buss_pendulum_growth(double c, double s) {
                            1 + (-c - c * (1 - c) - s * theta_of_v) / 2);
 }
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "buss",
      .documentation =
          "The augmented second-order method of Buss: one turn by a rate corrected with the angular acceleration and "
@@ -64,11 +64,13 @@ constexpr Method in_binary64[] = {
      .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<Buss<double>>,
+     .solve = march_momentum<Buss<double>>,
      .pendulum_growth = buss_pendulum_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, march_rotation<Buss<float>>>();
+constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<Buss<float>>>();
 
 }  // namespace
 

@@ -148,7 +148,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
         problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
 }
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "implicit_midpoint",
      .documentation =
          "The implicit midpoint rule on the first-order system, solved to round-off: by simple iteration, and by "
@@ -164,7 +164,9 @@ constexpr Method in_binary64[] = {
      .growth = midpoint_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<float>>();
+constexpr auto in_binary64 = sharing({.family = Family::runge_kutta}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
 
 }  // namespace
 

@@ -94,7 +94,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 
 constexpr std::string_view kept = "|q|; L in world axes exactly where no torque acts; energy not";
 
-const Method family[] = {
+constexpr Method each[] = {
     {.name = "munthe_kaas4",
      .documentation =
          "The classical Runge-Kutta method on the rotation group: the stages are rotation vectors from the step's "
@@ -118,6 +118,8 @@ const Method family[] = {
      .solve = solve<CommutatorFree>,
      .growth = classical_growth},
 };
+
+constexpr auto family = sharing({.family = Family::rotation_group}, each);
 
 }  // namespace
 

@@ -121,12 +121,11 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
     return march<S>(problem, settings, options...);
 }
 
-/// The same of a stepper that knows the rotation alone: `unsupported` where translation is integrated beside it.
-template <class S>
-Trajectory march_rotation(const Problem& problem, const Settings& settings) {
-    if (problem.needs.dimension == 13 && !problem.body.pivoted)
-        return unsupported("its equations are those of the rotation: where translation is integrated beside it, not");
-    return march_momentum<S>(problem, settings);
+/// The refusal of a stepper that knows the rotation alone.
+inline std::string refused_translation(const Problem& problem) {
+    return problem.needs.dimension == 13 && !problem.body.pivoted
+               ? "its equations are those of the rotation: where translation is integrated beside it, not"
+               : "";
 }
 
 }  // namespace polhode

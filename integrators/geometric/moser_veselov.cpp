@@ -10,12 +10,15 @@ namespace {
 
 template <int order, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
+    return march_momentum<Splitting<DiscreteMoserVeselov<order / 2, S>, true, S>>(problem, settings, order);
+}
+
+template <int order>
+std::string refused(const Problem& problem) {
+    if (std::string why = refused_by_kicks(problem); !why.empty() || !composition(order).empty()) return why;
     bool loaded = problem.needs.dimension == 13 && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
-    if (loaded && composition(order).empty())
-        return unsupported("no composition of kicks of this order: under loads moser_veselov8 is the highest");
-    return march_momentum<Splitting<DiscreteMoserVeselov<order / 2, S>, true, S>>(problem, settings, order);
+    return loaded ? "no composition of kicks of this order: under loads moser_veselov8 is the highest" : "";
 }
 
 constexpr std::string_view source =
@@ -34,10 +37,11 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
             .order = order,
             .solve = solve<order>,
             // to first order in the angle the free motion is theta + h theta'; order 10 takes no loads
-            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>};
+            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>,
+            .refuses = refused<order>};
 }
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     moser_veselov<2>("moser_veselov2",
                      "The discrete Moser-Veselov motion of a free body, integrable like the motion itself: three "
                      "quadratic equations a step, solved to round-off. Loads act as half kicks before and after it. "
@@ -56,7 +60,10 @@ constexpr Method in_binary64[] = {
                       "same equations, order 10. Free bodies only."),
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
+constexpr auto in_binary64 = sharing({.family = Family::rotation_group}, each);
+
+constexpr auto family =
+    with_binary32<in_binary64, refused_by_binary32, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 

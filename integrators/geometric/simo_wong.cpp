@@ -85,7 +85,7 @@ class SimoWong : public MomentumStateOf<S> {
     }
 };
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     {.name = "simo_wong",
      .documentation =
          "The implicit algorithm of Simo & Wong in its trapezoidal form (their ALGO_C1): the momentum balance in world "
@@ -95,11 +95,13 @@ constexpr Method in_binary64[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_rotation<SimoWong<double>>,
+     .solve = march_momentum<SimoWong<double>>,
      .growth = midpoint_growth},
 };
 
-constexpr auto family = with_binary32<in_binary64, march_rotation<SimoWong<float>>>();
+constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<SimoWong<float>>>();
 
 }  // namespace
 

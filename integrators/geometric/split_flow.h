@@ -8,6 +8,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "integrators/geometric/composition.h"
 #include "integrators/geometric/free_flows.h"
@@ -98,7 +99,7 @@ class Splitting : public MomentumStateOf<S> {
 };
 
 /// What a kick at a fixed attitude cannot follow; empty where it can.
-inline std::string_view refused_by_kicks(const Problem& problem) {
+inline std::string refused_by_kicks(const Problem& problem) {
     return problem.needs.user_torque
                ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"
                : "";

@@ -10,7 +10,6 @@ namespace {
 
 template <class Flow, bool whole_when_free, int order, class S = double>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (const std::string_view why = refused_by_kicks(problem); !why.empty()) return unsupported(std::string(why));
     return march_momentum<Splitting<Flow, whole_when_free, S>>(problem, settings, order);
 }
 
@@ -50,7 +49,7 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
             .pendulum_growth = kicked_pendulum_growth<order>};
 }
 
-constexpr Method in_binary64[] = {
+constexpr Method each[] = {
     rotations<2>(
         "splitting2",
         "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
@@ -80,7 +79,9 @@ constexpr Method in_binary64[] = {
                   "drag grows in them. Order 8."),
 };
 
-constexpr auto family = with_binary32<in_binary64, solve<ThreeRotations<float>, false, 2, float>,
+constexpr auto in_binary64 = sharing({.family = Family::splitting, .refuses = refused_by_kicks}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<ThreeRotations<float>, false, 2, float>,
                                       solve<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr,
                                       nullptr, nullptr>();
 

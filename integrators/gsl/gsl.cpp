@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "integrators/run/refusals.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
@@ -219,9 +220,8 @@ const Scheme msadams{&gsl_odeiv2_step_msadams, &gsl_odeiv2_step_rk8pd, 1};
 const Scheme bsimp{&gsl_odeiv2_step_bsimp, &gsl_odeiv2_step_bsimp, 4};
 const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
 
-template <const Scheme& scheme, bool implicit>
+template <const Scheme& scheme>
 Trajectory solve_by(const Problem& problem, const Settings& settings) {
-    if (implicit && problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         GslSession<SystemType> session(problem, scheme, *settings.tolerance);
@@ -233,7 +233,7 @@ constexpr std::string_view source =
     "Galassi, Davies, Theiler, Gough, Jungman, Alken, Booth & Rossi 2009, GNU Scientific Library Reference Manual, 3rd "
     "ed.";
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "gsl_rk8pd",
      .documentation =
          "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R "
@@ -245,7 +245,8 @@ constexpr Method list[] = {
                "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = solve_by<rk8pd, false>},
+     .solve = solve_by<rk8pd>,
+     .family = Family::runge_kutta},
     {.name = "gsl_msadams",
      .documentation =
          "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by "
@@ -254,7 +255,8 @@ constexpr Method list[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = solve_by<msadams, false>},
+     .solve = solve_by<msadams>,
+     .family = Family::multistep},
     {.name = "gsl_bsimp",
      .documentation = "GSL's semi-implicit extrapolation with the exact Jacobian, for stiff motion. Otherwise as "
                       "`gsl_rk8pd`. A torque of the user's own is `unsupported`: it has no Jacobian.",
@@ -263,7 +265,9 @@ constexpr Method list[] = {
                "3rd ed.",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = solve_by<bsimp, true>},
+     .solve = solve_by<bsimp>,
+     .family = Family::extrapolation,
+     .refuses = no_jacobian_of_user_torque},
     {.name = "gsl_msbdf",
      .documentation =
          "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation "
@@ -272,8 +276,12 @@ constexpr Method list[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = solve_by<msbdf, true>},
+     .solve = solve_by<msbdf>,
+     .family = Family::multistep,
+     .refuses = no_jacobian_of_user_torque},
 };
+
+constexpr auto list = sharing({.library = gsl_library}, each);
 
 }  // namespace
 

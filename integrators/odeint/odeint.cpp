@@ -104,7 +104,11 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-constexpr Method in_binary64[] = {
+std::string no_derivative_of_user_torque(const Problem& problem) {
+    return problem.needs.user_torque ? "a user's torque has no derivative for the Jacobian" : "";
+}
+
+constexpr Method each[] = {
     {.name = "odeint_euler",
      .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
@@ -170,7 +174,8 @@ constexpr Method in_binary64[] = {
      .control = Control::fixed_step,
      .order = 6,
      .solve = solve_adams_bashforth_moulton,
-     .growth = adams_bashforth_moulton_growth},
+     .growth = adams_bashforth_moulton_growth,
+     .family = Family::multistep},
     {.name = "odeint_bulirsch_stoer",
      .documentation =
          "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "
@@ -180,7 +185,8 @@ constexpr Method in_binary64[] = {
      .conserves = "nothing",
      .control = Control::tolerance,
      .order = 0,
-     .solve = extrapolate},
+     .solve = extrapolate,
+     .family = Family::extrapolation},
     {.name = "odeint_rosenbrock4",
      .documentation =
          "A linearly implicit method of order 4 for stiff scenes (Boost.Odeint's `rosenbrock4`: Shampine's and "
@@ -193,11 +199,14 @@ constexpr Method in_binary64[] = {
      .control = Control::fixed_step_or_tolerance,
      .order = 4,
      .solve = solve_rosenbrock4,
-     .growth = rosenbrock4_growth},
+     .growth = rosenbrock4_growth,
+     .refuses = no_derivative_of_user_torque},
 };
 
-constexpr auto family = with_binary32<in_binary64, solve_euler_float32, solve_rk4_float32, nullptr, nullptr, nullptr,
-                                      nullptr, nullptr, nullptr>();
+constexpr auto in_binary64 = sharing({.family = Family::runge_kutta, .library = odeint_library}, each);
+
+constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve_euler_float32, solve_rk4_float32,
+                                      nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 

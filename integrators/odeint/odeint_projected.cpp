@@ -62,7 +62,7 @@ Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings
 
 constexpr const char* kept = "|q| and, where the motion keeps them, E, momenta and spin, to round-off";
 
-const Method family[] = {
+constexpr Method each[] = {
     {.name = "odeint_rk4_projected",
      .documentation =
          "`odeint_rk4` with each step's end moved to the nearest state that has |q| = 1 and what the motion keeps at "
@@ -83,6 +83,8 @@ const Method family[] = {
      .order = 8,
      .solve = projected_fehlberg78},
 };
+
+constexpr auto family = sharing({.family = Family::runge_kutta, .library = odeint_library}, each);
 
 }  // namespace
 

@@ -93,7 +93,6 @@ double rosenbrock4_growth(std::complex<double> z) {
 }
 
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a user's torque has no derivative for the Jacobian");
     if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<FixedRosenbrock<SystemType>>(problem, settings);

@@ -135,7 +135,7 @@ double growth(std::complex<double> z) {
     return runge_kutta_growth({&dop853.a[0][0], dop853_stages * dop853_stages}, dop853.b, z);
 }
 
-const Method family[] = {
+constexpr Method each[] = {
     {.name = "dop853",
      .documentation =
          "Dormand & Prince's method of order 8 with the error estimates of orders 5 and 3 of Hairer, Norsett & Wanner, "
@@ -149,6 +149,8 @@ const Method family[] = {
      .solve = solve_dop853,
      .growth = growth},
 };
+
+constexpr auto family = sharing({.family = Family::runge_kutta}, each);
 
 }  // namespace
 

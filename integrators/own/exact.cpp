@@ -67,20 +67,19 @@ bool through_pieces(const Problem& problem, Visit&& visit) {
 }
 
 // Why the scene has no closed form here; empty where it may have one.
-std::string_view refusal(const Problem& problem) {
+std::string refused(const Problem& problem) {
     if (problem.formulation != Formulation::reduced)
         return "a closed form integrates nothing, whatever is left out: solve it without --full";
     if (problem.needs.user_torque) return "a user's torque has no closed form";
     if (problem.needs.translation == Translation::integrated)
         return "the forces tie translation and rotation together: no closed form";
+    if (!through_pieces(problem, [](const Segment&, const Form&) { return true; }))
+        return "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque "
+               "and drag";
     return "";
 }
 
-constexpr std::string_view no_form =
-    "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque and drag";
-
 Trajectory solve_exact(const Problem& problem, const Settings& settings) {
-    if (const std::string_view why = refusal(problem); !why.empty()) return unsupported(std::string(why));
     const double bound = energy_bound(problem), duration = problem.scene.duration;
     Trajectory trajectory;
     double y[7];
@@ -108,11 +107,10 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     for (int i = 0; i < settings.repetitions && complete; ++i) complete = run();
     trajectory.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / settings.repetitions;
-    if (!complete && trajectory.status == Status::ok) return unsupported(std::string(no_form));
     return trajectory;
 }
 
-constexpr Method exact_table[] = {{
+constexpr Method each[] = {{
     .name = "exact",
     .documentation =
         "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs what 1 s costs. A free "
@@ -128,11 +126,11 @@ constexpr Method exact_table[] = {{
     .solve = solve_exact,
 }};
 
+constexpr auto exact_table = sharing({.family = Family::closed_form, .refuses = refused}, each);
+
 }  // namespace
 
-bool has_closed_form(const Problem& problem) {
-    return refusal(problem).empty() && through_pieces(problem, [](const Segment&, const Form&) { return true; });
-}
+bool has_closed_form(const Problem& problem) { return refused(problem).empty(); }
 
 extern const std::span<const Method> exact_methods;
 const std::span<const Method> exact_methods{exact_table};

@@ -246,7 +246,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-const Method family[] = {
+constexpr Method each[] = {
     {.name = "extrapolation",
      .documentation =
          "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
@@ -260,6 +260,8 @@ const Method family[] = {
      .order = 0,
      .solve = extrapolate},
 };
+
+constexpr auto family = sharing({.family = Family::extrapolation}, each);
 
 }  // namespace
 

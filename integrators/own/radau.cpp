@@ -12,6 +12,7 @@
 #include "integrators/own/stages.h"
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
+#include "integrators/run/refusals.h"
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
 
@@ -422,7 +423,6 @@ class ControlledRadau : public Radau<SystemType> {
 };
 
 Trajectory solve_with(const Problem& problem, const Settings& settings, int stages) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) return march<FixedRadau<SystemType>>(problem, settings, stages);
@@ -449,7 +449,7 @@ constexpr std::string_view of_one_order =
     "Radau IIA collocation of one order, at fixed steps with the stages solved to round-off, or by tolerance as "
     "`radau`.";
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "radau",
      .documentation =
          "Radau IIA collocation of order 13 (7 stages), of order 9 (5 stages) where the tolerance is above 3e-5, for "
@@ -490,6 +490,8 @@ constexpr Method list[] = {
      .solve = solve_radau<7>,
      .growth = radau_growth<7>},
 };
+
+constexpr auto list = sharing({.family = Family::runge_kutta, .refuses = no_jacobian_of_user_torque}, each);
 
 }  // namespace
 

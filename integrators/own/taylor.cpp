@@ -507,9 +507,12 @@ Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     });
 }
 
+std::string refused_user_torque(const Problem& problem) {
+    return problem.needs.user_torque ? "a torque of the user's own has no Taylor coefficients" : "";
+}
+
 // p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Taylor coefficients");
     if (*settings.tolerance < careful_below) return solve_at_order<careful_order>(problem, settings);
     const double order = 1 - std::log(*settings.tolerance) / 2;
     if (order <= 12) return solve_at_order<12>(problem, settings);
@@ -517,7 +520,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
     return solve_at_order<20>(problem, settings);
 }
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "taylor",
      .documentation =
          "Taylor series in binary64, of order 12, 16 or 20 by the tolerance, the step from the last two coefficients "
@@ -533,6 +536,8 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = solve},
 };
+
+constexpr auto list = sharing({.family = Family::series, .refuses = refused_user_torque}, each);
 
 }  // namespace
 

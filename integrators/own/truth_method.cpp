@@ -34,7 +34,7 @@ Trajectory solve_truth(const Problem& problem, const Settings& settings) {
     return trajectory;
 }
 
-constexpr Method truth_methods[] = {{
+constexpr Method each[] = {{
     .name = "truth",
     .documentation = "The reference that errors are measured against, rounded to binary64. Taylor series in "
                      "multiprecision, or Radau IIA collocation where the motion is stiff, each in two formulations "
@@ -46,6 +46,8 @@ constexpr Method truth_methods[] = {{
     .planes = true,
     .solve = solve_truth,
 }};
+
+constexpr auto truth_methods = sharing({.family = Family::reference, .precision = Precision::multiprecision}, each);
 
 }  // namespace
 

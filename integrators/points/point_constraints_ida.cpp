@@ -241,7 +241,11 @@ class ConstraintSession : public PointSession {
     bool running_ = false;
 };
 
-constexpr Method list[] = {
+std::string cannot_be_made_of_points(const Problem& problem) {
+    return point_body(problem, {Arrangement::Kind::simplex}).refusal;
+}
+
+constexpr Method each[] = {
     {.name = "point_constraints_ida",
      .documentation =
          "A body made of four points (three where it is flat) with its mass, centre of mass and tensor, held at hard "
@@ -256,6 +260,9 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},
 };
+
+constexpr auto list =
+    sharing({.family = Family::points, .library = sundials_library, .refuses = cannot_be_made_of_points}, each);
 
 }  // namespace
 

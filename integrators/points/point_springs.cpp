@@ -166,7 +166,9 @@ double verlet_pendulum_growth(double c, double s) {
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (a rigid body as points at hard distances, here springs)";
 
-constexpr Method list[] = {
+std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
+
+constexpr Method each[] = {
     {.name = "point_springs_rk4",
      .documentation =
          "A body made of eight points at the corners of a box (three where it is flat) with its mass, centre of mass "
@@ -192,6 +194,8 @@ constexpr Method list[] = {
      .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; },
      .pendulum_growth = verlet_pendulum_growth},
 };
+
+constexpr auto list = sharing({.family = Family::points, .refuses = cannot_be_made_of_points}, each);
 
 }  // namespace
 

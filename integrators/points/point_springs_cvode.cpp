@@ -129,7 +129,9 @@ class SpringSession : public PointSession {
     bool running_ = false;
 };
 
-constexpr Method list[] = {
+std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
+
+constexpr Method each[] = {
     {.name = "point_springs_cvode_bdf",
      .documentation =
          "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the "
@@ -146,6 +148,9 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},
 };
+
+constexpr auto list =
+    sharing({.family = Family::points, .library = sundials_library, .refuses = cannot_be_made_of_points}, each);
 
 }  // namespace
 

@@ -87,7 +87,9 @@ class PositionBased {
     long sweeps_ = 0;
 };
 
-constexpr Method list[] = {
+std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
+
+constexpr Method each[] = {
     {.name = "point_xpbd",
      .documentation =
          "A body made of eight points at the corners of a box (three where it is flat) at hard distances, by "
@@ -102,6 +104,8 @@ constexpr Method list[] = {
      .order = 1,
      .solve = [](const Problem& p, const Settings& s) { return point_xpbd(p, s, {}).trajectory; }},
 };
+
+constexpr auto list = sharing({.family = Family::points, .refuses = cannot_be_made_of_points}, each);
 
 }  // namespace
 

@@ -13,24 +13,33 @@ bool holds(double x) { return std::abs(x) <= largest; }
 bool holds_not_zero(double x) { return holds(x) && x >= smallest; }
 bool holds(const Vector3<double>& v) { return holds(v[0]) && holds(v[1]) && holds(v[2]); }
 
+std::string not_held(const char* what, double value) {
+    return fmt::format("binary32 does not hold {} {:.3g}", what, value);
+}
+
 }  // namespace
 
-std::string beyond_binary32(const Problem& problem, const Settings& settings) {
-    const auto refused = [](const char* what, double value) {
-        return fmt::format("binary32 does not hold {} {:.3g}", what, value);
-    };
+std::string refused_by_binary32(const Problem& problem) {
     const ExactBody<double>& body = problem.body;
     for (int i = 0; i < 3; ++i) {
         const double moment = problem.principal.moments[i], inverse = problem.principal_inertia.inverse_moments[i];
-        if (!holds_not_zero(moment) || !holds_not_zero(inverse)) return refused("a moment of inertia of", moment);
+        if (!holds_not_zero(moment) || !holds_not_zero(inverse)) return not_held("a moment of inertia of", moment);
     }
-    if (!holds_not_zero(body.mass)) return refused("a mass of", body.mass);
-    if (!holds_not_zero(*settings.step)) return refused("a step of", *settings.step);
+    if (!holds_not_zero(body.mass)) return not_held("a mass of", body.mass);
     for (const auto& [what, v] :
          {std::pair("an angular velocity of", body.angular_velocity_B), std::pair("a velocity of", body.velocity_W),
           std::pair("a place of", body.position_W)})
-        if (!holds(v)) return refused(what, std::hypot(v[0], v[1], v[2]));
+        if (!holds(v)) return not_held(what, std::hypot(v[0], v[1], v[2]));
     return "";
 }
+
+std::string refused_by_binary32_system(const Problem& problem) {
+    std::string why = refused_by_binary32(problem);
+    if (why.empty() && problem.needs.user_torque)
+        why = "a user's torque is a function of binary64 numbers: not taken in binary32";
+    return why;
+}
+
+std::string step_beyond_binary32(double step) { return holds_not_zero(step) ? "" : not_held("a step of", step); }
 
 }  // namespace polhode

@@ -114,33 +114,33 @@ void component_scales(const Problem& problem, double* scales) {
 template <class SystemType, class S>
 using SystemIn = std::conditional_t<std::is_same_v<S, double>, SystemType, Binary32<SystemType>>;
 
-/// Why Binary32 does not take the problem; empty where it does.
-inline std::string_view refused_by_binary32(const Problem& problem) {
-    return problem.needs.user_torque ? "a user's torque is a function of binary64 numbers: not taken in binary32" : "";
-}
-
 /// with_system() for scalar S, double or float.
 template <class S, class Visitor>
 Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
     if constexpr (std::is_same_v<S, double>) {
         return with_system(problem, std::forward<Visitor>(visit));
     } else {
-        if (const std::string_view why = refused_by_binary32(problem); !why.empty())
-            return unsupported(std::string(why));
         return with_system(problem,
                            [&]<class SystemType>() { return visit.template operator()<Binary32<SystemType>>(); });
     }
 }
 
-/// Why the body, its start or the step is nothing that binary32 can hold; empty where it can.
-std::string beyond_binary32(const Problem& problem, const Settings& settings);
+/// Why the body or its start is nothing that binary32 can hold; empty where it can.
+std::string refused_by_binary32(const Problem& problem);
+
+/// The same of a system as with_system_in() gives it, whose right-hand side is in binary32 as a whole.
+std::string refused_by_binary32_system(const Problem& problem);
+
+/// Why the step, s, is nothing that binary32 can hold; empty where it can.
+std::string step_beyond_binary32(double step);
 
 using Solve = Trajectory (*)(const Problem&, const Settings&);
+using Refuses = std::string (*)(const Problem&);
 
-/// `solve` where binary32 holds the scene, else `unsupported`.
+/// `solve` where binary32 holds the step, else `unsupported`.
 template <Solve solve>
 Trajectory solve_within_binary32(const Problem& problem, const Settings& settings) {
-    if (std::string why = beyond_binary32(problem, settings); !why.empty()) return unsupported(std::move(why));
+    if (std::string why = step_beyond_binary32(*settings.step); !why.empty()) return unsupported(std::move(why));
     return solve(problem, settings);
 }
 
@@ -163,7 +163,7 @@ struct Joined {
 };
 
 /// The descriptor of the i-th of `methods` in binary32.
-template <const auto& methods, std::size_t i, Solve solve>
+template <const auto& methods, std::size_t i, Refuses refuses, Solve solve>
 struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> name{methods[i].name, "_float32"};
     static constexpr std::array<std::string_view, 4> documentation{
@@ -176,9 +176,18 @@ struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> conserves{
         methods[i].conserves, methods[i].conserves == "nothing" ? "" : "; all to binary32's round-off"};
 
+    static std::string refused(const Problem& problem) {
+        std::string why = refuses(problem);
+        if (why.empty() && methods[i].refuses) why = methods[i].refuses(problem);
+        return why;
+    }
+
     static constexpr Method method() {
         Method m = methods[i];
         m.name = Joined<name>::text;
+        m.precision = Precision::binary32;
+        m.in_binary64 = methods[i].name;
+        m.refuses = refused;
         m.documentation = Joined<documentation>::text;
         m.described_as = {};
         m.conserves = Joined<conserves>::text;
@@ -191,8 +200,9 @@ struct MethodInBinary32 {
 template <auto solve>
 constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
 
-/// The family `methods` with NAME_float32 right behind NAME; `solves`: one in binary32 for each, nullptr for none.
-template <const auto& methods, auto... solves>
+/// The family `methods` with NAME_float32 right behind NAME; `refuses`: what none of those takes; `solves`: one in
+/// binary32 for each, nullptr for none.
+template <const auto& methods, Refuses refuses, auto... solves>
 constexpr auto with_binary32() {
     static_assert(sizeof...(solves) == std::size(methods), "one for each method");
     constexpr std::size_t added = ((is_given<solves> ? 1 : 0) + ...);
@@ -201,7 +211,7 @@ constexpr auto with_binary32() {
         std::size_t at = 0;
         const auto add = [&]<std::size_t k, auto solve>() {
             all[at++] = methods[k];
-            if constexpr (is_given<solve>) all[at++] = MethodInBinary32<methods, k, solve>::method();
+            if constexpr (is_given<solve>) all[at++] = MethodInBinary32<methods, k, refuses, solve>::method();
         };
         (add.template operator()<i, solves>(), ...);
     }

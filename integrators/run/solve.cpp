@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "integrators/method.h"
 #include "integrators/run/march.h"
@@ -15,6 +17,17 @@ Trajectory failed(std::string message) {
     return trajectory;
 }
 
+/// A method and all that its descriptor points to.
+struct MadeMethod {
+    std::array<std::string, 7> texts;
+    std::function<Trajectory(const Problem&, const Settings&)> solve;
+    Method method;
+};
+
+Trajectory solve_made(const void* context, const Problem& problem, const Settings& settings) {
+    return static_cast<const MadeMethod*>(context)->solve(problem, settings);
+}
+
 bool positive(const std::optional<double>& value) { return !value || (std::isfinite(*value) && *value > 0); }
 
 }  // namespace
@@ -23,6 +36,27 @@ const Method* find_method(std::string_view name) {
     for (const Method* method : methods())
         if (method->name == name) return method;
     return nullptr;
+}
+
+std::shared_ptr<const Method> make_method(const Method& description,
+                                          std::function<Trajectory(const Problem&, const Settings&)> solve) {
+    const auto made = std::make_shared<MadeMethod>();
+    made->solve = std::move(solve), made->method = description;
+    Method& m = made->method;
+    std::size_t i = 0;
+    for (std::string_view* text :
+         {&m.name, &m.documentation, &m.source, &m.described_as, &m.conserves, &m.library, &m.in_binary64}) {
+        made->texts[i] = *text, *text = made->texts[i];
+        ++i;
+    }
+    m.solve = nullptr, m.solve_in = solve_made, m.context = made.get();
+    return {made, &m};
+}
+
+std::string refusal(const Method& method, const Problem& problem) {
+    if (!problem.scene.planes.empty() && !method.planes)
+        return fmt::format("{} knows no impacts on planes", method.name);
+    return method.refuses ? method.refuses(problem) : "";
 }
 
 bool takes_step(const Method& method) {
@@ -54,9 +88,12 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
     if (settings.step && !takes_step(method)) return failed(fmt::format("{} takes no step", method.name));
     if (settings.tolerance && !takes_tolerance(method))
         return failed(fmt::format("{} takes no tolerance", method.name));
-    if (!problem.scene.planes.empty() && !method.planes)
-        return unsupported(fmt::format("{} knows no impacts on planes", method.name));
-    return method.solve(problem, with_defaults(problem, method, settings));
+    if (std::string why = refusal(method, problem); !why.empty()) return unsupported(std::move(why));
+    const Settings complete = with_defaults(problem, method, settings);
+    if (method.solve_in) return method.solve_in(method.context, problem, complete);
+    if (method.formulation && problem.formulation != *method.formulation)
+        return method.solve(pose(problem.scene, *method.formulation), complete);
+    return method.solve(problem, complete);
 }
 
 Trajectory solve(const Scene& scene, const Method& method, const Settings& settings) {

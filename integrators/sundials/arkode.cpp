@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "integrators/run/linear_growth.h"
+#include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/arkode_session.h"
 #include "integrators/sundials/sundials_run.h"
@@ -39,7 +40,6 @@ class ArkodeFixedStepper {
 
 template <bool implicit, int order>
 Trajectory solve_by(const Problem& problem, const Settings& settings) {
-    if (implicit && problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     const ArkodeTable table{implicit, order};
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) {
@@ -113,10 +113,11 @@ constexpr Method method(std::string_view name, std::string_view documentation) {
             .control = Control::fixed_step_or_tolerance,
             .order = order,
             .solve = solve_by<implicit, order>,
-            .growth = growth<implicit, order>};
+            .growth = growth<implicit, order>,
+            .refuses = implicit ? no_jacobian_of_user_torque : nullptr};
 }
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     method<false, 2>(
         "arkode_erk2",
         "ARKODE's explicit Runge-Kutta method of order 2 (Heun-Euler, 2 stages, pair 2(1))." POLHODE_EXPLICIT_COMMON),
@@ -156,6 +157,8 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = by_stiffness},
 };
+
+constexpr auto list = sharing({.family = Family::runge_kutta, .library = sundials_library}, each);
 
 }  // namespace
 

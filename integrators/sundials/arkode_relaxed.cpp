@@ -167,12 +167,15 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
     double clock_ = 0;  // s, the caller's after the last step
 };
 
+std::string energy_is_not_kept(const Problem& problem) {
+    const std::vector<Conserved> kept = conserved_by(problem);
+    const auto is_energy = [](const Conserved& c) { return c.kind == ConservedKind::energy; };
+    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not keep its energy";
+}
+
 template <ARKODE_ERKTableID id>
 Trajectory relaxed(const Problem& problem, const Settings& settings) {
     if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
-    const std::vector<Conserved> kept = conserved_by(problem);
-    if (std::none_of(kept.begin(), kept.end(), [](const Conserved& c) { return c.kind == ConservedKind::energy; }))
-        return unsupported("the motion does not keep its energy");
     const Tableau table(id);
     return with_system(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<RelaxedStepper<SystemType>>(problem, settings, table);
@@ -186,7 +189,7 @@ constexpr std::string_view relaxation_source =
     "Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
 constexpr std::string_view energy_kept = "E (with q as it stands, not normalised), where the motion keeps it";
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "arkode_erk4_relaxed",
      .documentation =
          "The table of `arkode_erk4` (Zonneveld's of order 4), each step relaxed: y + gamma h sum b_i k_i with the "
@@ -215,6 +218,9 @@ constexpr Method list[] = {
      .order = 8,
      .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
 };
+
+constexpr auto list =
+    sharing({.family = Family::runge_kutta, .library = sundials_library, .refuses = energy_is_not_kept}, each);
 
 }  // namespace
 

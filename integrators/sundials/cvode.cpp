@@ -1,4 +1,5 @@
 // CVODE's variable-order, variable-step linear multistep methods.
+#include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/sundials_run.h"
@@ -20,7 +21,6 @@ Trajectory adams(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory bdf(const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     return solve_by(problem, settings, Multistep::bdf, Iteration::newton);
 }
 
@@ -32,7 +32,6 @@ Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no Jacobian");
     return with_system(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, Multistep::bdf, Iteration::newton, *settings.tolerance);
         session.project_onto(Projection<SystemType>(problem));
@@ -44,7 +43,7 @@ constexpr std::string_view source =
     "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear and "
     "differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396";
 
-constexpr Method list[] = {
+constexpr Method each[] = {
     {.name = "cvode_adams",
      .documentation =
          "CVODE's Adams-Moulton formulas of order 1 to 12 in Nordsieck form, for non-stiff motion. The implicit "
@@ -69,7 +68,8 @@ constexpr Method list[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = bdf},
+     .solve = bdf,
+     .refuses = no_jacobian_of_user_torque},
     {.name = "cvode_bdf_projected",
      .documentation =
          "`cvode_bdf` with CVODE's projection of each step's end onto |q| = 1 and what the motion keeps, as in "
@@ -77,7 +77,8 @@ constexpr Method list[] = {
      .source = source,
      .conserves = "|q| and, where the motion keeps them, E, momenta and spin, to round-off",
      .control = Control::tolerance,
-     .solve = projected_bdf},
+     .solve = projected_bdf,
+     .refuses = no_jacobian_of_user_torque},
     {.name = "cvode",
      .documentation =
          "`cvode_bdf` where the motion is stiff, else `cvode_adams`; the message says which. Stiff is what damps far "
@@ -88,6 +89,8 @@ constexpr Method list[] = {
      .control = Control::tolerance,
      .solve = by_stiffness},
 };
+
+constexpr auto list = sharing({.family = Family::multistep, .library = sundials_library}, each);
 
 }  // namespace
 

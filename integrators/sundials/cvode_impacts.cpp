@@ -128,7 +128,7 @@ Trajectory solve_impacts(const Problem& problem, const Settings& settings) {
     return run<LoadedMotion<double>>(problem, settings);
 }
 
-constexpr Method list[] = {{
+constexpr Method each[] = {{
     .name = "cvode_impacts",
     .documentation =
         "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. "
@@ -149,6 +149,8 @@ constexpr Method list[] = {{
     .planes = true,
     .solve = solve_impacts,
 }};
+
+constexpr auto list = sharing({.family = Family::multistep, .library = sundials_library}, each);
 
 }  // namespace
 

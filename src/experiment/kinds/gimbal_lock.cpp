@@ -97,7 +97,7 @@ StudyResult run_gimbal_lock(const Plan&, const RunOptions& options) {
             settings.samples = samples;
             (entry.by_step ? settings.step : settings.tolerance) = entry.setting;
             LockPassage passage;
-            const Trajectory run = entry.solve(pose(scene), settings, &passage);
+            const Trajectory run = entry.solve(pose(scene, Formulation::full), settings, &passage);
             const bool ok = run.status == Status::ok, angles = passage.largest_angle_rate > 0;
             const auto [most, last] = attitude_errors(run, truth);
             std::vector<Cell> row{

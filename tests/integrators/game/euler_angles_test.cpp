@@ -50,7 +50,7 @@ TEST(EulerAnglesCvode, PassLockWithStepsLikeTheDistance) {
         LockPassage passage;
         Settings settings;
         settings.tolerance = 1e-8, settings.samples = 1;
-        const Trajectory trajectory = solve_euler_angles_cvode(pose(passing(d)), settings, &passage);
+        const Trajectory trajectory = solve_euler_angles_cvode(pose(passing(d), Formulation::full), settings, &passage);
         ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
         EXPECT_NEAR(passage.nearest / d, 1, 0.2);
         EXPECT_GT(passage.largest_angle_rate, 0.8 / d);
@@ -61,7 +61,7 @@ TEST(EulerAnglesCvode, PassLockWithStepsLikeTheDistance) {
 
         // the same motion in quaternions does not notice
         LockPassage none;
-        const Trajectory quaternion = solve_quaternion_cvode(pose(passing(d)), settings, &none);
+        const Trajectory quaternion = solve_quaternion_cvode(pose(passing(d), Formulation::full), settings, &none);
         ASSERT_EQ(quaternion.status, Status::ok) << quaternion.message;
         EXPECT_GT(none.smallest_step, 1e-3);
         EXPECT_LT(10 * quaternion.steps, 9 * trajectory.steps);

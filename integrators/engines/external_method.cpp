@@ -1,0 +1,106 @@
+#include "integrators/engines/external_method.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "integrators/run/march.h"
+#include "motion/trajectory_csv.h"
+#include "scene/scene_file.h"
+#include "text/child_process.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+std::string user_torque_has_no_json(const Problem& problem) {
+    return problem.needs.user_torque ? "a torque of the user's own cannot be handed to another process" : "";
+}
+
+void replace_all(std::string& text, std::string_view word, const std::string& value) {
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += value.size())
+        text.replace(at, word.size(), value);
+}
+
+std::vector<std::string> arguments_of(const EngineCommand& command, const Scene& scene, const Settings& settings) {
+    std::vector<std::string> arguments = command.arguments;
+    const auto& further = settings.step ? command.by_step : command.by_tolerance;
+    if (settings.step || settings.tolerance) arguments.insert(arguments.end(), further.begin(), further.end());
+    const auto text = [](const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; };
+    for (std::string& argument : arguments) {
+        replace_all(argument, "{samples}", fmt::format("{}", settings.samples));
+        replace_all(argument, "{step}", text(settings.step));
+        replace_all(argument, "{tolerance}", text(settings.tolerance));
+        replace_all(argument, "{directory}", scene.directory.empty() ? "." : scene.directory);
+    }
+    return arguments;
+}
+
+// Why the file is not the run's; empty where it is. Times that are right but for rounding become the samples' own.
+std::string fault_of(TrajectoryFile& file, const Problem& problem, const Settings& settings) {
+    const double duration = problem.scene.duration;
+    if (!file.has_angular_velocity) return "it prints no columns wx, wy, wz";
+    if (!problem.body.pivoted && !(file.has_position || file.has_origin))
+        return "it prints no columns px, py, pz or ox, oy, oz";
+    if (!problem.body.pivoted && !file.has_velocity) return "it prints no columns vx, vy, vz";
+    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
+    if (file.rows.size() != wanted)
+        return fmt::format("it prints {} samples where {} are asked for", file.rows.size(), wanted);
+    for (std::size_t k = 0; k < wanted; ++k) {
+        const double t = sample_time(duration, static_cast<long>(k), settings.samples);
+        if (!(std::abs(file.rows[k].t - t) <= 1e-12 * duration))
+            return fmt::format("its sample {} is at t = {} s and not at {} s", k, file.rows[k].t, t);
+        file.rows[k].t = t;
+    }
+    return "";
+}
+
+Trajectory run(const EngineCommand& command, const Problem& problem, const Settings& settings) {
+    Trajectory trajectory;
+    trajectory.status = Status::failed;
+    const auto arguments = arguments_of(command, problem.scene, settings);
+    ChildRun child;
+    for (int i = 0; i < settings.repetitions && child.fault.empty(); ++i) {
+        const double left = settings.seconds_limit - trajectory.seconds;
+        child = run_child(arguments, write_scene(problem.scene),
+                          {.time = std::chrono::duration<double>(left), .output_bytes = command.most_bytes});
+        trajectory.seconds += child.seconds;
+    }
+    trajectory.seconds /= settings.repetitions;
+    trajectory.message = child.fault, trajectory.limit_reached = child.was_out_of_time;
+    if (!child.fault.empty()) return trajectory;
+    try {
+        const std::string name = one_line(arguments.front(), 100);
+        TrajectoryFile file = parse_trajectory(child.output, name);
+        trajectory.message = fault_of(file, problem, settings);
+        if (!trajectory.message.empty()) return trajectory;
+        trajectory.samples = samples_of(file, problem.scene.body.center_of_mass);
+    } catch (const InputError& error) {
+        trajectory.message = fmt::format("it prints no trajectory: {}", error.what());
+        return trajectory;
+    }
+    if (!settings.record) trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);
+    trajectory.status = Status::ok;
+    return trajectory;
+}
+
+}  // namespace
+
+std::shared_ptr<const Method> external_method(const Method& description, const EngineCommand& command) {
+    Method method = description;
+    const bool step = !command.by_step.empty(), tolerance = !command.by_tolerance.empty();
+    method.control = step && tolerance ? Control::fixed_step_or_tolerance
+                     : step            ? Control::fixed_step
+                     : tolerance       ? Control::tolerance
+                                       : Control::none;
+    if (!method.refuses) method.refuses = user_torque_has_no_json;
+    return make_method(method, [command](const Problem& problem, const Settings& settings) {
+        return run(command, problem, settings);
+    });
+}
+
+}  // namespace polhode

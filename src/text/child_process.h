@@ -1,0 +1,34 @@
+// Programs run as child processes: text in, text out, and an end in any case.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace polhode {
+
+/// How far a child process may go before it is killed, with all that it has started in its process group.
+struct ChildLimits {
+    std::chrono::duration<double> time = std::chrono::hours(1);  ///< wall clock
+    std::size_t output_bytes = std::size_t(1) << 30;             ///< of standard output; standard error likewise
+};
+
+/// How a child process ended and what it wrote.
+struct ChildRun {
+    std::string fault;             ///< why it did not end by itself with exit code 0, in one line; else empty
+    std::string output;            ///< standard output, as far as it came
+    bool was_not_found = false;    ///< there is no such program
+    bool was_out_of_time = false;  ///< it was killed at the limit of time
+    double seconds = 0;            ///< wall clock from its start to its end
+};
+
+/// Runs the program `arguments[0]`, looked up on the PATH where its name has no slash, with these arguments and no
+/// shell in between. It reads `input` from its standard input, inherits the environment and the working directory, and
+/// leads a process group of its own. Returns once it has ended; whatever is left of its group is killed then. `fault`
+/// tells of a program that could not be started, of an exit code other than 0, of a signal and of a limit reached; the
+/// last line that the program wrote to standard error is quoted in it. Nothing is thrown but std::bad_alloc.
+ChildRun run_child(const std::vector<std::string>& arguments, std::string_view input, const ChildLimits& limits = {});
+
+}  // namespace polhode

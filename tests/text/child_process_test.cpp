@@ -1,0 +1,67 @@
+#include "text/child_process.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <string>
+#include <thread>
+
+namespace polhode {
+namespace {
+
+TEST(ChildProcess, ReadsItsInputAndGivesItsOutput) {
+    const std::string text = std::string(300'000, 'x') + '\0' + "end";
+    const ChildRun run = run_child({"cat"}, text);
+    EXPECT_EQ(run.fault, "");
+    EXPECT_EQ(run.output, text);
+    EXPECT_GT(run.seconds, 0);
+}
+
+TEST(ChildProcess, TakesArgumentsAsTheyStand) {
+    EXPECT_EQ(run_child({"printf", "%s|", "a b", "$HOME", "*", ""}, "").output, "a b|$HOME|*||");
+}
+
+// more than a pipe holds, unread
+TEST(ChildProcess, NeedNotReadItsInput) { EXPECT_EQ(run_child({"true"}, std::string(1 << 20, 'x')).fault, ""); }
+
+TEST(ChildProcess, QuotesTheLastLineOfWhatItSays) {
+    EXPECT_EQ(run_child({"sh", "-c", "echo one >&2; printf 'two\\033\\n\\n' >&2; exit 7"}, "").fault,
+              "sh failed (7): two\\x1b");
+    EXPECT_EQ(run_child({"sh", "-c", "echo all is well >&2"}, "").fault, "");
+}
+
+TEST(ChildProcess, TellsOfAProgramThatIsNotThere) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{"no-such-program"}, {""}, {}}) {
+        const ChildRun run = run_child(arguments, "");
+        EXPECT_TRUE(run.was_not_found);
+        EXPECT_NE(run.fault, "");
+    }
+    EXPECT_EQ(run_child({"/"}, "").fault, "/ could not be started: Permission denied");
+}
+
+TEST(ChildProcess, KillsWhatItHasLeftBehind) {
+    const ChildRun run = run_child({"sh", "-c", "sleep 60 & echo $!"}, "");
+    ASSERT_EQ(run.fault, "");
+    const pid_t left = std::stoi(run.output);
+    // a killed process stays a while until its new parent has looked at it
+    const auto is_running = [left] {
+        const ChildRun state = run_child({"sh", "-c", "cut -d' ' -f3 /proc/" + std::to_string(left) + "/stat"}, "");
+        return !state.output.empty() && state.output[0] != 'Z' && state.output[0] != 'X';
+    };
+    for (int tries = 0; tries < 100 && is_running(); ++tries)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_FALSE(is_running());
+}
+
+TEST(ChildProcess, EndsAtItsLimits) {
+    const ChildRun slow = run_child({"sleep", "60"}, "", {.time = std::chrono::milliseconds(200)});
+    EXPECT_TRUE(slow.was_out_of_time);
+    EXPECT_EQ(slow.fault, "sleep was stopped after 0.2 s");
+    const ChildRun endless = run_child({"yes"}, "", {.output_bytes = 100'000});
+    EXPECT_FALSE(endless.was_out_of_time);
+    EXPECT_EQ(endless.fault, "yes was stopped: it wrote more than 100000 bytes");
+}
+
+}  // namespace
+}  // namespace polhode

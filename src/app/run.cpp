@@ -1,8 +1,7 @@
 // polhode run: experiments into tables and pictures.
 #include <fmt/format.h>
 
-#include <atomic>
-#include <chrono>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -10,13 +9,9 @@
 #include <thread>
 
 #include "app/commands.h"
-#include "experiment/kinds/report.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/pattern.h"
-#include "experiment/run/case_store.h"
-#include "experiment/run/locks.h"
-#include "experiment/run/study.h"
-#include "experiment/run/sweep.h"
+#include "experiment/run/run_experiment.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -56,7 +51,7 @@ RunOptions checked(const Options& options) {
     run.directory = !options.output.empty() ? options.output : options.quick ? "build/quick" : "results";
     if (std::filesystem::exists(run.directory) && !std::filesystem::is_directory(run.directory))
         throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
-    run.quick = options.quick, run.dry_run = options.dry_run, run.quiet = options.quiet;
+    run.quick = options.quick, run.quiet = options.quiet;
     return run;
 }
 
@@ -69,81 +64,21 @@ std::string command_line(const Options& options) {
     return line;
 }
 
-// An experiment that is one function: done or not, as a whole.
-bool run_study(const Plan& plan, const RunOptions& options, const std::string& line) {
-    const std::string& name = plan.experiment.name;
-    const std::string key = study_key(plan, options.quick);
-    const bool done = is_done(options.directory, key);
-    if (options.dry_run) {
-        const std::optional<double> before = load_duration(options.directory, name);
-        if (!done) write_output("", name + (before ? fmt::format("  {:.3g} s last time\n", *before) : "\n"));
-        return true;
+// On standard output what would run, one line each.
+void list_pending(const Plan& plan, const RunOptions& options) {
+    double total = 0;
+    long known = 0;
+    std::string list;
+    const std::vector<PendingCase> pending = pending_work(plan, options);
+    for (const PendingCase& one : pending) {
+        if (one.seconds_before) total += *one.seconds_before, ++known;
+        list += fmt::format("{}{}\n", one.words,
+                            one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
     }
-    const Study& study = *find_study(plan.experiment.study);
-    // the first shard has all of one that cannot be cut
-    if (done || (options.shard > 1 && !study.resumable)) {
-        if (!options.quiet)
-            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
-        return true;
-    }
-    const std::atomic<bool> patient{false};
-    StudyResult result;
-    double seconds = 0;
-    {
-        const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, patient);
-        const auto start = std::chrono::steady_clock::now();
-        result = study.run(plan, options);
-        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-    if (study.resumable && sweep_interrupted()) {
-        fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
-        return false;
-    }
-    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
-    const std::vector<std::string> remarks = write_study_report(plan, result, options.directory, line, options.quick);
-    if (result.complete) save_done(options.directory, key);
-    save_duration(options.directory, name, seconds);
+    write_output("", list);
     if (!options.quiet)
-        fmt::print(stderr, "{}: {} tables, {} pictures in {}, {:.3g} s\n", name, result.tables.size(),
-                   result.figures.size(), options.directory, seconds);
-    for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
-    return true;
-}
-
-// One experiment: its rows, tables and pictures. False when it was interrupted.
-bool run_one(const Plan& plan, const RunOptions& options, const std::string& line) {
-    if (plan.experiment.kind == Kind::study) return run_study(plan, options, line);
-    const std::string& name = plan.experiment.name;
-    if (options.dry_run) {
-        double total = 0;
-        long pending = 0, known = 0;
-        std::string list;
-        for (const PendingCase& one : pending_cases(plan, options)) {
-            ++pending;
-            if (one.seconds_before) total += *one.seconds_before, ++known;
-            list += fmt::format("{}{}\n", one.words,
-                                one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
-        }
-        write_output("", list);
-        if (!options.quiet)
-            fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s last time, truths aside\n", name, pending,
-                       known, total);
-        return true;
-    }
-    const SweepCount count = run_sweep(plan, options);
-    if (sweep_interrupted()) {
-        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to go on\n", name, count.run);
-        return false;
-    }
-    // whatever is finished in this directory: other shards and earlier runs included
-    const std::atomic<bool> patient{false};
-    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
-    const std::vector<Result> results = finished_results(plan, options.directory);
-    const std::vector<std::string> remarks = write_report(plan, results, options.directory, line, options.quick);
-    if (!options.quiet)
-        fmt::print(stderr, "{}: {} rows in {}, {} run now\n", name, results.size(), options.directory, count.run);
-    for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
-    return true;
+        fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s last time, truths aside\n",
+                   plan.experiment.name, pending.size(), known, total);
 }
 
 int run(const Options& options) {
@@ -154,8 +89,12 @@ int run(const Options& options) {
         plans.push_back(make_plan(find_experiment(name), name, options.quick));
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
-    for (const Plan& plan : plans)
-        if (!run_one(plan, checked_options, command_line(options))) return 1;
+    for (const Plan& plan : plans) {
+        if (options.dry_run)
+            list_pending(plan, checked_options);
+        else if (!run_experiment(plan, checked_options, command_line(options)))
+            return 1;
+    }
     return 0;
 }
 

@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/sweep_tables.h"
 
 namespace polhode {
 namespace {

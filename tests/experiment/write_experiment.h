@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "experiment/plan/experiment.h"
-#include "experiment/run/study.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
 
@@ -24,8 +25,6 @@ inline std::string write_experiment(const Experiment& e) {
         for (const double value : values) list += (list.empty() ? "" : ", ") + shortest_decimal(value);
         return "[" + list + "]";
     };
-    const char* kinds[] = {"sweep", "convergence", "drift", "tolerance", "leave_out", "conservation"};
-    const std::string kind = e.kind == Kind::study ? e.study : kinds[static_cast<int>(e.kind)];
     std::string settings, vary;
     const auto list = [&](const char* key, const std::vector<double>& values) {
         if (!values.empty())
@@ -39,10 +38,10 @@ inline std::string write_experiment(const Experiment& e) {
     for (const Variation& variation : e.vary)
         vary += fmt::format("{}{}: [{}]", vary.empty() ? "" : ", ", json_string(variation.pointer),
                             fmt::join(variation.values, ", "));
-    if (e.kind == Kind::study) {
+    if (e.kind->make) {
         std::string text = fmt::format("{{\"name\": {}, \"about\": {}, \"kind\": \"{}\"", json_string(e.name),
-                                       json_string(e.about), kind);
-        for (const std::string_view key : find_study(e.study)->reads) {
+                                       json_string(e.about), e.kind->name);
+        for (const std::string_view key : e.kind->reads) {
             if (key == "scenes" && !e.scenes.empty()) text += ", \"scenes\": " + strings(e.scenes);
             if (key == "methods" && !e.methods.empty()) text += ", \"methods\": " + strings(e.methods);
             if (key == "settings" && !settings.empty()) text += ", \"settings\": {" + settings + "}";
@@ -54,7 +53,7 @@ inline std::string write_experiment(const Experiment& e) {
     return fmt::format(
         "{{\"name\": {}, \"about\": {}, \"kind\": \"{}\", \"scenes\": {}, \"methods\": {}, \"settings\": {{{}}}, "
         "\"vary\": {{{}}}, \"samples\": {}, \"repeats\": {}, \"seconds_per_run\": {}, \"max_steps\": {}{}}}",
-        json_string(e.name), json_string(e.about), kind, strings(e.scenes), strings(e.methods), settings, vary,
+        json_string(e.name), json_string(e.about), e.kind->name, strings(e.scenes), strings(e.methods), settings, vary,
         e.samples, e.repeats, shortest_decimal(e.seconds_per_run), e.max_steps, evaluations);
 }
 

@@ -9,7 +9,6 @@
 #include <string>
 #include <thread>
 
-#include "experiment/kinds/report.h"
 #include "experiment/run/locks.h"
 #include "experiment/run/sweep.h"
 #include "text/parallel.h"

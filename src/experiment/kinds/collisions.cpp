@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/run/study.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 
@@ -29,7 +31,7 @@ std::optional<double> apex(const Scene& scene, const Samples& samples, double fr
 
 }  // namespace
 
-StudyResult run_collisions(const Plan& plan, const RunOptions& options) {
+Findings run_collisions(const Plan& plan, const RunOptions& options) {
     const long samples = options.quick ? 50 : 100;
     NamedTable table{"",
                      "",
@@ -98,7 +100,7 @@ StudyResult run_collisions(const Plan& plan, const RunOptions& options) {
         }
         if (!panel.curves.empty()) figure.figure.panels.push_back(std::move(panel));
     }
-    StudyResult result;
+    Findings result;
     result.tables.push_back(std::move(table));
     if (!figure.figure.panels.empty()) result.figures.push_back(std::move(figure));
     return result;

@@ -1,7 +1,9 @@
 // How errors grow over a long run.
 #include <algorithm>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/kinds/sweep_tables.h"
 #include "measure/growth.h"
 
 namespace polhode {
@@ -10,6 +12,21 @@ namespace {
 const char* const quantities[] = {"energy", "momentum", "attitude", "norm"};
 // an attitude beyond about 1 rad is lost: it cannot exceed pi
 constexpr double saturation = 1;
+
+const std::vector<ColumnChoice> growth_for_people{{"scene", "scene"},
+                                                  {"evaluations_per_revolution", "evaluations a revolution"},
+                                                  {"method", "method"},
+                                                  {"setting_kind", "setting"},
+                                                  {"setting", "value"},
+                                                  {"energy_error", "energy"},
+                                                  {"energy_exponent", "energy, exponent"},
+                                                  {"momentum_error", "momentum"},
+                                                  {"momentum_exponent", "momentum, exponent"},
+                                                  {"attitude_error", "attitude (rad)"},
+                                                  {"attitude_exponent", "attitude, exponent"},
+                                                  {"norm_error", "norm"},
+                                                  {"norm_exponent", "norm, exponent"},
+                                                  {"message", "message"}};
 
 }  // namespace
 
@@ -46,6 +63,11 @@ Table growth_table(const Plan& plan, const std::vector<Result>& results) {
                 table.rows.push_back(std::move(row));
             }
     return table;
+}
+
+Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows) {
+    return {{{"growth", "Growth of errors", growth_table(plan, rows), growth_for_people}},
+            conservation_figures(plan, rows)};
 }
 
 }  // namespace polhode

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
 #include "integrators/sundials/build.h"
 
 namespace polhode {
@@ -75,6 +75,16 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
 
 }  // namespace
 
+std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
+                                   const PlannedCurve& curve) {
+    std::vector<const Result*> rows;
+    for (const Result& r : results)
+        if (r.scene == scene.label && r.method == curve.method->name && r.setting_kind == curve.kind &&
+            r.formulation == curve.formulation)
+            rows.push_back(&r);
+    return rows;
+}
+
 std::string curve_label(const PlannedCurve& curve) {
     // a method with both kinds of setting has two curves
     if (curve.method->control != Control::fixed_step_or_tolerance) return std::string(curve.method->name);
@@ -98,9 +108,8 @@ std::string figure_note(const Plan& plan, bool cut) {
                         plan.experiment.max_evaluations < std::numeric_limits<long>::max()
                             ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))
                             : "");
-    const bool sundials = std::any_of(plan.curves.begin(), plan.curves.end(), [](const PlannedCurve& c) {
-        return c.method->name.starts_with("cvode") || c.method->name.starts_with("arkode");
-    });
+    const bool sundials = std::any_of(plan.curves.begin(), plan.curves.end(),
+                                      [](const PlannedCurve& c) { return c.method->library == sundials_library; });
     if (sundials && sundials_unoptimised()) note += " SUNDIALS unoptimised.";
     return note;
 }

@@ -5,7 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
 #include "integrators/analysis/conditioning.h"
 #include "measure/growth.h"
 

@@ -9,7 +9,9 @@
 #include <stdexcept>
 
 #include "body/orientation.h"
-#include "experiment/run/study.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/game/euler_angles.h"
 
 namespace polhode {
@@ -67,7 +69,7 @@ std::pair<double, double> attitude_errors(const Trajectory& trajectory, const Tr
 
 }  // namespace
 
-StudyResult run_gimbal_lock(const Plan&, const RunOptions& options) {
+Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
     const Entry entries[] = {{"euler_angles", solve_euler_angles, true, 1e-3, 0},
                              {"euler_angles", solve_euler_angles, true, 1e-5, 1},
                              {"fleck_quaternion", solve_fleck_quaternion, true, 1e-3, 2},

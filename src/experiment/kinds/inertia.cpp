@@ -8,7 +8,10 @@
 
 #include "body/filling.h"
 #include "body/tessellation.h"
-#include "experiment/run/study.h"
+#include "experiment/kinds/inertia_error.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -60,7 +63,7 @@ Properties scaled_to_mass(const Mesh& mesh) { return uniform_body(mesh_extent<do
 
 }  // namespace
 
-StudyResult run_inertia(const Plan& plan, const RunOptions& options) {
+Findings run_inertia(const Plan& plan, const RunOptions& options) {
     const std::pair<const char*, Shape> shapes[] = {{"box", Box{{0.3, 0.2, 0.1}}},
                                                     {"sphere", SolidSphere{0.25}},
                                                     {"torus", Torus{0.3, 0.1}},
@@ -100,7 +103,7 @@ StudyResult run_inertia(const Plan& plan, const RunOptions& options) {
         for (std::size_t i = 0; i < ways.size(); ++i) seconds[i].push_back(seconds_of(ways[i].work, kept));
     if (!std::isfinite(kept)) throw std::runtime_error("a sum over a body is not finite");
 
-    StudyResult result;
+    Findings result;
     NamedTable table{"", "", {{"shape", "way", "pieces", "seconds_min", "seconds_median", "inertia_error"}, {}}};
     for (std::size_t i = 0; i < ways.size(); ++i) {
         const Way& way = ways[i];

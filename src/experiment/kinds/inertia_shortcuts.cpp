@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "body/orientation.h"
-#include "experiment/run/study.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 #include "motion/problem.h"
@@ -34,11 +36,11 @@ Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high,
 
 }  // namespace
 
-StudyResult run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
+Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
     // error over the first so many radians of turning
     const std::vector<double> turned = {0.1, 1, 10, 100};
     const long samples = options.quick ? 500 : 4000;
-    StudyResult result;
+    Findings result;
     NamedTable table{
         "",
         "",

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/kinds/sweep_tables.h"
 #include "measure/statistics.h"
 #include "motion/problem.h"
 
@@ -54,6 +56,18 @@ std::string left_out(const Needs& needs) {
     return words.empty() ? "nothing" : words;
 }
 
+const std::vector<ColumnChoice> gain_for_people{{"scene", "scene"},
+                                                {"method", "method"},
+                                                {"setting_kind", "setting"},
+                                                {"variables", "variables"},
+                                                {"attitude_error", "attitude error (rad)"},
+                                                {"seconds_as_written", "full (s)"},
+                                                {"seconds_principal_frame", "full, principal frame (s)"},
+                                                {"seconds_reduced", "reduced (s)"},
+                                                {"gain", "gain"},
+                                                {"error_ratio", "error at equal settings"},
+                                                {"left_out", "left out"}};
+
 }  // namespace
 
 Table gain_table(const Plan& plan, const std::vector<Result>& results) {
@@ -84,6 +98,10 @@ Table gain_table(const Plan& plan, const std::vector<Result>& results) {
         }
     }
     return table;
+}
+
+Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows) {
+    return {{{"gain", "What leaving out is worth", gain_table(plan, rows), gain_for_people}}};
 }
 
 }  // namespace polhode

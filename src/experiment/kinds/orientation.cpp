@@ -11,7 +11,10 @@
 #include <stdexcept>
 
 #include "body/mass_properties.h"
-#include "experiment/run/study.h"
+#include "experiment/kinds/inertia_error.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -383,8 +386,8 @@ NamedTable inertia(int rounds) {
 
 }  // namespace
 
-StudyResult run_orientation(const Plan& plan, const RunOptions& options) {
-    StudyResult result;
+Findings run_orientation(const Plan& plan, const RunOptions& options) {
+    Findings result;
     result.tables = {interpolation(),
                      keys(),
                      angle_order(),

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "experiment/run/study.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/stiffness.h"
 #include "integrators/truth/reference.h"
@@ -231,8 +233,8 @@ Table counts_table(const Bench& bench, bool quick) {
 
 }  // namespace
 
-StudyResult run_point_bodies(const Plan& plan, const RunOptions& options) {
-    StudyResult result;
+Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
+    Findings result;
     Figure figure{"A rigid body made of points: attitude error", 2, {}, ""};
     for (const PlannedScene& planned : plan.scenes) {
         const Bench bench(planned, options.quick);

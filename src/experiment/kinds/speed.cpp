@@ -9,8 +9,11 @@
 #include <deque>
 #include <optional>
 
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
 #include "experiment/run/case.h"
-#include "experiment/run/study.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "experiment/run/timing.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/truth/reference.h"
@@ -20,12 +23,6 @@ namespace polhode {
 namespace {
 
 constexpr std::array<double, 3> levels{1e-6, 1e-9, 1e-12};  // rad, over all samples
-
-bool is_library(std::string_view method) {
-    constexpr std::array prefixes{"cvode", "arkode", "odeint", "gsl"};
-    return std::any_of(prefixes.begin(), prefixes.end(),
-                       [&](const char* prefix) { return method.starts_with(prefix); });
-}
 
 /// Who is to be how much faster than whom, at each of the levels.
 struct Comparison {
@@ -154,7 +151,7 @@ class SceneSpeeds {
 };
 
 bool controlled(const PlannedCurve& curve) { return curve.kind == SettingKind::tolerance; }
-bool steps_by_itself(const PlannedCurve& curve) { return !is_library(curve.method->name) && controlled(curve); }
+bool steps_by_itself(const PlannedCurve& curve) { return curve.method->library.empty() && controlled(curve); }
 
 void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& speeds) {
     for (const Comparison& comparison : comparisons(speeds.problem()))
@@ -164,7 +161,7 @@ void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& spe
                 return own_name.empty() ? steps_by_itself(c) : c.method->name == own_name;
             });
             const auto peer = speeds.fastest(levels[i], [&](const PlannedCurve& c) {
-                return peer_name.empty() ? is_library(c.method->name) : c.method->name == peer_name && controlled(c);
+                return peer_name.empty() ? !c.method->library.empty() : c.method->name == peer_name && controlled(c);
             });
             std::vector<Cell> row{scene.label, levels[i]};
             const auto add = [&](const std::optional<Runner>& runner, std::string_view wanted, const char* otherwise) {
@@ -250,8 +247,8 @@ void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool qu
 
 }  // namespace
 
-StudyResult run_speed(const Plan& plan, const RunOptions& options) {
-    StudyResult result;
+Findings run_speed(const Plan& plan, const RunOptions& options) {
+    Findings result;
     NamedTable margins{"margins",
                        "Factors in time at equal error, asked for and reached",
                        {{"scene", "attitude_error", "own", "own_seconds", "peer", "peer_seconds", "ratio",

@@ -1,10 +1,11 @@
-// What the study of stability is made of beside its runs: pictures and tables of their own.
+// What the kind `stability` is made of beside its runs: pictures and tables of their own.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "experiment/run/study.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
 
 namespace polhode {
 
@@ -17,7 +18,7 @@ std::vector<NamedFigure> stability_region_figures(std::span<const PlannedScene> 
 /// for steps in sequence with one outcome), `maps_shares` (how many of a map's runs ended how), `gyroscopic` (the
 /// updates of game engines: where they blow up, where they damp, where only the attitude is wrong). Figures: a panel a
 /// method, a page sixteen. `jobs` threads; `quick`: every fourth column and row.
-StudyResult step_maps(std::span<const Method* const> methods, int jobs, bool quick);
+Findings step_maps(std::span<const Method* const> methods, int jobs, bool quick);
 
 /// What becomes of a method's order where a torque jumps, or its derivative does, or it acts for less than a step:
 /// stepped onto, as an event of the scene, and stepped over, as a function of time that nobody knows to jump. A row for

@@ -90,7 +90,7 @@ std::vector<std::size_t> directions(const StabilityFindings& found) {
     return scenes;
 }
 
-bool turns_as_a_body(const Method& method) { return !method.name.starts_with("point_"); }
+bool turns_as_a_body(const Method& method) { return method.family != Family::points; }
 
 }  // namespace
 

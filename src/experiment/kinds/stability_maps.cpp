@@ -292,8 +292,7 @@ NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& ma
                       {"momentum_off_then", "direction of L off then (rad)"},
                       {"runs_within_0.1", "share of runs within 0.1 rad"}}};
     for (const MethodMap& m : maps) {
-        const std::string_view name = m.method->name;
-        if (!name.starts_with("gyroscopic_") && !name.starts_with("first_order_quaternion")) continue;
+        if (m.method->family != Family::engine_update) continue;
         const Found blown = least_turn(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });
         const Found damped = least_turn(map, m, [](const MapCell& c) { return c.energy_ratio < 0.9; });
         const Found gaining = least_turn(map, m, [](const MapCell& c) { return c.energy_ratio > 1.1; });
@@ -306,7 +305,7 @@ NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& ma
         const auto close =
             std::count_if(m.cells.begin(), m.cells.end(), [](const MapCell& c) { return c.outcome <= Outcome::close; });
         named.table.rows.push_back(
-            {std::string(name), turned(blown), turned(damped), of(damped, &MapCell::energy_ratio),
+            {std::string(m.method->name), turned(blown), turned(damped), of(damped, &MapCell::energy_ratio),
              of(damped, &MapCell::momentum_angle), turned(gaining), turned(alone), of(alone, &MapCell::momentum_angle),
              of(alone, &MapCell::attitude_error), static_cast<double>(close) / static_cast<double>(m.cells.size())});
     }
@@ -315,8 +314,8 @@ NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& ma
 
 }  // namespace
 
-StudyResult step_maps(std::span<const Method* const> methods, int jobs, bool quick) {
-    StudyResult result;
+Findings step_maps(std::span<const Method* const> methods, int jobs, bool quick) {
+    Findings result;
     NamedTable rows{"maps",
                     "",
                     {{"method", "map", "x", "step_least", "step_largest", "outcome", "attitude_error_least",

@@ -214,9 +214,10 @@ run betrays: such a run is `failed` here if it is more than 1 rad off.
             // of linear theory binary32 says the same again
             if (name == "linear")
                 std::erase_if(named.table.rows, [&](const std::vector<Cell>& row) {
-                    return text_of(row[column_index(named.table, "method")]).ends_with(float32_ending);
+                    const Method* method = find_method(text_of(row[column_index(named.table, "method")]));
+                    return method && method->precision == Precision::binary32;
                 });
-            const Table page_table = named.for_people.empty() ? named.table : select(named.table, named.for_people);
+            const Table page_table = page_of(named);
             page += fmt::format("\n## {}\n\n{}\n\n{}", title, text, markdown(page_table));
         }
     };

@@ -37,23 +37,23 @@ bool same_region(const Method& a, const Method& b) {
     return a.pendulum_growth == b.pendulum_growth;
 }
 
-enum class Family { explicit_short, explicit_long, multistep, implicit, second_order };
+enum class Region { explicit_short, explicit_long, multistep, implicit, second_order };
 
-Family family_of(const Method& method) {
-    if (!method.growth) return Family::second_order;
-    if (method.growth(-1e6) <= 1) return Family::implicit;
-    if (method.name.find("adams") != std::string_view::npos) return Family::multistep;
-    return method.growth(-3) > 1 ? Family::explicit_short : Family::explicit_long;
+Region region_of(const Method& method) {
+    if (!method.growth) return Region::second_order;
+    if (method.growth(-1e6) <= 1) return Region::implicit;
+    if (method.family == Family::multistep) return Region::multistep;
+    return method.growth(-3) > 1 ? Region::explicit_short : Region::explicit_long;
 }
 
 bool is_well_known(const Method& method) {
-    return method.name.starts_with("odeint_") || method.name.starts_with("splitting");
+    return method.library == odeint_library || method.family == Family::splitting;
 }
 
-std::vector<Alike> members(Family family) {
+std::vector<Alike> members(Region region) {
     std::vector<Alike> found;
     for (const Method* method : methods()) {
-        if ((!method->growth && !method->pendulum_growth) || family_of(*method) != family) continue;
+        if ((!method->growth && !method->pendulum_growth) || region_of(*method) != region) continue;
         const auto like =
             std::find_if(found.begin(), found.end(), [&](const Alike& a) { return same_region(*a.method, *method); });
         if (like == found.end())
@@ -134,11 +134,11 @@ Panel panel_of(const char* title, double left, double right) {
 std::vector<NamedFigure> stability_region_figures(std::span<const PlannedScene> scenes) {
     const std::vector<Spectrum> spectra = spectra_of(scenes);
     NamedFigure plane{"stability_regions", {"Stable where inside the line: |growth of a step| ≤ 1", 2, {}, ""}};
-    const std::pair<Family, Panel> panels[] = {
-        {Family::explicit_short, panel_of("explicit, at most 3 on the real axis", -4.5, 1)},
-        {Family::explicit_long, panel_of("explicit, more than 3", -7.5, 2)},
-        {Family::multistep, panel_of("Adams, predicted and corrected once", -1.6, 0.6)},
-        {Family::implicit, panel_of("implicit: stable outside the line", -12, 36)},
+    const std::pair<Region, Panel> panels[] = {
+        {Region::explicit_short, panel_of("explicit, at most 3 on the real axis", -4.5, 1)},
+        {Region::explicit_long, panel_of("explicit, more than 3", -7.5, 2)},
+        {Region::multistep, panel_of("Adams, predicted and corrected once", -1.6, 0.6)},
+        {Region::implicit, panel_of("implicit: stable outside the line", -12, 36)},
     };
     int color = 0;
     for (const auto& [family, empty] : panels) {
@@ -168,7 +168,7 @@ std::vector<NamedFigure> stability_region_figures(std::span<const PlannedScene> 
     Panel panel{"", "h γ", "h ω", false, false, {}};
     panel.x_limits = Limits{0, 5}, panel.y_limits = Limits{0, 3.6};
     color = 0;
-    for (const Alike& alike : members(Family::second_order))
+    for (const Alike& alike : members(Region::second_order))
         add_boundary(panel, alike, color++,
                      [&](double x, double y) { return alike.method->pendulum_growth(x, y * y); });
     pendulum.figure.panels.push_back(std::move(panel));

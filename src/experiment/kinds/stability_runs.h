@@ -1,4 +1,4 @@
-// The runs of the study of stability: each method on each extreme scene, its step sought out.
+// The runs of the kind `stability`: each method on each extreme scene, its step sought out.
 #pragma once
 
 #include <complex>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A row of the study's table.
+/// A row of the table of stability.
 struct StabilityRun {
     Result result;
     Outcome outcome = Outcome::unsupported;
@@ -59,10 +59,10 @@ struct StabilityFindings {
     long missing = 0;  ///< not run: filtered, other shards', interrupted
 };
 
-/// Runs what is not in the directory yet. Every run is kept there, so that an interrupted study goes on.
+/// Runs what is not in the directory yet. Every run is kept there, so that an interrupted experiment goes on.
 StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& options);
 
-/// The study's table: the sweep's columns, then family, parameter, fastest_rate and outcome.
+/// The kind's table: the sweep's columns, then family, parameter, fastest_rate and outcome.
 Table stability_table(const Plan& plan, const StabilityFindings& found);
 
 }  // namespace polhode

@@ -2,6 +2,7 @@
 // whether it says so.
 #include <algorithm>
 
+#include "experiment/kinds/kinds.h"
 #include "experiment/kinds/stability.h"
 #include "experiment/kinds/stability_runs.h"
 #include "experiment/kinds/stability_tables.h"
@@ -15,13 +16,13 @@ void append(std::vector<T>& all, std::vector<T>&& more) {
 }
 
 // what is no case of its own: done once all cases are there
-void add_whole_parts(const Plan& plan, const StabilityFindings& found, const RunOptions& options, StudyResult& result) {
+void add_whole_parts(const Plan& plan, const StabilityFindings& found, const RunOptions& options, Findings& result) {
     std::vector<const Method*> fixed;
     for (const PlannedCurve& curve : plan.curves)
         if (curve.kind == SettingKind::step) fixed.push_back(curve.method);
     result.tables.push_back({"linear", "Largest h |lambda| without growth: linear theory and measured",
                              linear_table(plan, found, options.jobs, options.quick)});
-    StudyResult maps = step_maps(fixed, options.jobs, options.quick);
+    Findings maps = step_maps(fixed, options.jobs, options.quick);
     maps.tables.front().only_csv = true;
     append(result.tables, std::move(maps.tables));
     append(result.figures, std::move(maps.figures));
@@ -41,10 +42,10 @@ Plan thinned(Plan plan) {
 
 }  // namespace
 
-StudyResult run_stability(const Plan& whole, const RunOptions& options) {
+Findings run_stability(const Plan& whole, const RunOptions& options) {
     const Plan plan = options.quick ? thinned(whole) : whole;
     const StabilityFindings found = run_stability_cases(plan, options);
-    StudyResult result;
+    Findings result;
     result.complete = found.missing == 0;
     if (sweep_interrupted()) return result;
     const std::vector<StiffnessCost> costs = stiffness_costs(plan, found);

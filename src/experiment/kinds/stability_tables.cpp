@@ -213,9 +213,9 @@ Table float32_table(const StabilityFindings& found) {
                  "float32_floor", "arithmetic_outweighs_below", "lost_for_good"},
                 {}};
     for (const StabilityFinding& single : found.findings) {
-        const std::string_view name = single.method->name;
-        if (!name.ends_with(float32_ending) || !was_run(single) || single.kind != SettingKind::step) continue;
-        const std::string_view base = name.substr(0, name.size() - float32_ending.size());
+        if (single.method->precision != Precision::binary32 || !was_run(single) || single.kind != SettingKind::step)
+            continue;
+        const std::string_view base = single.method->in_binary64;
         const auto pair = std::find_if(found.findings.begin(), found.findings.end(), [&](const StabilityFinding& f) {
             return f.scene == single.scene && f.method->name == base && f.kind == single.kind;
         });

@@ -1,16 +1,13 @@
-// What the runs of the study of stability say, as tables.
+// What the runs of the kind `stability` say, as tables.
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "experiment/kinds/stability_runs.h"
-#include "experiment/run/study.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
 
 namespace polhode {
-
-/// The ending of the methods that compute in binary32.
-inline constexpr std::string_view float32_ending = "_float32";
 
 /// For each fixed-step method and scene: the largest stable step, the largest within 0.1 and 1e-3 rad, what they cost,
 /// and what the next larger step ends in. Steps also in units of the scene's fastest time (step_times_rate).

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/sweep_tables.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -72,6 +72,22 @@ Table summary_table(const Plan& plan, const std::vector<Result>& results) {
         }
     }
     return table;
+}
+
+std::vector<ColumnChoice> summary_for_people() {
+    return {{"described_as", "what the text describes"},
+            {"method", "method"},
+            {"order", "order"},
+            {"setting_kind", "setting"},
+            {"setting", "value"},
+            {"scenes_ok", "scenes ok"},
+            {"scenes_not_ok", "ended otherwise"},
+            {"attitude_error_median", "attitude, median (rad)"},
+            {"attitude_error_worst", "attitude, worst (rad)"},
+            {"momentum_error_worst", "momentum, worst"},
+            {"energy_error_worst", "energy, worst"},
+            {"norm_error_worst", "norm, worst"},
+            {"step_time_ratio", "time of a step, RK4 = 1"}};
 }
 
 }  // namespace polhode

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
+#include "experiment/kinds/sweep_tables.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -62,6 +64,10 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
             table.rows.push_back(std::move(row));
         }
     return table;
+}
+
+Findings conclude_tolerance(const Plan& plan, const std::vector<Result>& rows) {
+    return {{{"digits", "Digits gained over the tolerance", digits_table(plan, rows)}}, tolerance_figures(plan, rows)};
 }
 
 }  // namespace polhode

@@ -6,21 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "experiment/plan/kind.h"
 #include "integrators/method.h"
 #include "scene/scene.h"
 
 namespace polhode {
-
-/// What is made of the rows.
-enum class Kind {
-    sweep,         ///< error against run time, and the fastest at each accuracy
-    convergence,   ///< observed orders; error against step and against tolerance
-    drift,         ///< errors over time
-    tolerance,     ///< digits gained or lost against what was asked for
-    leave_out,     ///< each case three times, by all Formulations: what leaving out is worth
-    conservation,  ///< how errors grow over a long run, every method at the same number of evaluations a revolution
-    study,         ///< a function that makes tables of its own: see study.h
-};
 
 /// A JSON pointer into the scene and the values (JSON texts) it takes in turn.
 struct Variation {
@@ -30,8 +20,7 @@ struct Variation {
 
 struct Experiment {
     std::string name, about;
-    Kind kind = Kind::sweep;
-    std::string study;                         ///< the name of it, where that is the kind
+    const Kind* kind = &kinds().front();
     std::vector<std::string> scenes, methods;  ///< names, paths of scenes, or /regular expressions/
     std::vector<double> steps;                 ///< s, from coarse to fine
     std::vector<double> tolerances;            ///< relative, from coarse to fine
@@ -77,6 +66,9 @@ struct Plan {
     std::vector<PlannedScene> scenes;
     std::vector<PlannedCurve> curves;
 };
+
+/// Whether any method of the plan is described by another name in the text that it is from.
+bool is_described(const Plan& plan);
 
 /// Resolves names and patterns and all variations. Throws InputError (file = `file`) on a name or pattern that
 /// matches nothing, or a pointer that no scene has. `quick` keeps every third setting, from the coarsest, and cuts

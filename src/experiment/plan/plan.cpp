@@ -11,7 +11,6 @@
 
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/pattern.h"
-#include "experiment/run/study.h"
 #include "figure/figure.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
@@ -73,27 +72,12 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
     return values;
 }
 
-constexpr std::pair<const char*, Kind> kinds[] = {{"sweep", Kind::sweep},         {"convergence", Kind::convergence},
-                                                  {"drift", Kind::drift},         {"tolerance", Kind::tolerance},
-                                                  {"leave_out", Kind::leave_out}, {"conservation", Kind::conservation}};
-
-void read_kind(const JsonNode& node, const JsonNode& root, Experiment& e) {
+const Kind* read_kind(const JsonNode& node) {
     std::vector<std::string> names;
-    for (const auto& [name, kind] : kinds) {
-        if (node.string() == name) {
-            e.kind = kind;
-            return;
-        }
-        names.push_back(name);
+    for (const Kind& kind : kinds()) {
+        if (node.string() == kind.name) return &kind;
+        names.emplace_back(kind.name);
     }
-    if (const Study* study = find_study(node.string())) {
-        e.kind = Kind::study, e.study = study->name;
-        std::vector<std::string_view> keys = {"name", "about", "kind"};
-        keys.insert(keys.end(), study->reads.begin(), study->reads.end());
-        root.only(keys);
-        return;
-    }
-    for (const Study& study : studies()) names.emplace_back(study.name);
     node.fail(node.described(), "one of " + listed(names));
 }
 
@@ -207,17 +191,18 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
     if (const JsonNode* node = root.find("about")) e.about = node->string();
-    if (const JsonNode* node = root.find("kind")) read_kind(*node, root, e);
+    if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
+    std::vector<std::string_view> keys = {"name", "about", "kind"};
+    keys.insert(keys.end(), e.kind->reads.begin(), e.kind->reads.end());
+    root.only(keys);
     for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
-        if (e.kind != Kind::study || root.find(key))
-            *list = strings(root.required(key, fmt::format("a list of {}", key)));
+        if (e.kind->conclude || root.find(key)) *list = strings(root.required(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
         node->only({"steps", "tolerances", "evaluations_per_revolution"});
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {
-            if (e.kind != Kind::conservation)
-                list->fail("belongs to experiments of kind conservation", "steps or tolerances");
+            if (!e.kind->calibrated) list->fail("belongs to experiments of kind conservation", "steps or tolerances");
             e.evaluations_per_revolution = settings_list(*list, "a number of evaluations");
             std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
         }
@@ -246,6 +231,11 @@ Experiment find_experiment(const std::string& name_or_path) {
     if (std::filesystem::exists(name_or_path)) return parse_experiment(read_text(name_or_path), name_or_path);
     throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
                      did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
+}
+
+bool is_described(const Plan& plan) {
+    return std::any_of(plan.curves.begin(), plan.curves.end(),
+                       [](const PlannedCurve& c) { return !c.method->described_as.empty(); });
 }
 
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick) {
@@ -281,8 +271,6 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         }
         bases.push_back({scene.name, scene, write_scene(scene)});
     }
-    const Study* study = e.kind == Kind::study ? find_study(e.study) : nullptr;
-    const bool chooses_steps = study && study->chooses_steps;
     std::vector<std::string> method_names;
     for (const Method* method : methods()) method_names.emplace_back(method->name);
     for (const std::string& name : resolved(e.methods, method_names, file, "methods", false)) {
@@ -290,18 +278,18 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         const int color = static_cast<int>(place - method_names.begin());
         const Method* method = methods()[static_cast<std::size_t>(color)];
         const std::size_t before = plan.curves.size();
-        const bool calibrated = e.kind == Kind::conservation;
+        const bool calibrated = e.kind->calibrated;
         const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
             if (settings.empty()) return;
             plan.curves.push_back({method, color, kind, settings, Formulation::reduced, calibrated});
-            if (e.kind != Kind::leave_out) return;
+            if (!e.kind->all_formulations) return;
             for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
                 plan.curves.push_back({method, color, kind, settings, formulation, false});
         };
         if (takes_step(*method))
-            add(SettingKind::step, calibrated      ? e.evaluations_per_revolution
-                                   : chooses_steps ? std::vector{std::nan("")}
-                                                   : e.steps);
+            add(SettingKind::step, calibrated              ? e.evaluations_per_revolution
+                                   : e.kind->chooses_steps ? std::vector{std::nan("")}
+                                                           : e.steps);
         if (takes_tolerance(*method))
             add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
         if (method->control == Control::none) add(SettingKind::none, {std::nan("")});

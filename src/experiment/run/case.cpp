@@ -63,8 +63,6 @@ std::optional<double> revolutions(const Reference& reference) {
     return mean * reference.samples.back().t / (2 * std::numbers::pi);
 }
 
-bool keeps_series(Kind kind) { return kind == Kind::drift || kind == Kind::conservation; }
-
 }  // namespace
 
 std::string words_of(const Plan& plan, const Case& c) {
@@ -98,7 +96,7 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
         result.counts = trajectory.counts;
         const ErrorSeries series = error_series(problem.scene, trajectory, reference);
         result.errors = errors(series, trajectory, reference);
-        if (keeps_series(experiment.kind)) result.series = series, result.revolutions = revolutions(reference);
+        if (experiment.kind->keeps_series) result.series = series, result.revolutions = revolutions(reference);
     }
     if (result.status == Status::ok && !reference.available)
         result.message += (result.message.empty() ? "" : "; ") + ("no truth: " + reference.message);

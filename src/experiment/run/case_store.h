@@ -23,7 +23,7 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result);
 
-/// Several rows under one key, as one file: what it takes a study more than one run to find.
+/// Several rows under one key, as one file: what it takes more than one run to find.
 std::optional<Table> load_rows(const std::string& directory, const std::string& key);
 void save_rows(const std::string& directory, const std::string& key, const Table& rows);
 

@@ -53,24 +53,21 @@ Conditioning conditioning_of(const Scene& scene, long samples) {
 // All cases of one scene: truth, then setting by setting all methods side by side.
 class SceneSweep {
   public:
-    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Conditioning& conditioning,
-               Progress& progress)
+    SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Reference& truth,
+               const Conditioning& conditioning, Progress& progress)
         : plan_(plan),
           options_(options),
           cases_(std::move(cases)),
+          truth_(truth),
           conditioning_(conditioning),
           floors_(floors_of(conditioning)),
           kappa_(conditioning.available ? std::optional(conditioning.attitude.back()) : std::nullopt),
           progress_(progress) {}
 
     long run() {
-        const Experiment& experiment = plan_.experiment;
         const Scene& scene = cases_.front()->scene->scene;
         std::size_t ranks = 0;
         for (const Case* c : cases_) ranks = std::max(ranks, c->rank + 1);
-        if (std::all_of(cases_.begin(), cases_.end(), [](const Case* c) { return c->result.has_value(); })) return 0;
-        progress_.say(fmt::format("{}: truth of {}", experiment.name, cases_.front()->scene->label));
-        const Reference reference = polhode::reference(scene, experiment.samples);
         for (const Case* c : cases_)
             if (!problems_.contains(c->curve->formulation))
                 problems_.emplace(c->curve->formulation, pose(scene, c->curve->formulation));
@@ -79,7 +76,7 @@ class SceneSweep {
             std::vector<Case*> now;
             for (Case* c : cases_)
                 if (c->rank == rank && !c->result) now.push_back(c);
-            run += run_rank(reference, now);
+            run += run_rank(now);
         }
         return run;
     }
@@ -94,7 +91,7 @@ class SceneSweep {
 
     const Problem& problem_of(const Case& c) const { return problems_.at(c.curve->formulation); }
 
-    long run_rank(const Reference& reference, const std::vector<Case*>& all) {
+    long run_rank(const std::vector<Case*>& all) {
         std::vector<Case*> now;
         for (Case* c : all) {
             if (const Case* at = cut_before(*c)) {
@@ -107,7 +104,7 @@ class SceneSweep {
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
             const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
             const Stopwatch stopwatch;
-            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), reference, *now[i], kappa_);
+            if (!interrupted) measure_errors(plan_.experiment, problem_of(*now[i]), truth_, *now[i], kappa_);
             now[i]->spent = stopwatch.seconds();
         });
         if (interrupted) {
@@ -165,6 +162,7 @@ class SceneSweep {
     const Plan& plan_;
     const RunOptions& options_;
     std::vector<Case*> cases_;
+    const Reference& truth_;
     const Conditioning& conditioning_;
     const Floors floors_;
     const std::optional<double> kappa_;  // of the attitude at T
@@ -194,29 +192,34 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
     Progress progress(
         static_cast<long>(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.result; })),
         options.quiet);
-    // truths take the longest and are cached: all of them first, side by side
-    std::vector<const PlannedScene*> scenes;
-    for (const Case& c : cases)
-        if (!c.result && (scenes.empty() || scenes.back() != c.scene)) scenes.push_back(c.scene);
+    // what is known of a scene, while there is anything left to do with it
+    struct Known {
+        std::vector<Case*> cases;
+        Reference truth;
+        Conditioning conditioning;
+    };
+    std::vector<Known> scenes;
+    for (auto begin = cases.begin(); begin != cases.end();) {
+        const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
+        if (std::any_of(begin, end, [](const Case& c) { return !c.result; })) {
+            scenes.emplace_back();
+            for (auto c = begin; c != end; ++c) scenes.back().cases.push_back(&*c);
+        }
+        begin = end;
+    }
+    // truths take the longest: all of them first, side by side
     progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
-    std::vector<Conditioning> conditionings(scenes.size());
     parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
         const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
         if (interrupted) return;
-        reference(scenes[i]->scene, plan.experiment.samples);
-        conditionings[i] = conditioning_of(scenes[i]->scene, plan.experiment.samples);
+        const Scene& scene = scenes[i].cases.front()->scene->scene;
+        scenes[i].truth = reference(scene, plan.experiment.samples);
+        scenes[i].conditioning = conditioning_of(scene, plan.experiment.samples);
     });
-    for (auto begin = cases.begin(); begin != cases.end() && !interrupted;) {
-        const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
-        std::vector<Case*> of_scene;
-        for (auto c = begin; c != end; ++c) of_scene.push_back(&*c);
-        // a scene with nothing left to do is not among them, and needs none
-        const auto at = std::find(scenes.begin(), scenes.end(), begin->scene);
-        if (at != scenes.end())
-            sweep.run += SceneSweep(plan, options, std::move(of_scene),
-                                    conditionings[static_cast<std::size_t>(at - scenes.begin())], progress)
-                             .run();
-        begin = end;
+    for (Known& known : scenes) {
+        if (interrupted) break;
+        sweep.run += SceneSweep(plan, options, known.cases, known.truth, known.conditioning, progress).run();
+        known = {};
     }
     return sweep;
 }

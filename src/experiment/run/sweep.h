@@ -14,7 +14,7 @@ struct RunOptions {
     std::string directory;  ///< where tables and finished cases go
     int jobs = 1;           ///< threads for truths and errors; timings always run alone
     int shard = 1, shards = 1;
-    bool quick = false, dry_run = false, quiet = false;
+    bool quick = false, quiet = false;
 };
 
 struct SweepCount {

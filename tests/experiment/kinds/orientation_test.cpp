@@ -1,7 +1,9 @@
 // What the studies of orientation and gimbal lock must say, whatever the last digits.
 #include <gtest/gtest.h>
 
-#include "experiment/run/study.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 
 namespace polhode {
 namespace {
@@ -12,7 +14,7 @@ RunOptions quickly() {
     return options;
 }
 
-const Table& table_of(const StudyResult& result, const std::string& name) {
+const Table& table_of(const Findings& result, const std::string& name) {
     for (const NamedTable& table : result.tables)
         if (table.name == name) return table.table;
     throw std::runtime_error("no table " + name);
@@ -32,10 +34,10 @@ class OrientationStudy : public ::testing::Test {
     static void SetUpTestSuite() {
         Plan plan;
         plan.experiment.repeats = 1;
-        result = new StudyResult(find_study("orientation")->run(plan, quickly()));
+        result = new Findings(find_kind("orientation")->make(plan, quickly()));
     }
     static void TearDownTestSuite() { delete result; }
-    static inline StudyResult* result = nullptr;
+    static inline Findings* result = nullptr;
 };
 
 TEST_F(OrientationStudy, WritesWholeTables) {
@@ -140,7 +142,7 @@ TEST_F(OrientationStudy, SummedInertiaIsTheTransformedOne) {
 }
 
 TEST(GimbalLockStudy, CostsAnglesStepsAndQuaternionsNothing) {
-    const StudyResult result = find_study("gimbal_lock")->run({}, quickly());
+    const Findings result = find_kind("gimbal_lock")->make({}, quickly());
     const Table& t = table_of(result, "");
     require_rectangular(t);
     double steps = 0, smallest = 1;

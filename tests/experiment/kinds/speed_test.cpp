@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/run/study.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/truth/fresh_cache.h"
 
 namespace polhode {
@@ -23,7 +25,7 @@ std::string text(const Table& table, const std::vector<Cell>& row, const char* c
     return text_of(row[column_index(table, column)]);
 }
 
-const Table& named(const StudyResult& result, const std::string& name) {
+const Table& named(const Findings& result, const std::string& name) {
     return std::find_if(result.tables.begin(), result.tables.end(), [&](const NamedTable& t) { return t.name == name; })
         ->table;
 }
@@ -35,7 +37,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
         "settings": {"tolerances": [1e-6, 1e-8, 1e-10, 1e-12]}, "samples": 10, "repeats": 3})",
                                              "x.json");
     const Plan plan = make_plan(experiment, "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, quickly());
+    const Findings result = find_kind("speed")->make(plan, quickly());
     const Table &runs = named(result, ""), &margins = named(result, "margins"), &smallest = named(result, "smallest");
 
     ASSERT_EQ(runs.rows.size(), 9U);
@@ -76,7 +78,7 @@ TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
         "methods": ["taylor", "odeint_dopri5"], "settings": {"tolerances": [0.1]}, "samples": 10, "repeats": 1})",
                                                  "x.json"),
                                 "x.json", false);
-    const StudyResult result = find_study("speed")->run(plan, quickly());
+    const Findings result = find_kind("speed")->make(plan, quickly());
     const Table& margins = named(result, "margins");
     const auto& last = margins.rows.back();
     EXPECT_EQ(text(margins, last, "peer"), "no library reaches it");

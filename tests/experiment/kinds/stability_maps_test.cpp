@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-const Table& table_of(const StudyResult& result, const std::string& name) {
+const Table& table_of(const Findings& result, const std::string& name) {
     for (const NamedTable& named : result.tables)
         if (named.name == name) return named.table;
     throw std::invalid_argument(name);
@@ -26,7 +26,7 @@ std::string word(const Table& table, const std::vector<Cell>& row, const char* c
 TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
     const Method* const chosen[] = {find_method("odeint_euler"), find_method("gyroscopic_explicit"),
                                     find_method("exact")};
-    const StudyResult result = step_maps(chosen, 2, true);
+    const Findings result = step_maps(chosen, 2, true);
     const Table& maps = table_of(result, "maps");
     int below = 0, beyond = 0;
     std::set<std::string> seen;

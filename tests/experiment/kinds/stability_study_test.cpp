@@ -7,7 +7,9 @@
 
 #include "build_kind.h"
 #include "experiment/kinds/stability_runs.h"
-#include "experiment/run/study.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
 #include "integrators/truth/fresh_cache.h"
 
 namespace polhode {
@@ -117,7 +119,7 @@ TEST_F(StabilityStudy, GoesOnWhereItWasInterrupted) {
     if (!optimised_build) return;
     RunOptions quick = options;
     quick.quick = true;
-    const StudyResult result = find_study("stability")->run(plan, quick);
+    const Findings result = find_kind("stability")->make(plan, quick);
     EXPECT_TRUE(result.complete);
     EXPECT_EQ(csv(result.tables[0].table), csv(all));
     EXPECT_NE(result.page.find("### odeint_rk4"), std::string::npos);

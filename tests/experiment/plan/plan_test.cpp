@@ -32,7 +32,7 @@ TEST(ExperimentFile, ReadsEveryKey) {
         "samples": 7, "repeats": 2, "seconds_per_run": 0.5, "max_steps": 1000})");
     EXPECT_EQ(e.name, "one");
     EXPECT_EQ(e.about, "why");
-    EXPECT_EQ(e.kind, Kind::drift);
+    EXPECT_EQ(e.kind, find_kind("drift"));
     EXPECT_EQ(e.steps, (std::vector<double>{0.1, 0.01, 0.001}));  // from coarse to fine
     ASSERT_EQ(e.tolerances.size(), 3U);
     EXPECT_EQ(e.tolerances.front(), 1e-2);

@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "experiment/kinds/report.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/sweep_tables.h"
 #include "experiment/run/calibration.h"
+#include "experiment/run/report.h"
+#include "experiment/run/run_experiment.h"
 #include "integrators/analysis/conditioning.h"
 
 namespace polhode {
@@ -213,7 +216,7 @@ TEST_F(Sweep, FilterTakesSceneAndMethod) {
 TEST_F(Sweep, WritesTablesPicturesAndProvenance) {
     const Plan p = plan(R"(, "kind": "convergence")");
     run_sweep(p, options_);
-    write_report(p, finished_results(p, options_.directory), options_.directory, "polhode run t", false);
+    write_report(p, conclude(p, finished_results(p, options_.directory)), options_.directory, "polhode run t", false);
     const auto text = [&](const std::string& name) {
         std::ifstream file(fs::path(options_.directory) / name, std::ios::binary);
         return std::string(std::istreambuf_iterator<char>(file), {});
@@ -236,7 +239,7 @@ TEST_F(Sweep, DriftExperimentsShareTheirFile) {
                              "t.json");
         const Plan p = make_plan(e, "t.json", false);
         run_sweep(p, options_);
-        write_report(p, finished_results(p, options_.directory), options_.directory, "polhode run", false);
+        write_report(p, conclude(p, finished_results(p, options_.directory)), options_.directory, "polhode run", false);
         std::ifstream file(fs::path(options_.directory) / "drift.csv", std::ios::binary);
         return std::string(std::istreambuf_iterator<char>(file), {});
     };

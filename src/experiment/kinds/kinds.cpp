@@ -1,0 +1,58 @@
+#include "experiment/kinds/kinds.h"
+
+#include <algorithm>
+
+#include "experiment/plan/kind.h"
+
+namespace polhode {
+
+std::span<const Kind> kinds() {
+    static const std::vector<std::string_view> all_keys = {"scenes",         "methods", "settings",        "vary",
+                                                           "samples",        "repeats", "seconds_per_run", "max_steps",
+                                                           "max_evaluations"};
+    // the only list; a new kind is a line here and its function
+    static const Kind list[] = {
+        // error against run time, and the fastest at each accuracy
+        {.name = "sweep", .reads = all_keys, .conclude = conclude_sweep},
+        // observed orders; error against step and against tolerance
+        {.name = "convergence", .reads = all_keys, .conclude = conclude_convergence},
+        // errors over time
+        {.name = "drift", .reads = all_keys, .conclude = conclude_drift, .keeps_series = true},
+        // digits gained or lost against what was asked for
+        {.name = "tolerance", .reads = all_keys, .conclude = conclude_tolerance},
+        // each curve by all formulations: what leaving out is worth
+        {.name = "leave_out", .reads = all_keys, .conclude = conclude_leave_out, .all_formulations = true},
+        // how errors grow over a long run, every method at the same number of evaluations a revolution
+        {.name = "conservation",
+         .reads = all_keys,
+         .conclude = conclude_conservation,
+         .keeps_series = true,
+         .calibrated = true},
+        {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},
+        {.name = "collisions",
+         .reads = {"scenes", "vary", "methods", "settings", "seconds_per_run"},
+         .make = run_collisions},
+        {.name = "inertia", .reads = {"repeats"}, .make = run_inertia},
+        {.name = "inertia_shortcuts", .reads = {"scenes"}, .make = run_inertia_shortcuts},
+        {.name = "orientation", .reads = {"repeats"}, .make = run_orientation},
+        {.name = "point_bodies", .reads = {"scenes"}, .make = run_point_bodies},
+        {.name = "speed",
+         .reads = {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
+         .make = run_speed},
+        {.name = "stability",
+         .reads = {"scenes", "vary", "methods", "settings", "samples", "seconds_per_run", "max_steps",
+                   "max_evaluations"},
+         .make = run_stability,
+         .chooses_steps = true,
+         .resumable = true},
+    };
+    return list;
+}
+
+const Kind* find_kind(std::string_view name) {
+    const std::span<const Kind> all = kinds();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Kind& kind) { return kind.name == name; });
+    return found == all.end() ? nullptr : &*found;
+}
+
+}  // namespace polhode

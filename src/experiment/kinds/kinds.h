@@ -1,0 +1,32 @@
+// What the kinds make of their rows, and those that make the rows themselves: each in a file of its own, all in the
+// table of kinds.cpp.
+#pragma once
+
+#include <vector>
+
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/result.h"
+#include "experiment/run/sweep.h"
+
+namespace polhode {
+
+// from the rows of scenes by methods at settings
+Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_convergence(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_drift(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_tolerance(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows);
+
+// rows and all
+Findings run_gimbal_lock(const Plan& plan, const RunOptions& options);
+Findings run_collisions(const Plan& plan, const RunOptions& options);
+Findings run_inertia(const Plan& plan, const RunOptions& options);
+Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
+Findings run_orientation(const Plan& plan, const RunOptions& options);
+Findings run_point_bodies(const Plan& plan, const RunOptions& options);
+Findings run_speed(const Plan& plan, const RunOptions& options);
+Findings run_stability(const Plan& plan, const RunOptions& options);
+
+}  // namespace polhode

@@ -1,0 +1,145 @@
+#include "experiment/run/run_experiment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+
+#include "experiment/plan/kind.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/locks.h"
+#include "experiment/run/report.h"
+#include "integrators/run/march.h"
+#include "integrators/sundials/build.h"
+#include "text/content_hash.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+const std::atomic<bool> patient{false};
+
+// What a reader of the page needs of the columns; the csv has them all. Beside each method, what the text that it is
+// from calls it, where any of the plan's is from one.
+Table page_of_rows(const Plan& plan, const Table& rows) {
+    Table page = select(rows, {{"scene", "scene"},
+                               {"method", "method"},
+                               {"setting_kind", "setting"},
+                               {"setting", "value"},
+                               {"status", "status"},
+                               {"seconds_median", "time (s)"},
+                               {"steps", "steps"},
+                               {"rhs_evaluations", "evaluations"},
+                               {"attitude_error_final", "attitude, end (rad)"},
+                               {"attitude_error_max", "attitude, max (rad)"},
+                               {"float64_floor", "float64 floor (rad)"},
+                               {"float32_floor", "float32 floor (rad)"},
+                               {"momentum_error_max", "momentum"},
+                               {"energy_error_max", "energy"},
+                               {"message", "message"}});
+    if (!is_described(plan)) return page;
+    const auto behind_method = static_cast<long>(column_index(page, "method")) + 1;
+    page.columns.insert(page.columns.begin() + behind_method, "described as");
+    for (auto& row : page.rows) {
+        const std::string name = text_of(row[static_cast<std::size_t>(behind_method - 1)]);
+        const auto curve = std::find_if(plan.curves.begin(), plan.curves.end(),
+                                        [&](const PlannedCurve& c) { return c.method->name == name; });
+        row.insert(row.begin() + behind_method,
+                   std::string(curve == plan.curves.end() ? "" : curve->method->described_as));
+    }
+    return page;
+}
+
+/// The identity of what a kind makes as a whole: program, experiment, scenes.
+std::string whole_key(const Plan& plan, bool quick) {
+    const Experiment& e = plan.experiment;
+    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", program_key(), e.name, e.about, e.kind->name,
+                                   quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
+    for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
+    for (const PlannedCurve& curve : plan.curves) {
+        text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));
+        for (const double setting : curve.settings) text += fmt::format(" {}", setting);
+        text += "\n";
+    }
+    return content_hash(text);
+}
+
+void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions& options,
+                    const std::string& command_line, const std::string& done) {
+    const auto remarks = write_report(plan, findings, options.directory, command_line, options.quick);
+    if (!options.quiet) fmt::print(stderr, "{}: {}\n", plan.experiment.name, done);
+    for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
+}
+
+// Done or not as a whole, but for what a resumable kind keeps.
+bool run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+    const std::string& name = plan.experiment.name;
+    const Kind& kind = *plan.experiment.kind;
+    const std::string key = whole_key(plan, options.quick);
+    const bool done = is_done(options.directory, key);
+    if (done || (options.shard > 1 && !kind.resumable)) {
+        if (!options.quiet)
+            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
+        return true;
+    }
+    Findings findings;
+    double seconds = 0;
+    {
+        const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, patient);
+        const Stopwatch stopwatch;
+        findings = kind.make(plan, options);
+        seconds = stopwatch.seconds();
+    }
+    if (kind.resumable && sweep_interrupted()) {
+        fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
+        return false;
+    }
+    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
+    write_and_tell(plan, findings, options, command_line,
+                   fmt::format("{} tables, {} pictures in {}, {:.3g} s", findings.tables.size(),
+                               findings.figures.size(), options.directory, seconds));
+    if (findings.complete) save_done(options.directory, key);
+    save_duration(options.directory, name, seconds);
+    return true;
+}
+
+bool run_cases(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+    const SweepCount count = run_sweep(plan, options);
+    if (sweep_interrupted()) {
+        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to go on\n", plan.experiment.name,
+                   count.run);
+        return false;
+    }
+    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
+    const std::vector<Result> rows = finished_results(plan, options.directory);
+    write_and_tell(plan, conclude(plan, rows), options, command_line,
+                   fmt::format("{} rows in {}, {} run now", rows.size(), options.directory, count.run));
+    return true;
+}
+
+}  // namespace
+
+Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
+    Table table{result_columns(), {}};
+    for (const Result& r : rows) table.rows.push_back(row_of(plan.experiment.name, r));
+    const std::string caption = plan.experiment.about + (sundials_unoptimised() ? " (SUNDIALS unoptimised)" : "");
+    Findings findings = plan.experiment.kind->conclude(plan, rows);
+    for (NamedTable& named : findings.tables) named.title = fmt::format("{}: {}", named.title, caption);
+    Table page = page_of_rows(plan, table);
+    findings.tables.insert(findings.tables.begin(),
+                           {.name = "", .title = caption, .table = std::move(table), .page = std::move(page)});
+    return findings;
+}
+
+std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options) {
+    if (!plan.experiment.kind->make) return pending_cases(plan, options);
+    if (is_done(options.directory, whole_key(plan, options.quick))) return {};
+    return {{plan.experiment.name, load_duration(options.directory, plan.experiment.name)}};
+}
+
+bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+    return plan.experiment.kind->make ? run_whole(plan, options, command_line) : run_cases(plan, options, command_line);
+}
+
+}  // namespace polhode

@@ -1,0 +1,25 @@
+// The engine: one experiment, of whatever kind, from its plan to its files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/plan/experiment.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/result.h"
+#include "experiment/run/sweep.h"
+
+namespace polhode {
+
+/// The table of the rows, and what the plan's kind concludes from them.
+Findings conclude(const Plan& plan, const std::vector<Result>& rows);
+
+/// What run_experiment() would run: cases, or the experiment as a whole where its kind makes the rows itself.
+std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options);
+
+/// Runs what is not in the directory yet, then gathers whatever is finished there, other shards' and earlier runs'
+/// included, and writes tables, pictures and provenance. Tells on standard error what it did. False where it was
+/// interrupted. Failures of methods are rows; throws std::runtime_error where results cannot be stored.
+bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line);
+
+}  // namespace polhode

@@ -115,10 +115,9 @@ bool by_closed_form(const Problem& problem, const std::vector<double>& times, Co
 
 Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
     if (Conditioning far; by_closed_form(problem, times, far)) return far;
-    if (problem.needs.translation == Translation::integrated)
-        return run<LoadedMotion<double>>(problem, times, settings);
-    if (problem.needs.torque_free) return run<FreeRotation<double>>(problem, times, settings);
-    return run<LoadedRotation<double>>(problem, times, settings);
+    if (problem.needs.translation == Translation::integrated) return run<LoadedMotion>(problem, times, settings);
+    if (problem.needs.torque_free) return run<FreeRotation>(problem, times, settings);
+    return run<LoadedRotation>(problem, times, settings);
 }
 
 void demand_times(const std::vector<double>& times) {

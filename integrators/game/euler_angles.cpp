@@ -27,6 +27,10 @@ namespace {
 
 /// Three angles in the order of the state: roll, pitch, yaw.
 struct RollPitchYaw {
+    static Vector3<double> start(const Quaternion<double>& q) {
+        const EulerAngles angles = euler_from_quaternion(EulerSequence::zyx, q);
+        return {angles[2], angles[1], angles[0]};
+    }
     Quaternion<double> quaternion(const Vector3<double>& c) const {
         return quaternion_from_euler(EulerSequence::zyx, {c[2], c[1], c[0]});
     }
@@ -37,6 +41,9 @@ struct RollPitchYaw {
     }
 };
 using AngleMotion = ChartedMotion<RollPitchYaw>;
+using AngleState = std::array<double, AngleMotion::dimension>;
+
+double pitch_of(const double* y) { return AngleMotion::coordinates(y)[1]; }
 
 constexpr double near = 1e-6;  // rad: nearer to gimbal lock a failure is put down to it
 
@@ -44,41 +51,6 @@ constexpr double near = 1e-6;  // rad: nearer to gimbal lock a failure is put do
 double distance_from_lock(double pitch) { return std::asin(std::min(std::abs(std::cos(pitch)), 1.0)); }
 
 double largest(const Vector3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
-
-}  // namespace
-
-// What SystemStepper and CvodeSession ask of a system.
-template <>
-AngleMotion system_on<AngleMotion>(const Problem& problem, const Segment& segment) {
-    return {system_on<FullMotion<double>>(problem, segment), {}};
-}
-template <>
-void initial_state<AngleMotion>(const Problem& problem, double* y) {
-    const ExactBody<double>& body = problem.body;
-    const EulerAngles angles = euler_from_quaternion(EulerSequence::zyx, body.q);
-    put(y, 0, body.angular_velocity_B);
-    put(y, 3, Vector3<double>(angles[2], angles[1], angles[0]));
-    put(y, 6, body.position_W);
-    put(y, 9, body.velocity_W);
-}
-template <>
-bool enter<AngleMotion>(const Problem& problem, const Segment& segment, double* y) {
-    enter_charted(problem, segment, RollPitchYaw(), y);
-    return !segment.impulses.empty();
-}
-template <>
-Sample sample_of<AngleMotion>(const Problem& problem, double t, const double* y) {
-    return sample_charted(problem, t, RollPitchYaw(), y);
-}
-template <>
-void component_scales<AngleMotion>(const Problem& problem, double* scales) {
-    std::fill(scales, scales + 3, problem.scales.angular_velocity);
-    std::fill(scales + 3, scales + 6, 1.0);
-    std::fill(scales + 6, scales + 9, problem.scales.position);
-    std::fill(scales + 9, scales + 12, problem.scales.velocity);
-}
-
-namespace {
 
 /// Notes steps, angle rates and distances.
 class Watch {
@@ -104,35 +76,30 @@ class Watch {
 class EulerAnglesStepper {
   public:
     EulerAnglesStepper(const Problem& problem, LockPassage* const& passage)
-        : problem_(&problem),
-          motion_(system_on<AngleMotion>(problem, problem.segments.front())),
-          watch_(problem, passage) {
+        : motion_(problem), watch_(problem, passage) {
         restart();
     }
     void restart() {
-        initial_state<AngleMotion>(*problem_, y_.data());
+        motion_.initial(y_.data());
         steps_ = 0, failed_ = false;
     }
-    void enter(const Segment& segment) {
-        polhode::enter<AngleMotion>(*problem_, segment, y_.data());
-        motion_ = system_on<AngleMotion>(*problem_, segment);
-    }
+    void enter(const Segment& segment) { motion_.enter(segment, y_.data()); }
     void step(double t, double h) {
         if (failed_) return;
-        ChartedState<double> rate{};
+        AngleState rate{};
         motion_.derivative(t, y_.data(), rate.data());
-        const Vector3<double> angle_rate = vector_at(rate.data(), 3);
-        watch_.angles(y_[4], angle_rate);
+        const Vector3<double> angle_rate = AngleMotion::coordinates(rate.data());
+        watch_.angles(pitch_of(y_.data()), angle_rate);
         ++steps_;
         turn_ = h * largest(angle_rate);
         if (turn_ > std::numbers::pi) {
             failed_ = true, failed_at_ = t;
             return;
         }
-        ExplicitEuler::step([&](double, const ChartedState<double>&) { return rate; }, t, y_, h);
+        ExplicitEuler::step([&](double, const AngleState&) { return rate; }, t, y_, h);
         watch_.step(t + h, h);
     }
-    Sample sample(double t) const { return sample_of<AngleMotion>(*problem_, t, y_.data()); }
+    Sample sample(double t) const { return motion_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return steps_; }
 
@@ -141,14 +108,13 @@ class EulerAnglesStepper {
         trajectory.status = Status::failed;
         trajectory.message = fmt::format(
             "at t = {:g} s an angle would turn by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
-            failed_at_, turn_, distance_from_lock(y_[4]));
+            failed_at_, turn_, distance_from_lock(pitch_of(y_.data())));
     }
 
   private:
-    const Problem* problem_;
     AngleMotion motion_;
     Watch watch_;
-    ChartedState<double> y_{};
+    AngleState y_{};
     long steps_ = 0;
     bool failed_ = false;
     double failed_at_ = 0, turn_ = 0;
@@ -172,7 +138,7 @@ class WatchedSession : public CvodeSession<SystemType, Vector> {
         if (flag != CV_TSTOP_RETURN) watch_.step(this->time(), this->time() - begin);
         if constexpr (std::is_same_v<SystemType, AngleMotion>) {
             const double* y = this->y();
-            watch_.angles(y[4], RollPitchYaw().rate(vector_at(y, 3), vector_at(y, 0)));
+            watch_.angles(pitch_of(y), this->system_.coordinate_rate(y));
         }
         return flag;
     }
@@ -248,8 +214,8 @@ Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& sett
 }
 
 Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
-    using Vector = FixedVector<FullMotion<double>::dimension>;
-    return solve_watched<FullMotion<double>, Vector>(problem, settings, passage);
+    using Vector = FixedVector<FullMotion::dimension>;
+    return solve_watched<FullMotion, Vector>(problem, settings, passage);
 }
 
 extern const std::span<const Method> euler_angles_methods;

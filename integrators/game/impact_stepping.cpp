@@ -19,19 +19,13 @@ constexpr double allowed_depth = 1e-6;
 template <class SystemType, Detection detection>
 class ImpactStepper {
   public:
-    explicit ImpactStepper(const Problem& problem)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
-        restart();
-    }
+    explicit ImpactStepper(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
     void restart() {
-        initial_state<SystemType>(*problem_, y_.data());
+        system_.initial(y_.data());
         evaluations_ = 0;
         times_.clear();
     }
-    void enter(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y_.data());
-        system_ = system_on<SystemType>(*problem_, segment);
-    }
+    void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
     void step(double t, double h) {
         if (!problem_->geometry.any()) return advance(t, h);
         if constexpr (detection == Detection::after_the_step) {
@@ -42,7 +36,7 @@ class ImpactStepper {
         }
     }
     Sample sample(double t) const {
-        Sample s = sample_of<SystemType>(*problem_, t, y_.data());
+        Sample s = system_.motion(t, y_.data());
         if (problem_->body.pivoted)
             pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
         return s;
@@ -65,9 +59,10 @@ class ImpactStepper {
         system_.derivative(t, y_.data(), rate.data());
         ++evaluations_;
         for (int i : {0, 1, 2, 10, 11, 12}) y_[i] += h * rate[i];
-        const Vector3<double> w = vector_at(y_.data(), 0);
-        const Quaternion<double> q = quaternion_at(y_.data(), 3), dq = attitude_rate(h / 2, q, w);
-        put(y_.data(), 3, normalized(Quaternion<double>{q.w + dq.w, q.x + dq.x, q.y + dq.y, q.z + dq.z}));
+        const Vector3<double> w = SystemType::angular_velocity(y_.data());
+        const Quaternion<double> q = SystemType::attitude(y_.data()), dq = attitude_rate(h / 2, q, w);
+        SystemType::set_rotation(y_.data(), w,
+                                 normalized(Quaternion<double>{q.w + dq.w, q.x + dq.x, q.y + dq.y, q.z + dq.z}));
         for (int i = 7; i < 10; ++i) y_[i] += h * y_[i + 3];
     }
     void strike(double t, double tolerance) {
@@ -106,9 +101,8 @@ class ImpactStepper {
 
 template <Detection detection>
 Trajectory solve_steps(const Problem& problem, const Settings& settings) {
-    if (problem.formulation == Formulation::full)
-        return march<ImpactStepper<FullMotion<double>, detection>>(problem, settings);
-    return march<ImpactStepper<LoadedMotion<double>, detection>>(problem, settings);
+    if (problem.formulation == Formulation::full) return march<ImpactStepper<FullMotion, detection>>(problem, settings);
+    return march<ImpactStepper<LoadedMotion, detection>>(problem, settings);
 }
 
 constexpr Method each[] = {

@@ -19,6 +19,10 @@ template <class S>
 struct RotationVectorChart {
     Quaternion<S> centre;
 
+    Vector3<S> start(const Quaternion<double>& q) {
+        centre = cast<S>(q);
+        return {};
+    }
     Quaternion<S> quaternion(const Vector3<S>& theta) const { return centre * quaternion_from_rotation_vector(theta); }
     Vector3<S> rate(const Vector3<S>& theta, const Vector3<S>& w) const {
         const S square = dot(theta, theta);
@@ -37,48 +41,37 @@ struct RotationVectorChart {
 template <class S>
 class RotationVector {
   public:
-    explicit RotationVector(const Problem& problem)
-        : problem_(&problem), motion_{system_on<Body>(problem, problem.segments.front()), {}} {
-        restart();
-    }
+    explicit RotationVector(const Problem& problem) : motion_(problem) { restart(); }
     void restart() {
-        const ExactBody<double>& body = problem_->body;
-        motion_.chart.centre = cast<S>(body.q);
-        put(y_.data(), 0, cast<S>(body.angular_velocity_B));
-        put(y_.data(), 3, Vector3<S>());
-        put(y_.data(), 6, cast<S>(body.position_W));
-        put(y_.data(), 9, cast<S>(body.velocity_W));
+        motion_.initial(y_.data());
         steps_ = 0;
     }
-    void enter(const Segment& segment) {
-        enter_charted(*problem_, segment, motion_.chart, y_.data());
-        motion_.body = system_on<Body>(*problem_, segment);
-    }
+    void enter(const Segment& segment) { motion_.enter(segment, y_.data()); }
     void step(double t, double h) {
-        const auto rate = [this](double at, const ChartedState<S>& y) {
-            ChartedState<S> dy{};
+        const auto rate = [this](double at, const State& y) {
+            State dy{};
             motion_.derivative(at, y.data(), dy.data());
             return dy;
         };
         ClassicalRungeKutta::step(rate, t, y_, S(h));
-        const Vector3<S> theta = vector_at(y_.data(), 3);
+        const Vector3<S> theta = Motion::coordinates(y_.data());
         constexpr S quarter = std::numbers::pi_v<S> / 2;
         if (dot(theta, theta) > quarter * quarter) {
-            motion_.chart.centre = normalized(motion_.chart.quaternion(theta));
-            put(y_.data(), 3, Vector3<S>());
+            motion_.chart().centre = normalized(motion_.chart().quaternion(theta));
+            Motion::set_coordinates(y_.data(), {});
         }
         ++steps_;
     }
-    Sample sample(double t) const { return sample_charted(*problem_, t, motion_.chart, y_.data()); }
-    bool finite() const { return all_finite(y_) && all_finite(motion_.chart.centre); }
+    Sample sample(double t) const { return motion_.motion(t, y_.data()); }
+    bool finite() const { return all_finite(y_) && all_finite(motion_.chart().centre); }
     long rhs_evaluations() const { return steps_ * ClassicalRungeKutta::evaluations; }
 
   private:
-    using Body = SystemIn<FullMotion<double>, S>;
+    using Motion = ChartedMotion<RotationVectorChart<S>, S>;
+    using State = std::array<S, Motion::dimension>;
 
-    const Problem* problem_;
-    ChartedMotion<RotationVectorChart<S>, S> motion_;
-    ChartedState<S> y_{};
+    Motion motion_;
+    State y_{};
     long steps_ = 0;
 };
 

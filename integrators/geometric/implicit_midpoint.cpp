@@ -19,24 +19,22 @@ namespace {
 template <class SystemType>
 class ImplicitMidpoint {
     static constexpr int N = SystemType::dimension;
-    using S = typename ScalarOf<SystemType>::type;
+    using S = typename SystemType::Scalar;
     using Column = Eigen::Matrix<S, N, 1>;
     using Square = Eigen::Matrix<S, N, N, Eigen::RowMajor>;
 
   public:
-    explicit ImplicitMidpoint(const Problem& problem)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
-        component_scales<SystemType>(problem, scales_);
+    explicit ImplicitMidpoint(const Problem& problem) : problem_(&problem), system_(problem) {
+        system_.scales(scales_);
         restart();
     }
     void restart() {
-        initial_state<SystemType>(*problem_, y_);
+        system_.initial(y_);
         forget();
         evaluations_ = 0, failed_ = false;
     }
     void enter(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y_);
-        system_ = system_on<SystemType>(*problem_, segment);
+        system_.enter(segment, y_);
         forget();
     }
     void step(double t, double step) {
@@ -57,7 +55,7 @@ class ImplicitMidpoint {
             y_[i] = sum.value, lost_[i] = sum.lost;
         }
     }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
+    Sample sample(double t) const { return system_.motion(t, y_); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }

@@ -22,7 +22,7 @@ class MomentumStateOf {
     explicit MomentumStateOf(const Problem& problem)
         : problem_(&problem),
           loads_(problem),
-          translates_(problem.needs.dimension == 13 && !problem.body.pivoted),
+          translates_(problem.needs.translation == Translation::integrated && !problem.body.pivoted),
           moments_(cast<S>(problem.principal.moments)),
           inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {
         restart();
@@ -38,27 +38,27 @@ class MomentumStateOf {
     void enter(const Segment& segment) {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
-        double y[13];
+        double y[LoadedMotion::dimension];
         write(y);
         if (translates_) {
-            polhode::enter<LoadedMotion<double>>(*problem_, segment, y);
-            velocity_ = CompensatedVectorOf<S>(cast<S>(vector_at(y, 10)));
+            LoadedMotion(*problem_).enter(segment, y);
+            velocity_ = CompensatedVectorOf<S>(cast<S>(LoadedMotion::velocity(y)));
         } else {
-            polhode::enter<FreeRotation<double>>(*problem_, segment, y);
+            FreeRotation(*problem_).enter(segment, y);
         }
-        set_angular_velocity(vector_at(y, 0));
+        set_angular_velocity(LoadedMotion::angular_velocity(y));
     }
     Sample sample(double t) const {
-        double y[13];
+        double y[LoadedMotion::dimension];
         write(y);
-        if (problem_->needs.dimension != 13) return sample_of<FreeRotation<double>>(*problem_, t, y);
+        if (problem_->needs.translation != Translation::integrated) return FreeRotation(*problem_).motion(t, y);
         if (!translates_) {
             Vector3<double> p, v;
-            pivoted_center(quaternion_at(y, 3), vector_at(y, 0), problem_->segments.front().forcing.arm, p, v);
-            put(y, 7, p);
-            put(y, 10, v);
+            pivoted_center(LoadedMotion::attitude(y), LoadedMotion::angular_velocity(y),
+                           problem_->segments.front().forcing.arm, p, v);
+            LoadedMotion::set_translation(y, p, v);
         }
-        return sample_of<LoadedMotion<double>>(*problem_, t, y);
+        return LoadedMotion(*problem_).motion(t, y);
     }
     bool finite() const {
         return all_finite(momentum_.value(), position_.value(), velocity_.value()) && all_finite(attitude_.value());
@@ -105,10 +105,9 @@ class MomentumStateOf {
         const Quaternion<double> q = cast<double>(attitude_.value());
         const Vector3<double>& inverse = problem_->principal_inertia.inverse_moments;
         const Vector3<double> y_B = rotate_back(q, cast<double>(momentum_.value()));
-        put(y, 0, Vector3<double>(inverse[0] * y_B[0], inverse[1] * y_B[1], inverse[2] * y_B[2]));
-        put(y, 3, q);
-        put(y, 7, cast<double>(position_.value()));
-        put(y, 10, cast<double>(velocity_.value()));
+        LoadedMotion::set_rotation(y, Vector3<double>(inverse[0] * y_B[0], inverse[1] * y_B[1], inverse[2] * y_B[2]),
+                                   q);
+        LoadedMotion::set_translation(y, cast<double>(position_.value()), cast<double>(velocity_.value()));
     }
 };
 using MomentumState = MomentumStateOf<double>;
@@ -123,7 +122,7 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
 
 /// The refusal of a stepper that knows the rotation alone.
 inline std::string refused_translation(const Problem& problem) {
-    return problem.needs.dimension == 13 && !problem.body.pivoted
+    return problem.needs.translation == Translation::integrated && !problem.body.pivoted
                ? "its equations are those of the rotation: where translation is integrated beside it, not"
                : "";
 }

@@ -16,7 +16,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 template <int order>
 std::string refused(const Problem& problem) {
     if (std::string why = refused_by_kicks(problem); !why.empty() || !composition(order).empty()) return why;
-    bool loaded = problem.needs.dimension == 13 && !problem.body.pivoted;
+    bool loaded = problem.needs.translation == Translation::integrated && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
     return loaded ? "no composition of kicks of this order: under loads moser_veselov8 is the highest" : "";
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "integrators/geometric/kept_quantities.h"
 #include "integrators/run/march.h"
 #include "motion/conserved.h"
 #include "motion/dual.h"
@@ -30,14 +29,14 @@ class Projection {
   public:
     static constexpr int N = SystemType::dimension;
 
-    explicit Projection(const Problem& problem) : problem_(&problem) {
+    explicit Projection(const Problem& problem) : problem_(&problem), system_(problem) {
         std::array<double, N> scale{};
-        component_scales<SystemType>(problem, scale.data());
+        system_.scales(scale.data());
         for (int i = 0; i < N; ++i) weight_[i] = scale[i] * scale[i];
         find_kept();
         std::array<double, N> start{};
-        initial_state<SystemType>(problem, start.data());
-        enter<SystemType>(problem, problem.segments.front(), start.data());
+        system_.initial(start.data());
+        system_.enter(problem.segments.front(), start.data());
         evaluate(start.data(), target_.data());
         target_[0] = 1;
     }
@@ -82,7 +81,7 @@ class Projection {
     }
 
   private:
-    static constexpr int most = N == 3 ? 2 : 9;
+    static constexpr int most = SystemType::about_axis ? 2 : 9;
 
     void find_kept() {
         const bool full = problem_->formulation == Formulation::full;
@@ -114,28 +113,27 @@ class Projection {
                     break;
             }
         }
-        count_ = N == 3 ? 1 + energy_ : 1 + angular_count_ + (N == 13 ? linear_count_ : 0) + spin_ + energy_;
+        count_ = 1 + energy_;
+        if constexpr (!SystemType::about_axis) count_ += angular_count_ + spin_;
+        if constexpr (SystemType::has_translation) count_ += linear_count_;
     }
 
     // the constraints' left sides; energy last, for it is the one that depends on others
     template <class S>
     void evaluate(const S* y, S* values) const {
         int k = 0;
-        if constexpr (N == 3) {
-            values[k++] = y[1] * y[1] + y[2] * y[2];
-        } else {
-            const Quaternion<S> q = quaternion_at(y, 3);
-            const Vector3<S> L = angular_momentum_posed<SystemType>(*problem_, vector_at(y, 0));
-            values[k++] = squared_norm(q);
+        values[k++] = system_.attitude_square(y);
+        if constexpr (!SystemType::about_axis) {
+            const Vector3<S> L = system_.angular_momentum(y);
             if (angular_count_ > 0) {
-                const Vector3<S> L_W = rotate(q, L);
+                const Vector3<S> L_W = rotate(system_.attitude(y), L);
                 for (int i = 0; i < angular_count_; ++i) values[k++] = dot(angular_[i], L_W);
             }
-            if constexpr (N == 13)
-                for (int i = 0; i < linear_count_; ++i) values[k++] = dot(linear_[i], vector_at(y, 10));
+            if constexpr (SystemType::has_translation)
+                for (int i = 0; i < linear_count_; ++i) values[k++] = dot(linear_[i], system_.velocity(y));
             if (spin_) values[k++] = dot(spin_axis_, L);
         }
-        if (energy_) values[k++] = state_energy<SystemType>(*problem_, y);
+        if (energy_) values[k++] = system_.energy(y);
     }
 
     // J D J^T with each constraint divided by the length of its gradient, C = G G^T by rows in the order of the pivots
@@ -181,6 +179,7 @@ class Projection {
     }
 
     const Problem* problem_;
+    SystemType system_;
     std::array<double, N> weight_{};
     bool energy_ = false, spin_ = false;
     int angular_count_ = 0, linear_count_ = 0, count_ = 0, rank_ = 0;

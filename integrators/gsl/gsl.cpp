@@ -43,13 +43,10 @@ class GslSession {
     /// Relative tolerance R, absolute tolerance R times each component's scale.
     /// Throws std::bad_alloc where there is no memory for it.
     GslSession(const Problem& problem, const Scheme& scheme, double tolerance)
-        : problem_(&problem),
-          system_(system_on<SystemType>(problem, problem.segments.front())),
-          order_(scheme.order),
-          tolerance_(tolerance) {
+        : problem_(&problem), system_(problem), order_(scheme.order), tolerance_(tolerance) {
         // the library's default is to abort the program
         [[maybe_unused]] static const auto former = gsl_set_error_handler_off();
-        component_scales<SystemType>(problem, scales_.data());
+        system_.scales(scales_.data());
         driver_ = driver(main_, *scheme.type);
         sideways_ = driver(side_, *scheme.sideways);
     }
@@ -57,7 +54,7 @@ class GslSession {
     GslSession& operator=(const GslSession&) = delete;
 
     void restart() {
-        initial_state<SystemType>(*problem_, y_.data());
+        system_.initial(y_.data());
         main_.evaluations = 0;
         steps_ = rejected_ = 0;
         gsl_odeiv2_driver_reset(driver_.get());
@@ -65,8 +62,7 @@ class GslSession {
 
     /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
     int enter(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y_.data());
-        system_ = system_on<SystemType>(*problem_, segment);
+        system_.enter(segment, y_.data());
         t_ = segment.begin, end_ = segment.end;
         if (!(end_ > t_)) return GSL_SUCCESS;
         rejected_ += static_cast<long>(driver_->e->failed_steps);
@@ -88,7 +84,7 @@ class GslSession {
     }
 
     double time() const { return t_; }
-    Sample sample() const { return sample_of<SystemType>(*problem_, t_, y_.data()); }
+    Sample sample() const { return system_.motion(t_, y_.data()); }
 
     /// The motion at a time within the last step, by steps of their own from the step's start.
     std::optional<Sample> sample_inside(double at) {
@@ -105,7 +101,7 @@ class GslSession {
             status_ = GSL_EMAXITER;
             return {};
         }
-        return sample_of<SystemType>(*problem_, at, side_y_.data());
+        return system_.motion(at, side_y_.data());
     }
     int inside_flag() const { return flag_of(status_); }
 

@@ -22,21 +22,15 @@ template <class SystemType>
 class OdeintState {
   public:
     static constexpr std::size_t dimension = SystemType::dimension;
-    using Scalar = typename ScalarOf<SystemType>::type;
+    using Scalar = typename SystemType::Scalar;
 
-    explicit OdeintState(const Problem& problem)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
-        restart();
-    }
+    explicit OdeintState(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
     void restart() {
-        initial_state<SystemType>(*problem_, y_.data());
+        system_.initial(y_.data());
         evaluations_ = 0;
     }
-    void enter(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y_.data());
-        system_ = system_on<SystemType>(*problem_, segment);
-    }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
+    void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
+    Sample sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
@@ -107,7 +101,7 @@ class ControlledOdeintState : public OdeintState<SystemType> {
 
     ControlledOdeintState(const Problem& problem, double tolerance, int order)
         : OdeintState<SystemType>(problem), tolerance_(tolerance), order_(order) {
-        component_scales<SystemType>(problem, scales_.data());
+        this->system_.scales(scales_.data());
     }
 
     double first_step(double t) {

@@ -39,24 +39,22 @@ class GeneralState {
     static constexpr int N = SystemType::dimension;
     using Y = std::array<double, N>;
 
-    GeneralState(const Problem& problem, double tolerance)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
-        component_scales<SystemType>(problem, scales_.data());
+    GeneralState(const Problem& problem, double tolerance) : system_(problem) {
+        system_.scales(scales_.data());
         for (int i = 0; i < N; ++i)
             squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
         restart();
     }
     void restart() {
-        initial_state<SystemType>(*problem_, y_.data());
+        system_.initial(y_.data());
         lost_.fill(0);
     }
     void enter(const Segment& segment) {
-        if (polhode::enter<SystemType>(*problem_, segment, y_.data())) lost_.fill(0);
-        system_ = system_on<SystemType>(*problem_, segment);
+        if (system_.enter(segment, y_.data())) lost_.fill(0);
     }
     double first_step(double t, double longest) { return first_step_of(system_, t, y_.data(), scales_, longest); }
     void accept() { y_ = next_, lost_ = next_lost_; }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_.data()); }
+    Sample sample(double t) const { return system_.motion(t, y_.data()); }
 
   protected:
     /// next = y + lost + large + small, component i
@@ -67,7 +65,6 @@ class GeneralState {
         next_lost_[i] = rounded_away(sum, rest, next_[i]);
     }
 
-    const Problem* problem_;
     SystemType system_;
     Y scales_{}, squared_scale_{}, y_{}, lost_{}, next_{}, next_lost_{};
 };
@@ -81,8 +78,8 @@ class RotationLanes {
             return rotation_coefficients(problem.principal_inertia, forcing_of(segment)).has_value();
         });
     }
-    RotationLanes(const Problem& problem, double tolerance, double rounding) : problem_(&problem) {
-        component_scales<SystemType>(problem, scales_.data());
+    RotationLanes(const Problem& problem, double tolerance, double rounding) : problem_(&problem), system_(problem) {
+        system_.scales(scales_.data());
         allowance_.rounding = rounding;
         allowance_.squared_scale[7] = 1;
         for (int i = 0; i < 7; ++i)
@@ -91,26 +88,23 @@ class RotationLanes {
     }
     void restart() {
         state_ = {};
-        initial_state<SystemType>(*problem_, state_.y);
+        system_.initial(state_.y);
     }
     void enter(const Segment& segment) {
-        if (polhode::enter<SystemType>(*problem_, segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
+        if (system_.enter(segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
         coefficients_ = *rotation_coefficients(problem_->principal_inertia, forcing_of(segment));
-        segment_ = &segment;
     }
-    double first_step(double t, double longest) {
-        return first_step_of(system_on<SystemType>(*problem_, *segment_), t, state_.y, scales_, longest);
-    }
+    double first_step(double t, double longest) { return first_step_of(system_, t, state_.y, scales_, longest); }
     void accept() { state_ = next_.state; }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, state_.y); }
+    Sample sample(double t) const { return system_.motion(t, state_.y); }
 
   protected:
     static const Forcing<double>* forcing_of(const Segment& segment) {
-        return std::is_same_v<SystemType, FreeRotation<double>> ? nullptr : &segment.forcing;
+        return SystemType::has_torque ? &segment.forcing : nullptr;
     }
 
     const Problem* problem_;
-    const Segment* segment_ = nullptr;
+    SystemType system_;
     RotationCoefficients coefficients_;
     RotationAllowance allowance_;
     std::array<double, 7> scales_{};

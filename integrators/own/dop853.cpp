@@ -124,7 +124,7 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     if (!reachable(tolerance)) return out_of_reach(tolerance);
     const double aim = aimed_at(tolerance);
     return with_system(problem, [&]<class SystemType>() {
-        if constexpr (SystemType::dimension == 7)
+        if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::serves(problem))
                 return march_controlled(problem, settings, ControlledDop853<RotationDop853<SystemType>>(problem, aim));
         return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, aim));

@@ -38,27 +38,26 @@ bool starts_next_to_separatrix(const Problem& problem) {
 std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
     if (segment.begin == 0 && starts_next_to_separatrix(problem)) {
         const FreeAsymmetricBody<Wide> form(problem.wide_principal.moments, problem.wide_initial_angular_velocity,
-                                            cast<Wide>(quaternion_at(y, 3)));
+                                            cast<Wide>(FreeRotation::attitude(y)));
         return std::optional<Form>(std::in_place, std::in_place_type<FreeAsymmetricBody<double>>, form);
     }
-    return Form::find(problem.principal.moments, segment.forcing, vector_at(y, 0), quaternion_at(y, 3),
-                      rounding_of(problem));
+    return Form::find(problem.principal.moments, segment.forcing, FreeRotation::angular_velocity(y),
+                      FreeRotation::attitude(y), rounding_of(problem));
 }
 
 void advance(const Form& form, double t, double* y) {
     const Rotation<double> rotation = form.at(t);
-    put(y, 0, rotation.w);
-    put(y, 3, rotation.q);
+    FreeRotation::set_rotation(y, rotation.w, rotation.q);
 }
 
 // Every piece's form, from the state that the one before leads to; false where one has none.
 template <class Visit>
 bool through_pieces(const Problem& problem, Visit&& visit) {
-    double y[7];
-    put(y, 0, problem.initial_angular_velocity);
-    put(y, 3, problem.initial_q);
+    double y[FreeRotation::dimension];
+    FreeRotation system(problem);
+    system.initial(y);
     for (const Segment& segment : problem.segments) {
-        enter<FreeRotation<double>>(problem, segment, y);
+        system.enter(segment, y);
         const std::optional<Form> form = form_of(problem, segment, y);
         if (!form || !visit(segment, *form)) return false;
         if (!segment.last) advance(*form, segment.end - segment.begin, y);
@@ -90,7 +89,7 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
             return false;
         }
         advance(form, t - segment.begin, y);
-        return record(problem, sample_of<FreeRotation<double>>(problem, t, y), bound, trajectory);
+        return record(problem, FreeRotation(problem).motion(t, y), bound, trajectory);
     };
     const auto run = [&] {
         trajectory.samples.clear();

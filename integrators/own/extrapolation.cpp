@@ -237,7 +237,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!reachable(tolerance)) return out_of_reach(tolerance);
     return with_system(problem, [&]<class SystemType>() {
-        if constexpr (SystemType::dimension == 7)
+        if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::serves(problem))
                 return march_controlled(problem, settings,
                                         ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));

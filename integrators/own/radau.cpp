@@ -133,25 +133,24 @@ class Radau {
 
     Radau(const Problem& problem, int stages)
         : problem_(&problem),
-          system_(system_on<SystemType>(problem, problem.segments.front())),
+          system_(problem),
           kernel_(kernel_for<SystemType>(instruction_set())),
           radau_(&radau_coefficients(stages)),
           equations_(std::make_shared<Equations<SystemType>>()) {
-        component_scales<SystemType>(problem, scales_);
+        system_.scales(scales_);
         restart();
     }
     void restart() {
-        initial_state<SystemType>(*problem_, y_);
+        system_.initial(y_);
         std::fill_n(carry_, N, 0);
         evaluations_ = 0;
         last_h_ = 0;
     }
     void enter(const Segment& segment) {
-        if (polhode::enter<SystemType>(*problem_, segment, y_)) std::fill_n(carry_, N, 0);
-        system_ = system_on<SystemType>(*problem_, segment);
+        if (system_.enter(segment, y_)) std::fill_n(carry_, N, 0);
         last_h_ = 0;
     }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
+    Sample sample(double t) const { return system_.motion(t, y_); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 

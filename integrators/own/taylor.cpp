@@ -131,7 +131,7 @@ truth::Series<T> recorded_series(const Problem& problem, const Segment& segment,
         SystemType system;
         void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system.derivative(0, y, dy); }
     };
-    return {truth::record<T>(Form{system_on<SystemType>(problem, segment)}, SystemType::dimension), order};
+    return {truth::record<T>(Form{SystemType(problem, segment)}, SystemType::dimension), order};
 }
 
 /// Those of any of the systems, their recurrences recorded from the one right-hand side.
@@ -142,7 +142,7 @@ class RecordedCoefficients {
 
     RecordedCoefficients(const Problem& problem, const Segment& segment)
         : series_(recorded_series<double, SystemType>(problem, segment, order)) {
-        component_scales<SystemType>(problem, scales_.data());
+        SystemType(problem).scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
@@ -374,6 +374,7 @@ class TaylorSession {
     TaylorSession(const Problem& problem, const Problem& scaled, int exponent, double tolerance)
         : problem_(&problem),
           scaled_(&scaled),
+          system_(scaled),
           unit_(std::scalbn(1.0, -exponent)),
           per_unit_(std::scalbn(1.0, exponent)),
           tolerance_(tolerance) {}
@@ -381,14 +382,14 @@ class TaylorSession {
     /// Back to t = 0, all counts to zero.
     void restart() {
         series_.reset();
-        initial_state<SystemType>(*scaled_, y_.data());
+        system_.initial(y_.data());
         t_ = 0, steps_ = 0;
     }
     /// An event: impulses, then the loads of this segment.
     int enter(const Segment& of_problem) {
         const Segment& segment = scaled_->segments[of_problem.index];
         settle();
-        polhode::enter<SystemType>(*scaled_, segment, y_.data());
+        system_.enter(segment, y_.data());
         series_.reset();
         begin_ = t_ = segment.begin, end_ = segment.end;
         if (end_ > t_) series_.emplace(*scaled_, segment).start(y_.data());
@@ -411,13 +412,13 @@ class TaylorSession {
     double time() const { return t_ * unit_; }
     Sample sample() {
         settle();
-        return in_seconds(sample_of<SystemType>(*scaled_, t_, y_.data()));
+        return in_seconds(system_.motion(t_, y_.data()));
     }
     /// The motion at a time within the last step.
     std::optional<Sample> sample_inside(double at) {
         const double t = at * per_unit_;
         series_->look(t - begin_, y_.data());
-        return in_seconds(sample_of<SystemType>(*scaled_, t, y_.data()));
+        return in_seconds(system_.motion(t, y_.data()));
     }
     int inside_flag() const { return 0; }
 
@@ -451,6 +452,7 @@ class TaylorSession {
     }
 
     const Problem *problem_, *scaled_;
+    SystemType system_;
     double unit_, per_unit_;  ///< s, 1/s
     double tolerance_;
     double begin_ = 0, t_ = 0, end_ = 0;  ///< units: of the last step, now, of the segment
@@ -492,7 +494,7 @@ Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
 template <int order>
 Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
-        if constexpr (SystemType::dimension == 7)
+        if constexpr (is_rotation<SystemType>)
             if (is_unrolled(problem)) {
                 if (instruction_set() == InstructionSet::avx512)
                     return solve_unrolled<order, SystemType, Lanes8>(problem, settings);

@@ -4,6 +4,7 @@
 // every operation of a step. Times, events and the impulses at them stay in binary64; samples are widened as they are.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,97 +21,73 @@
 
 namespace polhode {
 
-/// The same system over floats.
-template <class SystemType>
-struct RoundedSystem;
-template <template <class> class SystemOf>
-struct RoundedSystem<SystemOf<double>> {
-    using type = SystemOf<float>;
+/// The same equations over floats.
+template <class Equations>
+struct RoundedEquations;
+template <template <class> class EquationsOf>
+struct RoundedEquations<EquationsOf<double>> {
+    using type = EquationsOf<float>;
 };
 template <template <class> class Inertia, bool translation>
-struct RoundedSystem<LoadedBody<double, Inertia<double>, translation>> {
-    using type = LoadedBody<float, Inertia<float>, translation>;
+struct RoundedEquations<LoadedEquations<double, Inertia<double>, translation>> {
+    using type = LoadedEquations<float, Inertia<float>, translation>;
 };
 
-/// One of the systems of motion/systems.h in binary32: what it is posed as, with its constants rounded. No user's
-/// torques.
+/// One of the systems of motion/systems.h in binary32: its state and its constants rounded. No user's torques.
 template <class SystemType>
 class Binary32 {
   public:
     using Scalar = float;
-    using Posed = SystemType;
     static constexpr int dimension = SystemType::dimension;
 
-    Binary32(const Problem& problem, const Segment& segment) {
-        const SystemType posed = polhode::system_on<SystemType>(problem, segment);
-        if constexpr (requires { posed.forcing; }) {
-            forcing_ = std::make_shared<const Forcing<float>>(rounded<float>(*posed.forcing));
-            system_ = {rounded<float>(posed.inertia), forcing_.get()};
-        } else if constexpr (requires { posed.inertia; }) {
-            system_ = {rounded<float>(posed.inertia)};
+    explicit Binary32(const Problem& problem) : posed_(problem) { take_equations(); }
+
+    void initial(float* y) const {
+        double wide[dimension];
+        posed_.initial(wide);
+        narrow(wide, y);
+    }
+    bool enter(const Segment& segment, float* y) {
+        double wide[dimension];
+        widen(y, wide);
+        const bool struck = posed_.enter(segment, wide);
+        if (struck) narrow(wide, y);
+        take_equations();
+        return struck;
+    }
+    template <class S>
+    void derivative(double t, const S* y, S* dy) const {
+        equations_.derivative(t, y, dy);
+    }
+    Sample motion(double t, const float* y) const {
+        double wide[dimension];
+        widen(y, wide);
+        return posed_.motion(t, wide);
+    }
+    void scales(double* scales) const { posed_.scales(scales); }
+
+  private:
+    static void widen(const float* y, double* wide) { std::copy_n(y, dimension, wide); }
+    static void narrow(const double* wide, float* y) {
+        for (int i = 0; i < dimension; ++i) y[i] = static_cast<float>(wide[i]);
+    }
+    void take_equations() {
+        if constexpr (SystemType::about_axis) {
+            equations_ = rounded<float>(static_cast<const typename SystemType::Equations&>(posed_));
+        } else if constexpr (SystemType::has_torque) {
+            forcing_ = std::make_shared<const Forcing<float>>(rounded<float>(*posed_.forcing));
+            equations_ = {rounded<float>(posed_.inertia), forcing_.get()};
         } else {
-            system_ = rounded<float>(posed);
+            equations_ = {rounded<float>(posed_.inertia)};
         }
     }
 
-    template <class S>
-    void derivative(double t, const S* y, S* dy) const {
-        system_.derivative(t, y, dy);
-    }
-
-  private:
+    SystemType posed_;
     std::shared_ptr<const Forcing<float>> forcing_;  // shared: copies of the system point to the same
-    typename RoundedSystem<SystemType>::type system_;
+    typename RoundedEquations<typename SystemType::Equations>::type equations_;
 };
 
-template <class SystemType>
-concept InBinary32 = std::is_same_v<SystemType, Binary32<typename SystemType::Posed>>;
-
-/// The scalar of a system's state.
-template <class SystemType>
-struct ScalarOf {
-    using type = double;
-};
-template <class SystemType>
-struct ScalarOf<Binary32<SystemType>> {
-    using type = float;
-};
-
-// What problem.h declares of every system.
-template <class SystemType>
-requires InBinary32<SystemType> SystemType system_on(const Problem& problem, const Segment& segment) {
-    return SystemType(problem, segment);
-}
-template <class SystemType>
-requires InBinary32<SystemType>
-void initial_state(const Problem& problem, float* y) {
-    double wide[SystemType::dimension];
-    initial_state<typename SystemType::Posed>(problem, wide);
-    for (int i = 0; i < SystemType::dimension; ++i) y[i] = static_cast<float>(wide[i]);
-}
-template <class SystemType>
-requires InBinary32<SystemType>
-bool enter(const Problem& problem, const Segment& segment, float* y) {
-    if (segment.impulses.empty()) return false;
-    double wide[SystemType::dimension];
-    for (int i = 0; i < SystemType::dimension; ++i) wide[i] = y[i];
-    enter<typename SystemType::Posed>(problem, segment, wide);
-    for (int i = 0; i < SystemType::dimension; ++i) y[i] = static_cast<float>(wide[i]);
-    return true;
-}
-template <class SystemType>
-requires InBinary32<SystemType> Sample sample_of(const Problem& problem, double t, const float* y) {
-    double wide[SystemType::dimension];
-    for (int i = 0; i < SystemType::dimension; ++i) wide[i] = y[i];
-    return sample_of<typename SystemType::Posed>(problem, t, wide);
-}
-template <class SystemType>
-requires InBinary32<SystemType>
-void component_scales(const Problem& problem, double* scales) {
-    component_scales<typename SystemType::Posed>(problem, scales);
-}
-
-/// A system of problem.h in scalar S.
+/// A system of motion/systems.h in scalar S.
 template <class SystemType, class S>
 using SystemIn = std::conditional_t<std::is_same_v<S, double>, SystemType, Binary32<SystemType>>;
 

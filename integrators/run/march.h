@@ -14,6 +14,7 @@
 
 #include "integrators/method.h"
 #include "motion/finite.h"
+#include "motion/systems.h"
 
 namespace polhode {
 
@@ -133,23 +134,17 @@ class SystemStepper {
   public:
     static constexpr int dimension = SystemType::dimension;
 
-    explicit SystemStepper(const Problem& problem)
-        : problem_(&problem), system_(system_on<SystemType>(problem, problem.segments.front())) {
-        restart();
-    }
+    explicit SystemStepper(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
     void restart() {
-        initial_state<SystemType>(*problem_, y_);
+        system_.initial(y_);
         steps_ = 0;
     }
-    void enter(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y_);
-        system_ = system_on<SystemType>(*problem_, segment);
-    }
+    void enter(const Segment& segment) { system_.enter(segment, y_); }
     void step(double t, double h) {
         scheme_.step(system_, t, y_, h);
         ++steps_;
     }
-    Sample sample(double t) const { return sample_of<SystemType>(*problem_, t, y_); }
+    Sample sample(double t) const { return system_.motion(t, y_); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <complex>
 
-#include "integrators/run/eigenvalues.h"
 #include "integrators/method.h"
+#include "integrators/run/eigenvalues.h"
 
 namespace polhode {
 namespace {
@@ -13,7 +13,8 @@ namespace {
 bool damps(const Problem& problem) {
     return std::any_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
         return segment.forcing.has_damping ||
-               (segment.forcing.has_translational_drag && problem.needs.dimension == 13 && !problem.body.pivoted);
+               (segment.forcing.has_translational_drag && problem.needs.translation == Translation::integrated &&
+                !problem.body.pivoted);
     });
 }
 

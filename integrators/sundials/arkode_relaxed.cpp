@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "integrators/geometric/kept_quantities.h"
 #include "integrators/odeint/odeint.h"
 #include "motion/conserved.h"
 
@@ -62,7 +61,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         lag_ = 0;
         Base::enter(segment);
         if (started_) return;
-        energy_ = state_energy<SystemType>(*this->problem_, this->y_.data());
+        energy_ = this->system_.energy(this->y_.data());
         // where the parts of the energy cancel, round-off is that of the parts
         round_off_ = 16 * std::numeric_limits<double>::epsilon() * (std::abs(energy_) + kinetic_scale());
         started_ = true;
@@ -98,7 +97,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         Y landed = this->y_;
         long sideways = 0;
         land(landed, sideways);
-        return sample_of<SystemType>(*this->problem_, t, landed.data());
+        return this->system_.motion(t, landed.data());
     }
 
   private:
@@ -138,13 +137,13 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
 
     // gamma - 1 from the plain step's end: E(y + delta d) = E(y) + delta s + delta^2 a
     double relaxation(const Y& d) const {
-        const double residual = state_energy<SystemType>(*this->problem_, this->y_.data()) - energy_;
+        const double residual = this->system_.energy(this->y_.data()) - energy_;
         if (!(std::abs(residual) > round_off_)) return 0;
         Y ahead = this->y_, behind = this->y_;
         for (int n = 0; n < N; ++n) ahead[n] += d[n], behind[n] -= d[n];
         const double here = residual + energy_;
-        const double up = state_energy<SystemType>(*this->problem_, ahead.data()) - here;
-        const double down = state_energy<SystemType>(*this->problem_, behind.data()) - here;
+        const double up = this->system_.energy(ahead.data()) - here;
+        const double down = this->system_.energy(behind.data()) - here;
         const double s = (up - down) / 2, a = (up + down) / 2;
         const double discriminant = s * s - 4 * a * residual;
         if (!(discriminant >= 0)) return 0;
@@ -168,7 +167,8 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
 };
 
 std::string energy_is_not_kept(const Problem& problem) {
-    const std::vector<Conserved> kept = conserved_by(problem);
+    const std::vector<Conserved> kept =
+        conserved(problem.formulation == Formulation::full ? pose(problem.scene) : problem);
     const auto is_energy = [](const Conserved& c) { return c.kind == ConservedKind::energy; };
     return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not keep its energy";
 }

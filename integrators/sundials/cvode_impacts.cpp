@@ -124,8 +124,8 @@ Trajectory run(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory solve_impacts(const Problem& problem, const Settings& settings) {
-    if (problem.formulation == Formulation::full) return run<FullMotion<double>>(problem, settings);
-    return run<LoadedMotion<double>>(problem, settings);
+    if (problem.formulation == Formulation::full) return run<FullMotion>(problem, settings);
+    return run<LoadedMotion>(problem, settings);
 }
 
 constexpr Method each[] = {{

@@ -50,7 +50,7 @@ struct CvodeCounts {
 template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base = SundialsSession<SystemType, Vector>;
-    using Base::absolute_, Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
+    using Base::absolute_, Base::context_, Base::end_, Base::state_, Base::t_;
 
   public:
     using Base::dimension, Base::y;
@@ -138,8 +138,9 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     /// The motion at a time within the last step, by the step's own interpolating polynomial.
     std::optional<Sample> sample_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, inside_.get());
-        if (projection_) projection_->project(Vector::data(inside_.get()));
-        return sample_of<SystemType>(*this->problem_, t, Vector::data(inside_.get()));
+        if constexpr (projects)
+            if (projection_) projection_->project(Vector::data(inside_.get()));
+        return this->system_.motion(t, Vector::data(inside_.get()));
     }
 
     int inside_flag() const { return CV_SUCCESS; }
@@ -163,7 +164,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     }
 
   protected:
-    using Base::demand;
+    using Base::demand, Base::system_;
 
     void* memory() { return memory_.get(); }
     /// The state at a time within the last step, until the next call.
@@ -213,7 +214,10 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
-    std::optional<Projection<SystemType>> projection_;
+    // what the motion keeps is known of the systems of one body
+    static constexpr bool projects = requires { SystemType::rates; };
+    struct NoProjection {};
+    std::conditional_t<projects, std::optional<Projection<SystemType>>, NoProjection> projection_;
     long steps_ = 0;
     CvodeCounts counts_;
     bool running_ = false, detects_limit_ = false;

@@ -39,7 +39,7 @@ class SensitivitySession : public SundialsSession<SystemType> {
     /// finer than against 1. The problem must outlive the session.
     SensitivitySession(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
         : Base(problem, tolerance) {
-        component_scales<SystemType>(problem, scale_.data());
+        system_.scales(scale_.data());
         memory_.reset(CVodeCreate(multistep == Multistep::adams ? CV_ADAMS : CV_BDF, context_));
         columns_.reset(N_VCloneVectorArray(directions, state_.get()));
         inside_columns_.reset(N_VCloneVectorArray(directions, state_.get()));
@@ -130,34 +130,37 @@ class SensitivitySession : public SundialsSession<SystemType> {
     };
     using Tangent = Dual<directions>;
 
+    // the component of y that direction i >= 3 is: those of w come before those of q there, and after the turn here
+    static constexpr int component_of(int i) { return i < 3 + SystemType::rates ? i - 3 : i + 1; }
+
     // the derivative at t = 0, column by column: dq = 1/2 q (0, e_i), then each scale along its own axis
     void start() {
         this->begin();
-        const Quaternion<double> q = quaternion_at(y(), 3);
+        const Quaternion<double> q = SystemType::attitude(y());
         for (int j = 0; j < directions; ++j) {
             double* column = Vector::data(columns_.get()[j]);
             std::fill(column, column + dimension, 0.0);
             if (j < 3) {
                 Vector3<double> turn;
                 turn[j] = 1;
-                put(column, 3, attitude_rate(0.5, q, turn));
+                SystemType::set_rotation(column, Vector3<double>(), attitude_rate(0.5, q, turn));
             } else {
-                const int i = j < 6 ? j - 3 : j + 1;
+                const int i = component_of(j);
                 column[i] = scale_[i];
             }
         }
     }
 
     Sensitivity<SystemType> minimal(const double* state, N_Vector* columns) const {
-        const Quaternion<double> q = quaternion_at(state, 3);
+        const Quaternion<double> q = SystemType::attitude(state);
         const double twice = 2 / (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
         Sensitivity<SystemType> S;
         for (int j = 0; j < directions; ++j) {
             const double* column = Vector::data(columns[j]);
-            const Quaternion<double> turn = conjugate(q) * quaternion_at(column, 3);
+            const Quaternion<double> turn = conjugate(q) * SystemType::attitude(column);
             S(0, j) = twice * turn.x, S(1, j) = twice * turn.y, S(2, j) = twice * turn.z;
             for (int i = 3; i < directions; ++i) {
-                const int from = i < 6 ? i - 3 : i + 1;
+                const int from = component_of(i);
                 S(i, j) = column[from] / scale_[from];
             }
         }
@@ -177,9 +180,10 @@ class SensitivitySession : public SundialsSession<SystemType> {
     // what apply() does to w and v, carried over to the derivative
     void jump(const PosedImpulse<double>& impulse) {
         const std::array<Tangent, dimension> state = tangents(y(), columns_.get());
-        Vector3<Tangent> w = vector_at(state.data(), 0), p, v;
-        const Quaternion<Tangent> q = quaternion_at(state.data(), 3);
-        if constexpr (dimension == 13) p = vector_at(state.data(), 7), v = vector_at(state.data(), 10);
+        Vector3<Tangent> w = SystemType::angular_velocity(state.data()), p, v;
+        const Quaternion<Tangent> q = SystemType::attitude(state.data());
+        if constexpr (SystemType::has_translation)
+            p = SystemType::position(state.data()), v = SystemType::velocity(state.data());
         const Problem& problem = *this->problem_;
         const PrincipalInertia<Tangent> inertia{cast<Tangent>(problem.principal_inertia.gyroscopic),
                                                 cast<Tangent>(problem.principal_inertia.inverse_moments), false};
@@ -188,10 +192,12 @@ class SensitivitySession : public SundialsSession<SystemType> {
             Tangent(problem.body.mass), problem.body.pivoted, w, q, p, v);
         for (int j = 0; j < directions; ++j) {
             double* column = Vector::data(columns_.get()[j]);
-            for (int i = 0; i < 3; ++i) {
-                column[i] = w[i].slope[j];
-                if constexpr (dimension == 13) column[10 + i] = v[i].slope[j];
-            }
+            const auto slope = [j](const Vector3<Tangent>& x) {
+                return Vector3<double>(x[0].slope[j], x[1].slope[j], x[2].slope[j]);
+            };
+            SystemType::set_rotation(column, slope(w), SystemType::attitude(column));
+            if constexpr (SystemType::has_translation)
+                SystemType::set_translation(column, SystemType::position(column), slope(v));
         }
     }
 

@@ -19,7 +19,7 @@
 #include "integrators/sundials/fixed_vector.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "motion/dual.h"
-#include "motion/problem.h"
+#include "motion/systems.h"
 
 namespace polhode {
 
@@ -46,7 +46,7 @@ class SundialsSession {
     Sample sample() { return sample_at(t_); }
 
     /// The same where the caller keeps the time: time() may differ from t by rounding.
-    Sample sample_at(double t) { return sample_of<SystemType>(*problem_, t, y()); }
+    Sample sample_at(double t) { return system_.motion(t, y()); }
 
     /// The time at which the right-hand side was not finite, since restart().
     std::optional<double> not_finite_at() const { return not_finite_at_; }
@@ -56,11 +56,11 @@ class SundialsSession {
     /// Throws std::bad_alloc where there is no memory for it.
     SundialsSession(const Problem& problem, double tolerance)
         : problem_(&problem),
-          system_(system_on<SystemType>(problem, problem.segments.front())),
+          system_(problem),
           // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
           tolerance_(std::max(tolerance, 1e-100)) {
-        initial_state<SystemType>(problem, y());
-        component_scales<SystemType>(problem, Vector::data(absolute_.get()));
+        system_.initial(y());
+        system_.scales(Vector::data(absolute_.get()));
         for (int i = 0; i < dimension; ++i) Vector::data(absolute_.get())[i] *= tolerance_;
     }
     ~SundialsSession() = default;
@@ -71,13 +71,12 @@ class SundialsSession {
     }
 
     void begin() {
-        initial_state<SystemType>(*problem_, y());
+        system_.initial(y());
         evaluations_ = 0;
         not_finite_at_.reset();
     }
     void pass(const Segment& segment) {
-        polhode::enter<SystemType>(*problem_, segment, y());
-        system_ = system_on<SystemType>(*problem_, segment);
+        system_.enter(segment, y());
         t_ = segment.begin, end_ = segment.end;
     }
     // `status` is what the flag means; its name serves where the library said nothing

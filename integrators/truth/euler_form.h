@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "integrators/truth/motion.h"
+#include "motion/body_equations.h"
 #include "motion/exact_body_of.h"
 #include "motion/problem.h"
-#include "motion/systems.h"
 
 namespace polhode::truth {
 
@@ -59,7 +59,7 @@ class EulerForm {
     /// The same where it is known whether there is translation, which is where there is no pivot.
     template <bool translation, class S>
     void derivative_of(const S* y, S* dy) const {
-        LoadedBody<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, y, dy);
+        LoadedEquations<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, y, dy);
     }
 
     Motion<P> motion(const P* y) const {

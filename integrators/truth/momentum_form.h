@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "integrators/truth/motion.h"
+#include "motion/body_equations.h"
 #include "motion/exact_body_of.h"
 #include "motion/problem.h"
-#include "motion/systems.h"
 #include "scene/scene.h"
 
 namespace polhode::truth {

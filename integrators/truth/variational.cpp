@@ -9,9 +9,9 @@
 
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/truth/taylor.h"
+#include "motion/body_equations.h"
 #include "motion/dual.h"
 #include "motion/exact_body_of.h"
-#include "motion/systems.h"
 
 namespace polhode::truth {
 namespace {
@@ -76,7 +76,7 @@ class VariationalForm {
         using D = Dual<columns, S, P>;
         const std::array<D, rows> moved = tangents<D>(y);
         std::array<D, rows> rate;
-        LoadedBody<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, moved.data(), rate.data());
+        LoadedEquations<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, moved.data(), rate.data());
         flatten(rate, dy);
     }
 

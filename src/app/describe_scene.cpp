@@ -142,17 +142,17 @@ void planes(Report& report, const Problem& problem) {
                                     pieces, pieces == 1 ? "" : "s", number(problem.geometry.reach)));
 }
 
-std::string equations(System system) {
+std::string equations(SystemKind system) {
     switch (system) {
-        case System::principal_axis_rotation:
+        case SystemKind::principal_axis_rotation:
             return "dw/dt = tau(c, s, w) / I;  dc/dt = -w s / 2;  ds/dt = w c / 2;  q = q0 (c, s e)";
-        case System::free_rotation:
+        case SystemKind::free_rotation:
             return "I dw/dt = -w x Iw;  dq/dt = q (0, w) / 2";
-        case System::loaded_rotation:
+        case SystemKind::loaded_rotation:
             return "I dw/dt = tau(t, q, w) - w x Iw;  dq/dt = q (0, w) / 2";
-        case System::loaded_motion:
+        case SystemKind::loaded_motion:
             return "I dw/dt = tau(t, q, w, p) - w x Iw;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F(t, q, v) / m";
-        case System::full_motion:
+        case SystemKind::full_motion:
             break;
     }
     return "J dw/dt = tau(t, q, w, p, v) - w x Jw, full tensor;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F / m";
@@ -182,7 +182,7 @@ void system_posed(Report& report, const Problem& problem) {
                               : needs.translation == Translation::closed_form ? "closed form"
                                                                               : "integrated";
     report.line("translation", translation);
-    if (problem.needs.system == System::principal_axis_rotation)
+    if (problem.needs.system == SystemKind::principal_axis_rotation)
         report.line("axis e", text(problem.axis) + ", in these axes");
     for (const Segment& segment : problem.segments) {
         std::string acts = torque_terms(segment.forcing);

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "motion/problem.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
 
-constexpr int n = 13;
+constexpr int n = FullMotion::dimension;
 using State = std::array<double, n>;
 
 // The tensor as written, with the gyroscopic term times a factor and a damping of the engine's own.
@@ -27,21 +27,22 @@ class Run {
     Run(const Scene& scene, const Alteration& alteration)
         : problem_(pose(scene, Formulation::full)),
           alteration_(alteration),
-          inertia_{problem_.full_inertia, alteration.gyroscopic, alteration.damping} {
-        initial_state<FullMotion<double>>(problem_, y_.data());
+          inertia_{problem_.full_inertia, alteration.gyroscopic, alteration.damping},
+          system_(problem_) {
+        system_.initial(y_.data());
+        system_.scales(scales_.data());
     }
 
     std::vector<Sample> samples_at(const std::vector<double>& times) {
         std::vector<Sample> samples;
         SampleQueue queue(times);
         const auto begin = [&](const Segment& segment) {
-            forcing_ = &segment.forcing;
-            enter<FullMotion<double>>(problem_, segment, y_.data());
+            system_.enter(segment, y_.data());
             limit();
             return true;
         };
         const auto show = [&](double t) {
-            samples.push_back(sample_of<FullMotion<double>>(problem_, t, y_.data()));
+            samples.push_back(system_.motion(t, y_.data()));
             return true;
         };
         const auto go = [&](const Segment& segment) {
@@ -58,23 +59,26 @@ class Run {
     Problem problem_;
     Alteration alteration_;
     AlteredInertia inertia_;
-    const Forcing<double>* forcing_ = nullptr;
-    State y_{};
+    FullMotion system_;
+    State y_{}, scales_{};
     double step_ = 0;
     long steps_ = 0;
 
     State rate(double t, const State& y) const {
         State dy{};
-        LoadedBody<double, AlteredInertia, true>{inertia_, forcing_}.derivative(t, y.data(), dy.data());
-        if (!forcing_->pivoted)
-            for (int i = 10; i < 13; ++i) dy[i] -= alteration_.linear_damping * y[i];
+        LoadedEquations<double, AlteredInertia, true>{inertia_, system_.forcing}.derivative(t, y.data(), dy.data());
+        if (!system_.forcing->pivoted)
+            FullMotion::set_translation(
+                dy.data(), FullMotion::position(dy.data()),
+                FullMotion::velocity(dy.data()) - alteration_.linear_damping * FullMotion::velocity(y.data()));
         return dy;
     }
 
     void limit() {
-        const double speed = std::sqrt(y_[0] * y_[0] + y_[1] * y_[1] + y_[2] * y_[2]);
+        const Vector3<double> w = FullMotion::angular_velocity(y_.data());
+        const double speed = std::sqrt(dot(w, w));
         if (speed > alteration_.speed_limit)
-            for (int i = 0; i < 3; ++i) y_[i] *= alteration_.speed_limit / speed;
+            FullMotion::set_rotation(y_.data(), (alteration_.speed_limit / speed) * w, FullMotion::attitude(y_.data()));
     }
 
     // y at `end`; false where that takes too many steps or is not finite
@@ -102,8 +106,10 @@ class Run {
             if (std::isfinite(alteration_.speed_limit)) step_ = std::min(step_, 0.02 / alteration_.speed_limit);
             y_ = next;
             limit();
-            if (const double norm = std::sqrt(y_[3] * y_[3] + y_[4] * y_[4] + y_[5] * y_[5] + y_[6] * y_[6]); norm > 0)
-                for (int i = 3; i < 7; ++i) y_[i] /= norm;
+            const Quaternion<double> q = FullMotion::attitude(y_.data());
+            if (const double norm = std::sqrt(squared_norm(q)); norm > 0)
+                FullMotion::set_rotation(y_.data(), FullMotion::angular_velocity(y_.data()),
+                                         {q.w / norm, q.x / norm, q.y / norm, q.z / norm});
             t = to_end ? end : t + h;
         }
         return true;
@@ -130,17 +136,12 @@ class Run {
             k[s] = rate(t + c[s] * h, y);
             next = y;  // the last stage stands at the step's end
         }
-        const Scales& scales = problem_.scales;
         double largest = 0;
         for (int i = 0; i < n; ++i) {
             double difference = 0;
             for (int s = 0; s < stages; ++s) difference += h * e[s] * k[s][i];
-            const double scale = i < 3    ? scales.angular_velocity
-                                 : i < 7  ? 1
-                                 : i < 10 ? scales.position
-                                          : scales.velocity;
             // a NaN is the largest of all
-            if (const double ratio = std::abs(difference) / std::max(scale, 1e-300); !(ratio <= largest))
+            if (const double ratio = std::abs(difference) / std::max(scales_[i], 1e-300); !(ratio <= largest))
                 largest = ratio;
         }
         return largest;

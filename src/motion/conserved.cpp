@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "motion/systems.h"
+
 namespace polhode {
 namespace {
 
@@ -335,15 +337,13 @@ bool turns_across(const Problem& problem, const UniformField& field, const Sampl
 
 // The motion at t = 0, impulses there included.
 Sample first_sample(const Problem& problem) {
-    Sample first;
-    with_system(problem, [&]<class SystemType>() {
+    return with_system(problem, [&]<class SystemType>() {
+        SystemType system(problem);
         double y[SystemType::dimension];
-        initial_state<SystemType>(problem, y);
-        enter<SystemType>(problem, problem.segments.front(), y);
-        first = sample_of<SystemType>(problem, 0, y);
-        return Trajectory{};
+        system.initial(y);
+        system.enter(problem.segments.front(), y);
+        return system.motion(0, y);
     });
-    return first;
 }
 
 }  // namespace

@@ -45,13 +45,13 @@ AxisTorque axis_torque(const Forcing<Wide>& f, const VectorW& e, const Quaternio
 
 // The scalar system about e, if w stays along e whatever the angle: the torque is a quadratic form in (c, s) and
 // linear in w, so three attitudes and one rate settle it. The test is exact: zero, not small.
-std::optional<PrincipalAxisRotation<double>> about(const Forcing<Wide>& f, const VectorW& e, const QuaternionW& q0,
-                                                   const Matrix3<Wide>& inertia) {
+std::optional<AxisEquations<double>> about(const Forcing<Wide>& f, const VectorW& e, const QuaternionW& q0,
+                                           const Matrix3<Wide>& inertia) {
     const Wide diagonal = square_root(Wide(0.5));
     const AxisTorque cc = axis_torque(f, e, q0, 1, 0, 0), ss = axis_torque(f, e, q0, 0, 1, 0);
     const AxisTorque both = axis_torque(f, e, q0, diagonal, diagonal, 0), moving = axis_torque(f, e, q0, 1, 0, 1);
     if (!cc.across_vanishes || !ss.across_vanishes || !both.across_vanishes || !moving.across_vanishes) return {};
-    PrincipalAxisRotation<double> system;
+    AxisEquations<double> system;
     system.inverse_moment = double(1 / dot(e, inertia * e));
     system.damping = double(cc.along - moving.along);
     system.cc = double(cc.along), system.ss = double(ss.along);
@@ -78,7 +78,7 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
     const Matrix3<Wide> axes = rotation_matrix(q_BP);
     const Matrix3<Wide> inertia = transposed(axes) * body.inertia_B * axes;
     const FullInertia<Wide> full{inertia, inverse(inertia)};
-    std::vector<PrincipalAxisRotation<double>> found;
+    std::vector<AxisEquations<double>> found;
     for (std::size_t i = 0; i < forcings.size(); ++i) {
         const auto system = about(forcings[i], e, q0, inertia);
         if (!system) return false;
@@ -134,7 +134,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
 
     if (problem.formulation != Formulation::reduced) {
         const bool tensor = problem.formulation == Formulation::full;
-        needs.system = tensor ? System::full_motion : System::loaded_motion;
+        needs.system = tensor ? SystemKind::full_motion : SystemKind::loaded_motion;
         needs.dimension = 13, needs.translation = Translation::integrated;
         return;
     }
@@ -159,22 +159,22 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
 
     const bool couples = needs.translation == Translation::integrated;
     if (!couples && !needs.user_torque && turns_about_principal_axis(problem, exact, q_BP, forcings)) {
-        needs.system = System::principal_axis_rotation, needs.dimension = 3;
+        needs.system = SystemKind::principal_axis_rotation, needs.dimension = 3;
         leave_out("gyroscopic term w x Iw", "w stays along one principal axis");
         leave_out("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
     } else if (!couples && needs.torque_free) {
-        needs.system = System::free_rotation, needs.dimension = 7;
+        needs.system = SystemKind::free_rotation, needs.dimension = 7;
         leave_out("torque",
                   impulses ? "none between the impulses: w decouples from q there" : "none: w decouples from q");
         if (needs.symmetry == Symmetry::symmetric)
             leave_out("one gyroscopic component", "two moments agree: the rate about the symmetry axis is constant");
     } else {
-        needs.system = couples ? System::loaded_motion : System::loaded_rotation;
+        needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
         needs.dimension = couples ? 13 : 7;
         if (needs.symmetry == Symmetry::symmetric)
             leave_out("one gyroscopic component", "two moments agree: its coefficient is zero");
     }
-    if (needs.symmetry == Symmetry::spherical && needs.system != System::principal_axis_rotation) {
+    if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
         leave_out("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
         problem.principal_inertia.isotropic = true;
     }

@@ -25,12 +25,6 @@ ExactBody<double> rounded(const ExactBody<Wide>& b) {
     return r;
 }
 
-// p and v a time `after` the segment's begin
-void translate(const Segment& s, double after, Vector3<double>& p, Vector3<double>& v) {
-    p = s.position_W, v = s.velocity_W;
-    translate(s.forcing.acceleration_W, s.forcing.has_translational_drag ? s.forcing.specific_drag : 0, after, p, v);
-}
-
 PosedUserTorque posed_user_torque(const UserTorque& load, const Quaternion<double>& q_BP) {
     return [torque_B = load.torque_B, q_BP](double t, const Quaternion<double>& q, const Vector3<double>& w,
                                             const Vector3<double>& p, const Vector3<double>& v) {
@@ -92,7 +86,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
         Vector3<double> p = problem.body.position_W, v = problem.body.velocity_W;
         for (std::size_t i = 0; i < problem.segments.size(); ++i) {
             Segment& segment = problem.segments[i];
-            if (i > 0) translate(problem.segments[i - 1], segment.begin - problem.segments[i - 1].begin, p, v);
+            if (i > 0) translated(problem.segments[i - 1], segment.begin - problem.segments[i - 1].begin, p, v);
             for (const auto& impulse : segment.impulses) v = v + (1 / problem.body.mass) * impulse.vector;
             segment.position_W = p, segment.velocity_W = v;
         }
@@ -107,6 +101,12 @@ std::size_t segment_at(const Problem& problem, double t) {
     return i;
 }
 
+void translated(const Segment& segment, double after, Vector3<double>& position_W, Vector3<double>& velocity_W) {
+    const Forcing<double>& f = segment.forcing;
+    position_W = segment.position_W, velocity_W = segment.velocity_W;
+    translate(f.acceleration_W, f.has_translational_drag ? f.specific_drag : 0, after, position_W, velocity_W);
+}
+
 const char* name_of(Formulation formulation) {
     switch (formulation) {
         case Formulation::reduced:
@@ -119,17 +119,17 @@ const char* name_of(Formulation formulation) {
     return "full as written";
 }
 
-const char* name_of(System system) {
+const char* name_of(SystemKind system) {
     switch (system) {
-        case System::principal_axis_rotation:
+        case SystemKind::principal_axis_rotation:
             return "rotation about a principal axis";
-        case System::free_rotation:
+        case SystemKind::free_rotation:
             return "free rotation";
-        case System::loaded_rotation:
+        case SystemKind::loaded_rotation:
             return "loaded rotation";
-        case System::loaded_motion:
+        case SystemKind::loaded_motion:
             return "loaded rotation and translation";
-        case System::full_motion:
+        case SystemKind::full_motion:
             break;
     }
     return "full motion";
@@ -143,144 +143,5 @@ double energy_bound(const Problem& problem) {
     if (!problem.body.pivoted) scale += problem.body.mass * s.velocity * s.velocity / 2;
     return 1e6 * scale;
 }
-
-template <>
-PrincipalAxisRotation<double> system_on(const Problem&, const Segment& segment) {
-    return segment.about_axis;
-}
-template <>
-FreeRotation<double> system_on(const Problem& problem, const Segment&) {
-    return {problem.principal_inertia};
-}
-template <>
-LoadedRotation<double> system_on(const Problem& problem, const Segment& segment) {
-    return {problem.principal_inertia, &segment.forcing};
-}
-template <>
-LoadedMotion<double> system_on(const Problem& problem, const Segment& segment) {
-    return {problem.principal_inertia, &segment.forcing};
-}
-template <>
-FullMotion<double> system_on(const Problem& problem, const Segment& segment) {
-    return {problem.full_inertia, &segment.forcing};
-}
-
-template <class SystemType>
-void initial_state(const Problem& problem, double* y) {
-    if constexpr (SystemType::dimension == 3) {
-        y[0] = dot(problem.axis, problem.initial_angular_velocity), y[1] = 1, y[2] = 0;
-    } else {
-        put(y, 0, problem.initial_angular_velocity);
-        put(y, 3, problem.initial_q);
-        if constexpr (SystemType::dimension == 13) {
-            put(y, 7, problem.body.position_W);
-            put(y, 10, problem.body.velocity_W);
-        }
-    }
-}
-
-template <class SystemType>
-bool enter(const Problem& problem, const Segment& segment, double* y) {
-    for (const PosedImpulse<double>& impulse : segment.impulses) {
-        Vector3<double> w, p, v;
-        Quaternion<double> q;
-        if constexpr (SystemType::dimension == 3) {
-            w = y[0] * problem.axis;
-            q = problem.initial_q *
-                Quaternion<double>{y[1], y[2] * problem.axis[0], y[2] * problem.axis[1], y[2] * problem.axis[2]};
-        } else {
-            w = vector_at(y, 0), q = quaternion_at(y, 3);
-        }
-        if constexpr (SystemType::dimension == 13) p = vector_at(y, 7), v = vector_at(y, 10);
-        const Vector3<double> before = w;
-        if (problem.formulation == Formulation::full)
-            apply(impulse, problem.full_inertia, problem.body.mass, problem.body.pivoted, w, q, p, v);
-        else
-            apply(impulse, problem.principal_inertia, problem.body.mass, problem.body.pivoted, w, q, p, v);
-        if constexpr (SystemType::dimension == 3) {
-            y[0] += dot(problem.axis, w - before);
-        } else {
-            put(y, 0, w);
-        }
-        if constexpr (SystemType::dimension == 13) {
-            if (problem.body.pivoted) pivoted_center(q, w, segment.forcing.arm, p, v);
-            put(y, 10, v);
-        }
-    }
-    return !segment.impulses.empty();
-}
-
-template <class SystemType>
-Sample sample_of(const Problem& problem, double t, const double* y) {
-    Sample sample;
-    sample.t = t;
-    Vector3<double> w;
-    Quaternion<double> q;
-    if constexpr (SystemType::dimension == 3) {
-        w = y[0] * problem.axis;
-        q = problem.initial_q *
-            Quaternion<double>{y[1], y[2] * problem.axis[0], y[2] * problem.axis[1], y[2] * problem.axis[2]};
-    } else {
-        w = vector_at(y, 0), q = quaternion_at(y, 3);
-    }
-    const bool same_axes = problem.q_BP == Quaternion<double>{};
-    sample.q = same_axes ? q : q * conjugate(problem.q_BP);
-    sample.angular_velocity_B = same_axes ? w : rotate(problem.q_BP, w);
-    if constexpr (SystemType::dimension == 13) {
-        sample.position_W = vector_at(y, 7), sample.velocity_W = vector_at(y, 10);
-    } else if (problem.body.pivoted) {
-        pivoted_center(sample.q, sample.angular_velocity_B, problem.body.arm, sample.position_W, sample.velocity_W);
-    } else {
-        const Segment& segment = problem.segments[segment_at(problem, t)];
-        translate(segment, t - segment.begin, sample.position_W, sample.velocity_W);
-    }
-    return sample;
-}
-
-Placement<double> placement_of(const double* y) {
-    const Quaternion<double> q = normalized(quaternion_at(y, 3));
-    return {q, vector_at(y, 7), vector_at(y, 10), rotate(q, vector_at(y, 0))};
-}
-
-ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y) {
-    const Placement<double> at = placement_of(y);
-    const std::vector<Contact<double>> touching = problem.geometry.contacts(at, tolerance);
-    if (touching.empty()) return {};
-    const Matrix3<double> inverse_inertia = problem.formulation == Formulation::full
-                                                ? problem.full_inertia.inverse
-                                                : diagonal(problem.principal_inertia.inverse_moments);
-    StruckBody<double> body{1 / problem.body.mass, rotated(inverse_inertia, at.q), at.position_W, at.velocity_W,
-                            at.angular_velocity_W};
-    const ImpactOutcome outcome = resolve_impact(body, touching);
-    if (outcome.struck) {
-        // the change alone is turned back: a component that no impulse touches keeps its bits but for that
-        put(y, 0, vector_at(y, 0) + rotate_back(at.q, body.angular_velocity_W - at.angular_velocity_W));
-        put(y, 10, body.velocity_W);
-    }
-    return outcome;
-}
-
-template <class SystemType>
-void component_scales(const Problem& problem, double* scales) {
-    constexpr int n = SystemType::dimension;
-    const int rates = n == 3 ? 1 : 3;
-    std::fill(scales, scales + rates, problem.scales.angular_velocity);
-    std::fill(scales + rates, scales + (n == 3 ? 3 : 7), 1.0);
-    if constexpr (n == 13) {
-        std::fill(scales + 7, scales + 10, problem.scales.position);
-        std::fill(scales + 10, scales + 13, problem.scales.velocity);
-    }
-}
-
-#define POLHODE_INSTANTIATE(SYSTEM)                                                   \
-    template void initial_state<SYSTEM<double>>(const Problem&, double*);             \
-    template bool enter<SYSTEM<double>>(const Problem&, const Segment&, double*);     \
-    template Sample sample_of<SYSTEM<double>>(const Problem&, double, const double*); \
-    template void component_scales<SYSTEM<double>>(const Problem&, double*);
-POLHODE_INSTANTIATE(PrincipalAxisRotation)
-POLHODE_INSTANTIATE(FreeRotation)
-POLHODE_INSTANTIATE(LoadedRotation)
-POLHODE_INSTANTIATE(LoadedMotion)
-POLHODE_INSTANTIATE(FullMotion)
 
 }  // namespace polhode

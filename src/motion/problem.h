@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "motion/body_equations.h"
 #include "motion/contact.h"
 #include "motion/equations.h"
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
-#include "motion/systems.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
 
@@ -24,7 +24,8 @@ enum class Formulation {
 /// "reduced", "full in the principal frame", "full as written"
 const char* name_of(Formulation formulation);
 
-enum class System { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
+/// Which of motion/systems.h.
+enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
 enum class Symmetry { spherical, symmetric, asymmetric };
 enum class Translation {
     fixed,        ///< pivot, or a centre of mass that never moves
@@ -39,7 +40,7 @@ struct LeftOut {
 
 /// What the scene really has, found once.
 struct Needs {
-    System system = System::full_motion;
+    SystemKind system = SystemKind::full_motion;
     int dimension = 13;
     Symmetry symmetry = Symmetry::asymmetric;
     Translation translation = Translation::integrated;
@@ -53,7 +54,7 @@ struct Needs {
 struct Segment : Leg {
     std::vector<PosedImpulse<double>> impulses;  ///< at `begin`, before the motion goes on
     Forcing<double> forcing;                     ///< in posed axes
-    PrincipalAxisRotation<double> about_axis;    ///< where the needs say principal_axis_rotation
+    AxisEquations<double> about_axis;            ///< where the needs say principal_axis_rotation
     Vector3<double> position_W, velocity_W;      ///< at `begin`, impulses included, where translation has a closed form
 };
 
@@ -89,53 +90,12 @@ Problem pose(const Scene& scene, Formulation formulation = Formulation::reduced)
 /// The segment that holds time t: the last whose begin <= t.
 std::size_t segment_at(const Problem& problem, double t);
 
-const char* name_of(System system);
+/// The centre of mass a time `after` (s) the segment's begin, where its motion has a closed form.
+void translated(const Segment& segment, double after, Vector3<double>& position_W, Vector3<double>& velocity_W);
+
+const char* name_of(SystemKind system);
 
 /// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
 double energy_bound(const Problem& problem);
-
-/// Calls visit.template operator()<SystemType>() with the compile-time system that the problem was posed as.
-template <class Visitor>
-Trajectory with_system(const Problem& problem, Visitor&& visit) {
-    switch (problem.needs.system) {
-        case System::principal_axis_rotation:
-            return visit.template operator()<PrincipalAxisRotation<double>>();
-        case System::free_rotation:
-            return visit.template operator()<FreeRotation<double>>();
-        case System::loaded_rotation:
-            return visit.template operator()<LoadedRotation<double>>();
-        case System::loaded_motion:
-            return visit.template operator()<LoadedMotion<double>>();
-        case System::full_motion:
-            break;
-    }
-    return visit.template operator()<FullMotion<double>>();
-}
-
-/// The right-hand side on one segment. The segment must outlive it.
-template <class SystemType>
-SystemType system_on(const Problem& problem, const Segment& segment);
-
-/// y at t = 0, before any impulse there.
-template <class SystemType>
-void initial_state(const Problem& problem, double* y);
-
-/// Applies the impulses at the segment's begin, in place. Returns whether there were any.
-template <class SystemType>
-bool enter(const Problem& problem, const Segment& segment, double* y);
-
-/// The motion that y at time t stands for; closed-form blocks are filled in.
-template <class SystemType>
-Sample sample_of(const Problem& problem, double t, const double* y);
-
-/// Where the body is at a state of a 13-dimensional system, as contacts need it.
-Placement<double> placement_of(const double* y);
-
-/// The impact of a state of a 13-dimensional system at the contacts whose gap is at most `tolerance` (m), in place.
-ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y);
-
-/// One scale for each component of y.
-template <class SystemType>
-void component_scales(const Problem& problem, double* scales);
 
 }  // namespace polhode

@@ -1,7 +1,7 @@
 // What a right-hand side is made of, rounded to another scalar: each number once.
 #pragma once
 
-#include "motion/systems.h"
+#include "motion/body_equations.h"
 
 namespace polhode {
 
@@ -16,7 +16,7 @@ FullInertia<To> rounded(const FullInertia<From>& inertia) {
 }
 
 template <class To, class From>
-PrincipalAxisRotation<To> rounded(const PrincipalAxisRotation<From>& system) {
+AxisEquations<To> rounded(const AxisEquations<From>& system) {
     return {To(system.inverse_moment), To(system.damping), To(system.cc), To(system.cs), To(system.ss)};
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "motion/needs.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -10,13 +11,13 @@ namespace {
 constexpr long scout_steps = 20000;
 constexpr double scout_tolerance = 1e-3;
 
-template <int N>
+template <class SystemType, std::size_t N>
 double largest_change(const std::array<double, N>& difference, const std::array<double, N>& y) {
     // rates first, then the rest: each block against its own size
     double worst = 0, rate = 0;
-    const int rates = N == 3 ? 1 : 3;
-    for (int i = 0; i < rates; ++i) rate = std::max(rate, std::abs(y[i]));
-    for (int i = 0; i < N; ++i) {
+    constexpr std::size_t rates = SystemType::rates;
+    for (std::size_t i = 0; i < rates; ++i) rate = std::max(rate, std::abs(y[i]));
+    for (std::size_t i = 0; i < N; ++i) {
         const double size = i < rates ? rate : std::max(1.0, std::abs(y[i]));
         const double change = std::abs(difference[i]);
         if (change > 0) worst = std::max(worst, size > 0 ? change / size : 1.0);
@@ -41,12 +42,12 @@ void scout(const Problem& problem, Scales& scales) {
     constexpr int N = SystemType::dimension;
     using Y = std::array<double, N>;
     Y y{};
-    initial_state<SystemType>(problem, y.data());
+    SystemType f(problem);
+    f.initial(y.data());
     long steps = 0;
     for (const Segment& segment : problem.segments) {
-        enter<SystemType>(problem, segment, y.data());
-        note(problem, sample_of<SystemType>(problem, segment.begin, y.data()), scales);
-        const SystemType f = system_on<SystemType>(problem, segment);
+        f.enter(segment, y.data());
+        note(problem, f.motion(segment.begin, y.data()), scales);
         double t = segment.begin;
         Y k1{}, k2{}, k3{}, k4{}, z{}, next{}, difference{};
         f.derivative(t, y.data(), k1.data());
@@ -61,7 +62,7 @@ void scout(const Problem& problem, Scales& scales) {
             for (int i = 0; i < N; ++i) next[i] = y[i] + h / 9 * (2 * k1[i] + 3 * k2[i] + 4 * k3[i]);
             f.derivative(t + h, next.data(), k4.data());
             for (int i = 0; i < N; ++i) difference[i] = h * (-5.0 / 72 * k1[i] + k2[i] / 12 + k3[i] / 9 - k4[i] / 8);
-            const double error = largest_change<N>(difference, next) / scout_tolerance;
+            const double error = largest_change<SystemType>(difference, next) / scout_tolerance;
             if (!std::isfinite(error) || error > 1) {
                 h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::cbrt(1 / error)) : 0.1;
                 if (t + h == t) return;
@@ -69,11 +70,11 @@ void scout(const Problem& problem, Scales& scales) {
             }
             t = segment.end - t <= h ? segment.end : t + h;
             y = next, k1 = k4;
-            if constexpr (N == 13)
+            if constexpr (SystemType::has_translation)
                 // as impact_stepping: what is too deep is sent back
                 if (problem.geometry.any() && strike_planes(problem, 0, y.data()).struck)
                     f.derivative(t, y.data(), k1.data());
-            note(problem, sample_of<SystemType>(problem, t, y.data()), scales);
+            note(problem, f.motion(t, y.data()), scales);
             h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
         }
     }
@@ -83,10 +84,7 @@ void scout(const Problem& problem, Scales& scales) {
 
 void find_scales(Problem& problem) {
     Scales scales{0, 0, 0};
-    with_system(problem, [&]<class SystemType>() {
-        scout<SystemType>(problem, scales);
-        return Trajectory{};
-    });
+    with_system(problem, [&]<class SystemType>() { scout<SystemType>(problem, scales); });
     // a motion at rest has no scale of its own: one radian, metre over the duration
     if (scales.angular_velocity == 0) scales.angular_velocity = 1 / problem.scene.duration;
     if (scales.position == 0) scales.position = 1;

@@ -1,4 +1,4 @@
-// The handful of first-order systems that a scene can be posed as, each dy/dt = f(t, y) on a plain array:
+// The first-order systems dy/dt = f(t, y) that a scene can be posed as:
 //
 //   PrincipalAxisRotation   3   w, c, s        w along one principal axis e; q = q0 (c, s e)
 //   FreeRotation            7   w, q           no torque: w decouples from q
@@ -6,96 +6,230 @@
 //   LoadedMotion           13   w, q, p, v     torque or force that ties translation and rotation together
 //   FullMotion             13   w, q, p, v     nothing left out: full tensor, body axes (--full, and the truth)
 //
-// Layout: y[0..2] = w (posed axes), y[3..6] = q (w, x, y, z), y[7..9] = p, y[10..12] = v (world axes).
+// A system owns its state: nobody else knows at which place of y a quantity stands.
 #pragma once
 
-#include <cstddef>
+#include <concepts>
+#include <utility>
 
-#include "motion/equations.h"
+#include "motion/body_equations.h"
+#include "motion/problem.h"
 
 namespace polhode {
 
-template <class S>
-Vector3<S> vector_at(const S* y, int i) {
-    return {y[i], y[i + 1], y[i + 2]};
-}
-template <class S>
-Quaternion<S> quaternion_at(const S* y, int i) {
-    return {y[i], y[i + 1], y[i + 2], y[i + 3]};
-}
-template <class S>
-void put(S* y, int i, const Vector3<S>& v) {
-    y[i] = v[0], y[i + 1] = v[1], y[i + 2] = v[2];
-}
-template <class S>
-void put(S* y, int i, const Quaternion<S>& q) {
-    y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
-}
+/// What a method integrates: made from a problem, at first with the loads of its first segment. The problem must
+/// outlive it. `dimension` is the number of components, known to the compiler.
+template <class F>
+concept System = std::copyable<F> && std::constructible_from<F, const Problem&> &&
+    requires(const F c, F f, const Segment& segment, double t, typename F::Scalar* y, double* scales) {
+    { F::dimension } -> std::convertible_to<int>;
+    f.initial(y);  // y at t = 0, before any impulse there
+    {
+        f.enter(segment, y)
+        } -> std::same_as<bool>;  // an event: impulses in place, then other loads;
+                                  // whether there were impulses
+    c.derivative(t, y, y);        // over any scalar: dy/dt from t and y
+    c.motion(t, y);               // what y at time t stands for
+    c.scales(scales);             // the size that each component's error is measured by
+};
 
-template <class P>
-struct PrincipalAxisRotation {
-    static constexpr int dimension = 3;
-    P inverse_moment = P(1), damping = P(0);
-    P cc = P(0), cs = P(0), ss = P(0);  ///< torque along the axis: cc c^2 + cs c s + ss s^2 - damping w
+/// What the systems of one body share: the problem and the reading of its motion.
+class BodySystem {
+  public:
+    using Scalar = double;
 
+  protected:
+    explicit BodySystem(const Problem& problem) : problem_(&problem) {}
+
+    /// The sample with this rotation in posed axes.
+    Sample rotated(double t, const Vector3<double>& w, const Quaternion<double>& q) const;
+    /// The same with the centre of mass where the pivot or the closed form says that it is.
+    Sample placed(double t, const Vector3<double>& w, const Quaternion<double>& q) const;
+    /// The jumps by one impulse.
+    void apply(const PosedImpulse<double>& impulse, Vector3<double>& w, const Quaternion<double>& q,
+               const Vector3<double>& p, Vector3<double>& v) const;
+
+    const Problem* problem_;
+};
+
+/// Rotation about one principal axis: y = (w, c, s), the rate about the axis and the half-angle's cosine and sine.
+class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
+  public:
+    using Equations = AxisEquations<double>;
+    using Equations::dimension;
+    static constexpr bool about_axis = true, has_translation = false, has_torque = true, has_full_inertia = false;
+    static constexpr int rates = 1;  ///< components of w; they come first
+
+    explicit PrincipalAxisRotation(const Problem& problem) : PrincipalAxisRotation(problem, problem.segments.front()) {}
+    /// With the loads of this segment.
+    PrincipalAxisRotation(const Problem& problem, const Segment& segment)
+        : Equations(segment.about_axis), BodySystem(problem) {}
+
+    void initial(double* y) const;
+    bool enter(const Segment& segment, double* y);
+    Sample motion(double t, const double* y) const;
+    void scales(double* scales) const;
+    /// The way back from motion().
+    void state(const Sample& sample, double* y) const;
+
+    /// Posed axes.
+    Vector3<double> angular_velocity(const double* y) const { return y[0] * problem_->axis; }
+    /// Posed axes to world.
+    Quaternion<double> attitude(const double* y) const;
+    /// |q|^2
     template <class S>
-    void derivative(double, const S* y, S* dy) const {
-        const S half_rate = P(0.5) * y[0];
-        dy[0] = inverse_moment * ((cc * (y[1] * y[1]) + cs * (y[1] * y[2]) + ss * (y[2] * y[2])) - damping * y[0]);
-        dy[1] = -half_rate * y[2];
-        dy[2] = half_rate * y[1];
+    S attitude_square(const S* y) const {
+        return y[1] * y[1] + y[2] * y[2];
+    }
+    /// Kinetic energy and the potentials of the first segment's loads, J, where energy is kept.
+    template <class S>
+    S energy(const S* y) const {
+        // the half angle a with (c, s) = (cos a, sin a): torque cc c^2 + cs c s + ss s^2, over d(2 a). Where energy is
+        // kept cc + ss = 0
+        const Equations& f = problem_->segments.front().about_axis;
+        const S cosine = y[1] * y[1] - y[2] * y[2], half_sine = y[1] * y[2];
+        return (0.5 / f.inverse_moment) * (y[0] * y[0]) + ((0.5 * f.cs) * cosine - (f.cc - f.ss) * half_sine);
     }
 };
 
-template <class P>
-struct FreeRotation {
-    static constexpr int dimension = 7;
-    PrincipalInertia<P> inertia;
-
-    template <class S>
-    void derivative(double, const S* y, S* dy) const {
-        const Vector3<S> w = vector_at(y, 0);
-        const Quaternion<S> q = quaternion_at(y, 3);
-        put(dy, 0, inertia.gyroscopic_acceleration(w));
-        put(dy, 3, attitude_rate(P(0.5), q, w));
+/// The systems whose state is w (posed axes), q (posed axes to world) and, where there is translation, p and v of the
+/// centre of mass in world axes. `BodyEquations`: their right-hand side.
+template <class BodyEquations>
+class QuaternionSystem : public BodyEquations, public BodySystem {
+  public:
+    using Equations = BodyEquations;
+    static constexpr int dimension = Equations::dimension;
+    static constexpr bool about_axis = false, has_translation = dimension == 13, has_torque = requires(Equations f) {
+        f.forcing;
     }
-};
+    , has_full_inertia = requires(Equations f) { f.inertia.tensor; };
+    static constexpr int rates = 3;  ///< components of w; they come first
 
-/// Rotation, and translation where `translation` is set, with the inertia as it is given.
-template <class P, class Inertia, bool translation>
-struct LoadedBody {
-    static constexpr int dimension = translation ? 13 : 7;
-    Inertia inertia;
-    const Forcing<P>* forcing = nullptr;
+    explicit QuaternionSystem(const Problem& problem) : QuaternionSystem(problem, problem.segments.front()) {}
+    /// With the loads of this segment, which must outlive it.
+    QuaternionSystem(const Problem& problem, const Segment& segment)
+        : Equations(equations(problem, segment)), BodySystem(problem) {}
 
+    void initial(double* y) const;
+    bool enter(const Segment& segment, double* y);
+    Sample motion(double t, const double* y) const;
+    void scales(double* scales) const;
+    /// The way back from motion().
+    void state(const Sample& sample, double* y) const;
+
+    /// Posed axes.
     template <class S>
-    void derivative(double t, const S* y, S* dy) const {
-        const Vector3<S> w = vector_at(y, 0);
-        const Quaternion<S> q = quaternion_at(y, 3);
-        Vector3<S> p, v;
-        if constexpr (translation) p = vector_at(y, 7), v = vector_at(y, 10);
-        const Vector3<S> w_rate = inertia.angular_acceleration(w, torque(*forcing, t, w, q, p, v));
-        put(dy, 0, w_rate);
-        put(dy, 3, attitude_rate(P(0.5), q, w));
-        if constexpr (translation) {
-            put(dy, 7, v);
-            if (forcing->pivoted) {
-                put(dy, 10, rotate(q, cross(w_rate, forcing->arm) + cross(w, cross(w, forcing->arm))));
-                return;
-            }
-            Vector3<S> a = cast<S>(forcing->acceleration_W);
-            if (forcing->has_body_force) a = a + rotate(q, forcing->specific_force);
-            if (forcing->has_translational_drag) a = a - forcing->specific_drag * v;
-            put(dy, 10, a);
+    static Vector3<S> angular_velocity(const S* y) {
+        return vector_at(y, 0);
+    }
+    /// Posed axes to world.
+    template <class S>
+    static Quaternion<S> attitude(const S* y) {
+        return quaternion_at(y, 3);
+    }
+    template <class S>
+    static Vector3<S> position(const S* y) requires(has_translation) {
+        return vector_at(y, 7);
+    }
+    template <class S>
+    static Vector3<S> velocity(const S* y) requires(has_translation) {
+        return vector_at(y, 10);
+    }
+    template <class S>
+    static void set_rotation(S* y, const Vector3<S>& w, const Quaternion<S>& q) {
+        put(y, 0, w), put(y, 3, q);
+    }
+    template <class S>
+    static void set_translation(S* y, const Vector3<S>& p, const Vector3<S>& v) requires(has_translation) {
+        put(y, 7, p), put(y, 10, v);
+    }
+
+    /// |q|^2
+    template <class S>
+    S attitude_square(const S* y) const {
+        return squared_norm(attitude(y));
+    }
+    /// I w in posed axes, kg m^2/s.
+    template <class S>
+    Vector3<S> angular_momentum(const S* y) const {
+        const Vector3<S> w = angular_velocity(y);
+        if constexpr (has_full_inertia) {
+            return problem_->full_inertia.tensor * w;
+        } else {
+            const Vector3<double>& I = problem_->principal.moments;
+            return {I[0] * w[0], I[1] * w[1], I[2] * w[2]};
         }
     }
+    /// Kinetic energy and the potentials of the first segment's loads, J: a quadratic polynomial.
+    template <class S>
+    S energy(const S* y) const {
+        const Forcing<double>& f = problem_->segments.front().forcing;
+        const Vector3<S> w = angular_velocity(y);
+        const Quaternion<S> q = attitude(y);
+        S energy = 0.5 * dot(w, angular_momentum(y));
+        for (int b = 0; b < 3; ++b)
+            if (f.field.present[b]) energy = energy - dot(f.field.moment[b], world_axis(q, b));
+        for (const SpringTorque<double>& spring : f.springs) {
+            const Vector3<S> r = vector_part(conjugate(spring.rest) * q);
+            energy = energy + (2 * spring.stiffness) * dot(r, r);
+        }
+        if constexpr (has_translation) {
+            if (!problem_->body.pivoted) {
+                const Vector3<S> p = position(y), v = velocity(y);
+                energy = energy + problem_->body.mass * (0.5 * dot(v, v) - dot(f.acceleration_W, p));
+            }
+        }
+        return energy;
+    }
+
+  private:
+    static Equations equations(const Problem& problem, const Segment& segment) {
+        if constexpr (!has_torque)
+            return {problem.principal_inertia};
+        else if constexpr (has_full_inertia)
+            return {problem.full_inertia, &segment.forcing};
+        else
+            return {problem.principal_inertia, &segment.forcing};
+    }
 };
 
-template <class P>
-using LoadedRotation = LoadedBody<P, PrincipalInertia<P>, false>;
-template <class P>
-using LoadedMotion = LoadedBody<P, PrincipalInertia<P>, true>;
-template <class P>
-using FullMotion = LoadedBody<P, FullInertia<P>, true>;
+using FreeRotation = QuaternionSystem<FreeEquations<double>>;
+using LoadedRotation = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, false>>;
+using LoadedMotion = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, true>>;
+using FullMotion = QuaternionSystem<LoadedEquations<double, FullInertia<double>, true>>;
+
+extern template class QuaternionSystem<FreeEquations<double>>;
+extern template class QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, false>>;
+extern template class QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, true>>;
+extern template class QuaternionSystem<LoadedEquations<double, FullInertia<double>, true>>;
+
+/// Whether the state is w and q alone: what has kernels of its own.
+template <class SystemType>
+inline constexpr bool is_rotation = !SystemType::about_axis && !SystemType::has_translation;
+
+/// Calls visit.template operator()<SystemType>() with the compile-time system that the problem was posed as, and
+/// returns what it returns.
+template <class Visitor>
+auto with_system(const Problem& problem, Visitor&& visit) {
+    switch (problem.needs.system) {
+        case SystemKind::principal_axis_rotation:
+            return visit.template operator()<PrincipalAxisRotation>();
+        case SystemKind::free_rotation:
+            return visit.template operator()<FreeRotation>();
+        case SystemKind::loaded_rotation:
+            return visit.template operator()<LoadedRotation>();
+        case SystemKind::loaded_motion:
+            return visit.template operator()<LoadedMotion>();
+        case SystemKind::full_motion:
+            break;
+    }
+    return visit.template operator()<FullMotion>();
+}
+
+/// Where the body is at a state of a 13-dimensional system, as contacts need it.
+Placement<double> placement_of(const double* y);
+
+/// The impact of a state of a 13-dimensional system at the contacts whose gap is at most `tolerance` (m), in place.
+ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y);
 
 }  // namespace polhode

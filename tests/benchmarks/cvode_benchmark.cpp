@@ -8,11 +8,12 @@
 #include "integrators/sundials/build.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/serial_vector.h"
+#include "motion/systems.h"
 
 namespace {
 
 using namespace polhode;
-using System7 = FreeRotation<double>;
+using System7 = FreeRotation;
 
 Problem free_body() {
     Scene scene;

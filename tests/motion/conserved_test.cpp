@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/systems.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
@@ -14,15 +15,14 @@ namespace {
 // Classical Runge-Kutta on the full system; steps end at the events.
 std::vector<Sample> run(const Scene& scene, double step) {
     const Problem problem = pose(scene, Formulation::full);
-    using System = FullMotion<double>;
-    constexpr int n = System::dimension;
+    FullMotion f(problem);
+    constexpr int n = FullMotion::dimension;
     double y[n], k[4][n], z[n];
-    initial_state<System>(problem, y);
+    f.initial(y);
     std::vector<Sample> samples;
     for (const Segment& segment : problem.segments) {
-        enter<System>(problem, segment, y);
-        const System f = system_on<System>(problem, segment);
-        samples.push_back(sample_of<System>(problem, segment.begin, y));
+        f.enter(segment, y);
+        samples.push_back(f.motion(segment.begin, y));
         const long steps = std::max(1L, std::lround(std::ceil((segment.end - segment.begin) / step)));
         const double h = (segment.end - segment.begin) / static_cast<double>(steps);
         for (long s = 0; s < steps; ++s) {
@@ -34,7 +34,7 @@ std::vector<Sample> run(const Scene& scene, double step) {
                 f.derivative(t + c, z, k[stage]);
             }
             for (int i = 0; i < n; ++i) y[i] += h / 6 * (k[0][i] + 2 * (k[1][i] + k[2][i]) + k[3][i]);
-            samples.push_back(sample_of<System>(problem, t + h, y));
+            samples.push_back(f.motion(t + h, y));
         }
     }
     return samples;

@@ -4,6 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "motion/moderate_scene.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -24,7 +25,7 @@ void check(const Problem& problem, const Sample& s) {
         put(y.data(), 3, s.q);
         if constexpr (n == 13) put(y.data(), 7, s.position_W), put(y.data(), 10, s.velocity_W);
     }
-    const SystemType system = system_on<SystemType>(problem, problem.segments.front());
+    const SystemType system = SystemType(problem);
     std::array<double, n * n> J{};
     jacobian(system, 0, y.data(), J.data());
     double size = 1;
@@ -44,14 +45,14 @@ RC_GTEST_PROP(Jacobian, IsWhatCentralDifferencesSay, ()) {
     const Scene scene = moderate_scene();
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
     const Sample s = moderate_state(full);
-    check<FreeRotation<double>>(reduced, s);
-    check<LoadedRotation<double>>(reduced, s);
-    check<LoadedMotion<double>>(reduced, s);
-    check<FullMotion<double>>(full, s);
+    check<FreeRotation>(reduced, s);
+    check<LoadedRotation>(reduced, s);
+    check<LoadedMotion>(reduced, s);
+    check<FullMotion>(full, s);
 }
 
 TEST(Jacobian, OfAPendulumIsTheFormula) {
-    PrincipalAxisRotation<double> pendulum;
+    AxisEquations<double> pendulum;
     pendulum.inverse_moment = 0.5, pendulum.damping = 0.3, pendulum.cc = 1.1, pendulum.cs = -2, pendulum.ss = 0.7;
     const double w = 1.3, c = 0.8, s = 0.6, y[3] = {w, c, s};
     double J[9];

@@ -7,6 +7,7 @@
 
 #include "motion/dual.h"
 #include "motion/moderate_scene.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -104,20 +105,20 @@ void check_momentum_form(const Problem& problem, const Sample& s, const Rates& r
 RC_GTEST_PROP(RightHandSide, FullMotionIsTheMomentumForm, ()) {
     const Problem problem = pose(moderate_scene(), Formulation::full);
     const Sample s = moderate_state(problem);
-    check_momentum_form(problem, s, rates_by<FullMotion<double>>(problem, s), true);
+    check_momentum_form(problem, s, rates_by<FullMotion>(problem, s), true);
 }
 
 RC_GTEST_PROP(RightHandSide, LoadedMotionIsTheMomentumForm, ()) {
     const Problem problem = pose(moderate_scene());
     const Sample s = moderate_state(problem);
-    check_momentum_form(problem, s, rates_by<LoadedMotion<double>>(problem, s), true);
+    check_momentum_form(problem, s, rates_by<LoadedMotion>(problem, s), true);
 }
 
 RC_GTEST_PROP(RightHandSide, FullMotionInThePrincipalFrameIsTheMomentumForm, ()) {
     const Problem problem = pose(moderate_scene(), Formulation::full_principal);
     RC_ASSERT(problem.needs.dimension == 13);
     const Sample s = moderate_state(problem);
-    check_momentum_form(problem, s, rates_by<LoadedMotion<double>>(problem, s), true);
+    check_momentum_form(problem, s, rates_by<LoadedMotion>(problem, s), true);
 }
 
 /// The system that the scene is posed as has the derivative of the full one, whatever was left out.
@@ -125,18 +126,18 @@ RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
     const Scene scene = moderate_scene();
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
     const Sample s = moderate_state(full);
-    const Rates expected = rates_by<FullMotion<double>>(full, s);
+    const Rates expected = rates_by<FullMotion>(full, s);
     Rates rates;
     RC_TAG(name_of(reduced.needs.system));
     switch (reduced.needs.system) {
-        case System::free_rotation:
-            rates = rates_by<FreeRotation<double>>(reduced, s);
+        case SystemKind::free_rotation:
+            rates = rates_by<FreeRotation>(reduced, s);
             break;
-        case System::loaded_rotation:
-            rates = rates_by<LoadedRotation<double>>(reduced, s);
+        case SystemKind::loaded_rotation:
+            rates = rates_by<LoadedRotation>(reduced, s);
             break;
-        case System::loaded_motion:
-            rates = rates_by<LoadedMotion<double>>(reduced, s);
+        case SystemKind::loaded_motion:
+            rates = rates_by<LoadedMotion>(reduced, s);
             break;
         default:
             RC_DISCARD("a random state does not turn about one axis");
@@ -146,7 +147,7 @@ RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
     const Quaternion<double> d{rates.q.w - expected.q.w, rates.q.x - expected.q.x, rates.q.y - expected.q.y,
                                rates.q.z - expected.q.z};
     RC_ASSERT(std::sqrt(squared_norm(d)) < roundoff(length(s.angular_velocity_B)));
-    if (reduced.needs.system == System::loaded_motion)
+    if (reduced.needs.system == SystemKind::loaded_motion)
         RC_ASSERT(distance(rates.velocity_W, expected.velocity_W) < roundoff(10 * length(expected.velocity_W) + size));
 }
 
@@ -176,14 +177,14 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
         scene.loads = {Torque{torque, Frame::body, {}}, Drag{{0.1, 0.2, 0.3}, 0, {}}};
     }
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
-    RC_ASSERT(reduced.needs.system == System::principal_axis_rotation);
+    RC_ASSERT(reduced.needs.system == SystemKind::principal_axis_rotation);
     // any state of it: rate w, turned by the angle of (c, s) from the start
     const double turned = moderate(-3, 3);
     const std::array<double, 3> y{moderate(-2, 2), std::cos(turned), std::sin(turned)};
     std::array<double, 3> rate{};
     reduced.segments.front().about_axis.derivative(0, y.data(), rate.data());
-    const Sample s = sample_of<PrincipalAxisRotation<double>>(reduced, 0, y.data());
-    const Rates expected = rates_by<FullMotion<double>>(full, s);
+    const Sample s = PrincipalAxisRotation(reduced).motion(0, y.data());
+    const Rates expected = rates_by<FullMotion>(full, s);
     const Vector3<double> axis_B = rotate(reduced.q_BP, reduced.axis);
     const double size = 100 * (1 + std::abs(y[0]) + length(expected.angular_velocity_B));
     RC_ASSERT(distance(rate[0] * axis_B, expected.angular_velocity_B) < roundoff(size));
@@ -202,7 +203,7 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     const Problem problem = pose(scene, Formulation::full);
     const ExactBody<Wide> exact = exact_body<Wide>(scene);
     const Sample s = moderate_state(problem);
-    const Rates rates = rates_by<FullMotion<double>>(problem, s);
+    const Rates rates = rates_by<FullMotion>(problem, s);
     const auto energy = [&](const Wide& e) {
         const Vector3<Wide> w = cast<Wide>(s.angular_velocity_B) + e * cast<Wide>(rates.angular_velocity_B);
         const Vector3<Wide> p = cast<Wide>(s.position_W) + e * cast<Wide>(rates.position_W);
@@ -233,7 +234,7 @@ RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
     const Vector3<double> tau = torque_B({0, s.q, s.angular_velocity_B, s.position_W, s.velocity_W});
     const Matrix3<double>& I = full.body.inertia_B;
     const Vector3<double>& w = s.angular_velocity_B;
-    for (const Rates& rates : {rates_by<LoadedMotion<double>>(reduced, s), rates_by<FullMotion<double>>(full, s)}) {
+    for (const Rates& rates : {rates_by<LoadedMotion>(reduced, s), rates_by<FullMotion>(full, s)}) {
         // I dw/dt + w x I w = tau
         const Vector3<double> L_rate = I * rates.angular_velocity_B + cross(w, I * w);
         RC_ASSERT(distance(L_rate, tau) < roundoff(100 * (length(tau) + length(I * w) * length(w))));

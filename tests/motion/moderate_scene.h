@@ -110,7 +110,7 @@ Rates rates_by(const Problem& problem, const Sample& s) {
     put(y.data(), 0, rotate_back(problem.q_BP, s.angular_velocity_B));
     put(y.data(), 3, s.q * problem.q_BP);
     if constexpr (n == 13) put(y.data(), 7, s.position_W), put(y.data(), 10, s.velocity_W);
-    system_on<SystemType>(problem, segment).derivative(0, y.data(), f.data());
+    SystemType(problem, segment).derivative(0, y.data(), f.data());
     Rates rates;
     rates.angular_velocity_B = rotate(problem.q_BP, vector_at(f.data(), 0));
     rates.q = quaternion_at(f.data(), 3) * conjugate(problem.q_BP);

@@ -1,10 +1,9 @@
 // Posing: initial states, events, segments, and the translation that has a closed form.
-#include "motion/problem.h"
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "motion/moderate_scene.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -15,8 +14,8 @@ using namespace polhode::testing;
 template <class SystemType>
 Sample start(const Problem& problem) {
     std::array<double, SystemType::dimension> y{};
-    initial_state<SystemType>(problem, y.data());
-    return sample_of<SystemType>(problem, 0, y.data());
+    SystemType(problem).initial(y.data());
+    return SystemType(problem).motion(0, y.data());
 }
 
 Sample start(const Problem& problem) {
@@ -99,7 +98,7 @@ RC_GTEST_PROP(Translation, InClosedFormIsTheIntegratedOne, ()) {
         const double t = i * h;
         if (i == n / 2) v = v + (1 / scene.body.mass) * J;
         if (i % 500 == 0) {
-            const Sample s = sample_of<FreeRotation<double>>(problem, t, state.data());
+            const Sample s = FreeRotation(problem).motion(t, state.data());
             // h^4 (c/m)^4 is 1e-8 at most, over 5! and under decay: below 1e-9
             RC_ASSERT(distance(s.position_W, p) < 1e-9);
             RC_ASSERT(distance(s.velocity_W, v) < 1e-9);

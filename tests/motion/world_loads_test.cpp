@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "motion/moderate_scene.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -29,7 +30,7 @@ RC_GTEST_PROP(WorldLoads, AreThoseOfTheEquationsOfMotion, ()) {
     // sums of a dozen products of numbers up to ten
     RC_ASSERT(distance(torque_W, rotate(s.q, torque_B)) < 1e-12);
     if (!problem.body.pivoted) {
-        const Rates rates = rates_by<FullMotion<double>>(problem, s);
+        const Rates rates = rates_by<FullMotion>(problem, s);
         RC_ASSERT(distance(loads.acceleration_W(A, s.velocity_W), rates.velocity_W) < 1e-12);
     }
 }

@@ -13,6 +13,7 @@
 #include "integrators/method.h"
 #include "measure/errors.h"
 #include "motion/dual.h"
+#include "motion/systems.h"
 #include "whole/truth_values.h"
 
 namespace polhode {
@@ -62,7 +63,7 @@ std::vector<double> sizes_of_eigenvalues(const Problem& problem, const Vector3<d
                                          std::size_t segment = 0) {
     double y[7], J[49];
     put(y, 0, w), put(y, 3, q);
-    jacobian(system_on<LoadedRotation<double>>(problem, problem.segments[segment]), 0, y, J);
+    jacobian(LoadedRotation(problem, problem.segments[segment]), 0, y, J);
     const Eigen::Matrix<double, 7, 7> matrix = Eigen::Map<Eigen::Matrix<double, 7, 7, Eigen::RowMajor>>(J);
     const auto values = matrix.eigenvalues();
     std::vector<double> sizes;
@@ -122,8 +123,8 @@ TEST(ExtremeScenes, AreManyInFamilies) {
 // dw/dt = -c w / I1, and the angle is 1 - exp(-c t).
 TEST(ExtremeScenes, DragIsTheLinearTestEquation) {
     for (const auto& [c, scene, problem] : members("drag")) {
-        ASSERT_EQ(problem.needs.system, System::principal_axis_rotation);
-        const PrincipalAxisRotation<double>& system = problem.segments[0].about_axis;
+        ASSERT_EQ(problem.needs.system, SystemKind::principal_axis_rotation);
+        const AxisEquations<double>& system = problem.segments[0].about_axis;
         EXPECT_DOUBLE_EQ(system.inverse_moment * system.damping, c);
         EXPECT_EQ(system.cc, 0);
         EXPECT_EQ(system.cs, 0);
@@ -148,8 +149,8 @@ TEST(ExtremeScenes, DragWithTorqueIsStiffAndSteadyInTheEnd) {
 // The pendulum I x'' = -k sin x of amplitude a returns after 4 K(sin a/2) / sqrt(k/I).
 TEST(ExtremeScenes, SpringIsAPendulumOfSmallAmplitude) {
     for (const auto& [k, scene, problem] : members("spring")) {
-        ASSERT_EQ(problem.needs.system, System::principal_axis_rotation);
-        const PrincipalAxisRotation<double>& system = problem.segments[0].about_axis;
+        ASSERT_EQ(problem.needs.system, SystemKind::principal_axis_rotation);
+        const AxisEquations<double>& system = problem.segments[0].about_axis;
         // the spring's torque is -2 k s c: linear, -k x
         EXPECT_DOUBLE_EQ(-system.cs / 2 * system.inverse_moment, k);
         const double rate = std::sqrt(k), sine = scene.initial.angular_velocity[0] / (2 * rate);
@@ -366,7 +367,7 @@ TEST(ExtremeScenes, RestIsRest) {
 // angle'' = 5 sin(angle), from rest.
 TEST(ExtremeScenes, UprightPendulumsFallExponentially) {
     for (const auto& [tilt, scene, problem] : members("upright")) {
-        ASSERT_EQ(problem.needs.system, System::principal_axis_rotation);
+        ASSERT_EQ(problem.needs.system, SystemKind::principal_axis_rotation);
         const double angle = turned_by(attitude(truth_at(scene, {2})[1]));
         EXPECT_NEAR(angle, tilt * std::cosh(2 * std::sqrt(5.0)), 1e-4 * tilt) << tilt;
     }

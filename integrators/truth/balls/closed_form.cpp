@@ -3,7 +3,7 @@
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/balls/free.h"
-#include "motion/systems.h"
+#include "motion/body_equations.h"
 
 namespace polhode::truth {
 namespace {

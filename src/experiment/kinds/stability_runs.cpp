@@ -45,7 +45,7 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
     scene.fastest_rate = turning;
     scene.eigenvalues = eigenvalues(posed.problem, posed.truth.samples.front().rounded());
     const double first = std::abs(largest_in_magnitude(scene.eigenvalues));
-    scene.is_linear = turning > 0 && posed.problem.needs.system == System::principal_axis_rotation &&
+    scene.is_linear = turning > 0 && posed.problem.needs.system == SystemKind::principal_axis_rotation &&
                       !posed.problem.needs.torque_free && posed.problem.segments.size() == 1;
     for (const ReferenceSample& sample : posed.truth.samples) {
         const double largest = std::abs(largest_in_magnitude(eigenvalues(posed.problem, sample.rounded())));

@@ -57,7 +57,7 @@ struct FreeEquations {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             inertia.gyroscopic[i] = (moments[j] - moments[k]) / moments[i];
         }
-        FreeRotation<double>{inertia}.derivative(0, y, dy);
+        FreeRotation::Equations{inertia}.derivative(0, y, dy);
     }
 };
 

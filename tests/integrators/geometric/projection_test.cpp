@@ -8,6 +8,7 @@
 #include <string>
 
 #include "integrators/scenes.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -141,12 +142,12 @@ TEST(Projection, CostsBdfNoSteps) {
 // The move from a state off the manifold is across it: at right angles, in units of the scales, to every way along it.
 TEST(Projection, GoesToTheNearestPoint) {
     const Problem problem = pose(heavy_top(1));
-    using System7 = LoadedRotation<double>;
+    using System7 = LoadedRotation;
     Projection<System7> projection(problem);
     EXPECT_EQ(projection.count(), 4);  // |q|, L_z, spin, E
     double scale[7], start[7];
-    component_scales<System7>(problem, scale);
-    initial_state<System7>(problem, start);
+    System7(problem).scales(scale);
+    System7(problem).initial(start);
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(-1, 1);
     for (int k = 0; k < 100; ++k) {
@@ -174,9 +175,9 @@ TEST(Projection, GoesToTheNearestPoint) {
 
 TEST(Projection, LeavesWhatIsTooFarOrNotANumber) {
     const Problem problem = pose(heavy_top(1));
-    Projection<LoadedRotation<double>> projection(problem);
+    Projection<LoadedRotation> projection(problem);
     double y[7];
-    initial_state<LoadedRotation<double>>(problem, y);
+    LoadedRotation(problem).initial(y);
     y[4] = std::nan("");
     EXPECT_FALSE(projection.project(y));
     double zero[7] = {};

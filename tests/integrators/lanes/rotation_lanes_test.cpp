@@ -89,7 +89,7 @@ TEST(RotationRate, RestatesTheOneRightHandSide) {
         for (int i = 0; i < 8; ++i) magnitude[i] = std::abs(r.state.y[i]);
         evaluate(*coefficients, r.state.y, rate);
         evaluate(magnitudes(*coefficients), magnitude, scale);
-        LoadedRotation<double>{r.inertia, &r.forcing}.derivative(0, r.state.y, one);
+        LoadedRotation::Equations{r.inertia, &r.forcing}.derivative(0, r.state.y, one);
         for (int i = 0; i < 7; ++i) {
             // the spring's and the world points' coefficients cancel among themselves before they are summed here
             const double loads = body % 4 == 3 && i < 3 ? 4 : 1;

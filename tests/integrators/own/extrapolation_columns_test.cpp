@@ -7,7 +7,7 @@
 
 #include "integrators/own/midpoint_columns.h"
 #include "integrators/scenes.h"
-#include "motion/problem.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -57,7 +57,7 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
     for (double& square : allowance.squared_scale) square = 1;
     const auto error = [&](int row, int steps) {
         RotationStep step;
-        initial_state<FreeRotation<double>>(problem, step.state.y);
+        FreeRotation(problem).initial(step.state.y);
         for (int i = 0; i < steps; ++i) {
             const RotationState from = step.state;
             midpoint_step_plain(*coefficients, allowance, from, T / steps, row, step);

@@ -8,7 +8,7 @@
 
 #include "integrators/scenes.h"
 #include "motion/dual.h"
-#include "motion/problem.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -25,7 +25,7 @@ void expect_solved(const Scene& scene, Formulation formulation) {
     const Problem problem = pose(scene, formulation);
     ASSERT_EQ(problem.needs.dimension, N);
     for (int trial = 0; trial < 200; ++trial) {
-        const SystemType system = system_on<SystemType>(problem, problem.segments.back());
+        const SystemType system = SystemType(problem, problem.segments.back());
         double y[N], J[N * N];
         for (double& value : y) value = 5 * uniform(random);
         jacobian(system, 0, y, J);
@@ -62,12 +62,12 @@ TEST(FourSystems, AreThoseOfEverySystem) {
     spin.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
     spin.initial.angular_velocity = {0, 0, 1};
     spin.loads = {Drag{{0.5, 0.5, 0.5}, 0, {}}};
-    expect_solved<PrincipalAxisRotation<double>>(spin, Formulation::reduced);
-    expect_solved<FreeRotation<double>>(testing::free_body(1), Formulation::reduced);
-    expect_solved<LoadedRotation<double>>(testing::heavy_top(1), Formulation::reduced);
-    expect_solved<LoadedMotion<double>>(testing::everything(1), Formulation::reduced);
-    expect_solved<FullMotion<double>>(testing::everything(1), Formulation::full);
-    expect_solved<FullMotion<double>>(testing::heavy_top(1), Formulation::full);
+    expect_solved<PrincipalAxisRotation>(spin, Formulation::reduced);
+    expect_solved<FreeRotation>(testing::free_body(1), Formulation::reduced);
+    expect_solved<LoadedRotation>(testing::heavy_top(1), Formulation::reduced);
+    expect_solved<LoadedMotion>(testing::everything(1), Formulation::reduced);
+    expect_solved<FullMotion>(testing::everything(1), Formulation::full);
+    expect_solved<FullMotion>(testing::heavy_top(1), Formulation::full);
 }
 
 }  // namespace

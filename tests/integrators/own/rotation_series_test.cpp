@@ -8,7 +8,7 @@
 
 #include "integrators/series/series.h"
 #include "motion/moderate_scene.h"
-#include "motion/problem.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -21,7 +21,7 @@ POLHODE_TARGET_AVX2 void expand_avx2(Narrow& series, const PackedRotation& state
 POLHODE_TARGET_AVX512 void expand_avx512(Wide& series, const PackedRotation& state) { series.expand(state); }
 
 struct Form {
-    LoadedRotation<double> system;
+    LoadedRotation system;
     void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const { system.derivative(0, y, dy); }
 };
 
@@ -46,7 +46,7 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
     RC_PRE(Narrow::serves(segment.forcing));
 
     double y[7] = {};
-    initial_state<LoadedRotation<double>>(problem, y);
+    LoadedRotation(problem).initial(y);
     Narrow series(problem.principal_inertia);
     series.set(segment.forcing);
     series.expand(PackedRotation(y));
@@ -68,7 +68,7 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
         expand_avx512(other, PackedRotation(y));
         same(other);
     }
-    truth::Series<double> recorded(truth::record<double>(Form{{problem.principal_inertia, &segment.forcing}}, 7),
+    truth::Series<double> recorded(truth::record<double>(Form{LoadedRotation(problem, segment)}, 7),
                                    order);
     recorded.expand(y);
     double growth = 1;  // of the coefficients, and of what rounding makes of them

@@ -10,6 +10,7 @@
 #include "integrators/sundials/build.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/serial_vector.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {
@@ -286,7 +287,7 @@ TEST_P(Cvode, TakesTheSameStepsHoweverItIsSampled) {
 // The two vectors do the same sums in the same order: no difference but that of SUNDIALS' special case c (x + y).
 TEST(CvodeFamily, RunsAlikeOnTheSerialVector) {
     const Problem problem = pose(body(1, 2, 3, {1, 1, 1}, 10));
-    using System7 = FreeRotation<double>;
+    using System7 = FreeRotation;
     CvodeSession<System7> fixed(problem, Multistep::adams, Iteration::functional, 1e-9);
     CvodeSession<System7, SerialVector<7>> serial(problem, Multistep::adams, Iteration::functional, 1e-9);
     fixed.enter(problem.segments[0]), serial.enter(problem.segments[0]);

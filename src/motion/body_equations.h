@@ -1,0 +1,91 @@
+// The right-hand sides dy/dt = f(t, y) of one body, on a plain array and over any scalar: P is that of the body's
+// constants and the loads, S that of the state. Layout of the arrays: w (posed axes), q (w, x, y, z), then, where there
+// is translation, p and v of the centre of mass (world axes); a rotation about a fixed axis has a layout of its own.
+// Which of them a scene is solved by, and everything else about its state, stands in motion/systems.h.
+#pragma once
+
+#include <cstddef>
+
+#include "motion/equations.h"
+
+namespace polhode {
+
+template <class S>
+Vector3<S> vector_at(const S* y, int i) {
+    return {y[i], y[i + 1], y[i + 2]};
+}
+template <class S>
+Quaternion<S> quaternion_at(const S* y, int i) {
+    return {y[i], y[i + 1], y[i + 2], y[i + 3]};
+}
+template <class S>
+void put(S* y, int i, const Vector3<S>& v) {
+    y[i] = v[0], y[i + 1] = v[1], y[i + 2] = v[2];
+}
+template <class S>
+void put(S* y, int i, const Quaternion<S>& q) {
+    y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
+}
+
+/// Rotation about one principal axis e, q = q0 (c, s e): the state is w along e, c and s.
+template <class P>
+struct AxisEquations {
+    static constexpr int dimension = 3;
+    P inverse_moment = P(1), damping = P(0);
+    P cc = P(0), cs = P(0), ss = P(0);  ///< torque along the axis: cc c^2 + cs c s + ss s^2 - damping w
+
+    template <class S>
+    void derivative(double, const S* y, S* dy) const {
+        const S half_rate = P(0.5) * y[0];
+        dy[0] = inverse_moment * ((cc * (y[1] * y[1]) + cs * (y[1] * y[2]) + ss * (y[2] * y[2])) - damping * y[0]);
+        dy[1] = -half_rate * y[2];
+        dy[2] = half_rate * y[1];
+    }
+};
+
+/// Rotation without a torque in principal axes, where w decouples from q.
+template <class P>
+struct FreeEquations {
+    static constexpr int dimension = 7;
+    PrincipalInertia<P> inertia;
+
+    template <class S>
+    void derivative(double, const S* y, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        put(dy, 0, inertia.gyroscopic_acceleration(w));
+        put(dy, 3, attitude_rate(P(0.5), q, w));
+    }
+};
+
+/// Rotation, and translation where `translation` is set, with the inertia as it is given.
+template <class P, class Inertia, bool translation>
+struct LoadedEquations {
+    static constexpr int dimension = translation ? 13 : 7;
+    Inertia inertia;
+    const Forcing<P>* forcing = nullptr;
+
+    template <class S>
+    void derivative(double t, const S* y, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        Vector3<S> p, v;
+        if constexpr (translation) p = vector_at(y, 7), v = vector_at(y, 10);
+        const Vector3<S> w_rate = inertia.angular_acceleration(w, torque(*forcing, t, w, q, p, v));
+        put(dy, 0, w_rate);
+        put(dy, 3, attitude_rate(P(0.5), q, w));
+        if constexpr (translation) {
+            put(dy, 7, v);
+            if (forcing->pivoted) {
+                put(dy, 10, rotate(q, cross(w_rate, forcing->arm) + cross(w, cross(w, forcing->arm))));
+                return;
+            }
+            Vector3<S> a = cast<S>(forcing->acceleration_W);
+            if (forcing->has_body_force) a = a + rotate(q, forcing->specific_force);
+            if (forcing->has_translational_drag) a = a - forcing->specific_drag * v;
+            put(dy, 10, a);
+        }
+    }
+};
+
+}  // namespace polhode

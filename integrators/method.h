@@ -20,8 +20,14 @@
 namespace polhode {
 
 /// How a method is told how accurate to be.
-enum class Control { none, fixed_step, tolerance, fixed_step_or_tolerance };
+enum class Control {
+    none,                    ///< it is not: it has neither a step nor a tolerance
+    fixed_step,              ///< by Settings::step
+    tolerance,               ///< by Settings::tolerance
+    fixed_step_or_tolerance  ///< by either
+};
 
+/// What a run is asked for.
 struct Settings {
     std::optional<double> step;       ///< s; rounded down so that whole steps meet every sample
     std::optional<double> tolerance;  ///< relative; absolute = this times the component's scale
@@ -36,12 +42,12 @@ struct Settings {
     bool record = true;
     /// The integration is repeated this often inside one call and the time divided: for runs near the clock's grain.
     int repetitions = 1;
-    Formulation formulation = Formulation::reduced;
+    Formulation formulation = Formulation::reduced;  ///< by which solve() poses a scene
 };
 
 /// What kind of scheme a method is.
 enum class Family {
-    unnamed,
+    unnamed,           ///< not said
     closed_form,       ///< evaluated at each sample, nothing is stepped
     series,            ///< Taylor series
     extrapolation,     ///< of a scheme of low order to step zero
@@ -56,35 +62,41 @@ enum class Family {
 };
 
 /// The arithmetic of a method's steps.
-enum class Precision { binary64, binary32, multiprecision };
+enum class Precision {
+    binary64,        ///< double
+    binary32,        ///< float
+    multiprecision,  ///< more than 64 bits
+};
 
-/// The names of `Method::library`.
-inline constexpr std::string_view sundials_library = "SUNDIALS", odeint_library = "Boost.Odeint", gsl_library = "GSL";
+inline constexpr std::string_view sundials_library = "SUNDIALS";    ///< for Method::library
+inline constexpr std::string_view odeint_library = "Boost.Odeint";  ///< for Method::library
+inline constexpr std::string_view gsl_library = "GSL";              ///< for Method::library
 
 /// A method: what is known of it, and the function that runs it. All that tables and pictures go by stands here;
 /// nothing reads it off the name. Texts are views: those of a method made at run time belong to what make_method()
 /// returns.
 struct Method {
-    std::string_view name;
-    std::string_view documentation{};  ///< Markdown, a paragraph; goes into README's table by its first sentence
+    std::string_view name;             ///< letters, digits and _; a discrete order stands in it
+    std::string_view documentation{};  ///< Markdown, a paragraph; the table of methods shows its first sentence
     std::string_view source{};         ///< author, year, where
     /// What the text that it is from calls it, where that is not its name: "article: update_body_orientation, as
     /// printed".
     std::string_view described_as{};
-    std::string_view conserves{};  ///< what it keeps by construction: "nothing", "|q|", ..
-    Control control = Control::none;
+    std::string_view conserves{};     ///< what it keeps by construction: "nothing", "|q|", ..
+    Control control = Control::none;  ///< what it is told
     bool planes = false;  ///< it follows impacts on planes; without it a scene that has any is `unsupported`
     int order = 0;        ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
+    /// Solves a problem; called once a trajectory, with settings that solve() has found in order.
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
     /// Linear stability: the spectral radius of one step on y' = lambda y, as a function of z = h lambda.
     double (*growth)(std::complex<double> z) = nullptr;
-    /// The same on theta'' = -gamma theta' - k theta, of (h gamma, h^2 k), where the scheme is not one for first-order
-    /// systems.
+    /// Linear stability of a scheme that is not one for first-order systems: the spectral radius of one step on
+    /// theta'' = -gamma theta' - k theta, as a function of (h gamma, h^2 k).
     double (*pendulum_growth)(double damping, double stiffness) = nullptr;
-    Family family = Family::unnamed;
-    std::string_view library{};  ///< whose steps they are, sundials_library, ..; empty: this one's own
-    Precision precision = Precision::binary64;
-    std::string_view in_binary64{};  ///< of a method in binary32: the name of the same in binary64
+    Family family = Family::unnamed;            ///< what kind of scheme it is
+    std::string_view library{};                 ///< whose steps they are, sundials_library, ..; empty: this one's own
+    Precision precision = Precision::binary64;  ///< of its steps
+    std::string_view in_binary64{};             ///< of a method in binary32: the name of its twin in binary64
     /// What it integrates whatever formulation the problem was posed by; empty: the formulation asked for.
     std::optional<Formulation> formulation{};
     /// Why it does not solve the problem, as far as that is known before any step; empty where it does. Ask refusal(),
@@ -93,7 +105,7 @@ struct Method {
     /// Of a method that needs more than problem and settings (a command line, a function of the user's own): called in
     /// place of `solve`, with `context` as it stands here.
     Trajectory (*solve_in)(const void* context, const Problem&, const Settings&) = nullptr;
-    const void* context = nullptr;
+    const void* context = nullptr;  ///< what `solve_in` is given
 };
 
 /// `methods`, each with `common`'s family, library, precision, formulation and refusal where it has none of its own.
@@ -125,25 +137,28 @@ std::string refusal(const Method& method, const Problem& problem);
 /// All methods of this build, in the order of the list in integrators/CMakeLists.txt.
 std::span<const Method* const> methods();
 
-/// By name; nullptr if there is none. `auto` is not a method: see choose_method.
+/// The method of that name, or nullptr if there is none. `auto` is not a method: see choose_method.
 const Method* find_method(std::string_view name);
 
 /// A method that one might look for and that is not here, and why.
 struct MethodLeftOut {
-    std::string_view name;
+    std::string_view name;    ///< what one might look for
     std::string_view reason;  ///< Markdown, a paragraph
 };
+/// All methods that were considered and left out.
 std::span<const MethodLeftOut> methods_left_out();
 
-/// The most accurate method for a scene ("auto"), and in a few words why.
+/// What `auto` takes.
 struct Choice {
-    const Method* method;
-    std::string_view why;
+    const Method* method;  ///< never null
+    std::string_view why;  ///< in a few words
 };
+/// The most accurate method for a problem: what `auto` takes, and why.
 Choice choose_method(const Problem& problem);
 
-/// Whether the method can be told a step, a tolerance.
+/// Whether the method can be told a step.
 bool takes_step(const Method& method);
+/// Whether the method can be told a tolerance.
 bool takes_tolerance(const Method& method);
 
 /// `settings` with tolerance 1e-10 or step T / 10^4 filled in where it has neither and the method takes one.
@@ -154,7 +169,7 @@ Settings with_defaults(const Problem& problem, const Method& method, Settings se
 /// message, nothing is thrown for it; an invalid scene throws InputError.
 Trajectory solve(const Scene& scene, const Method& method, const Settings& settings = {});
 
-/// The same on a problem that is posed already, by the formulation it was posed with.
+/// Solves a problem that is posed already, by the formulation it was posed with. Everything else is as for a scene.
 Trajectory solve(const Problem& problem, const Method& method, const Settings& settings = {});
 
 }  // namespace polhode

@@ -6,7 +6,7 @@
 //     const polhode::Trajectory motion = polhode::solve(scene, *polhode::find_method("cvode_adams"), settings);
 //     const polhode::Reference truth = polhode::reference(scene, settings.samples);
 //     const polhode::Errors off = polhode::errors(polhode::error_series(scene, motion, truth), motion, truth);
-//     std::cout << polhode::trajectory_csv(motion) << *off.attitude_max << " rad, truth to " << truth.bound;
+//     std::cout << polhode::trajectory_csv(motion) << *off["attitude"].max << " rad, truth to " << truth.bound;
 //
 // Quantities are in SI units and radians. A name's suffix tells its axes: _W the inertial world frame, _B the body
 // frame. Functions throw InputError where a scene or a file is at fault and std::invalid_argument where an argument is

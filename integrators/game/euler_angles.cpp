@@ -190,7 +190,8 @@ constexpr Method each[] = {
      .described_as = "slides: Euler angles, by an adaptive solver",
      .conserves = "nothing; |q| = 1 by construction",
      .control = Control::tolerance,
-     .solve = euler_angles_cvode},
+     .solve = euler_angles_cvode,
+     .library = sundials_library},
 };
 
 constexpr auto family = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);

@@ -25,7 +25,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 std::vector<const Method*> stepped() {
     std::vector<const Method*> found;
     for (const Method* method : methods())
-        if (takes_step(*method) && method->order > 0 && !method->name.ends_with("_float32") &&
+        if (takes_step(*method) && method->order > 0 && method->precision == Precision::binary64 &&
             !method->name.starts_with("article_as_written") && !method->name.starts_with("article_sign_as_written") &&
             !method->name.starts_with("gyroscopic_none"))
             found.push_back(method);

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Report {
+    int status = -1;
+    std::string text;
+};
+
+Report include_graph(const fs::path& tree) {
+    Report report;
+    const std::string command = "'" POLHODE_SOURCE_DIR "/tests/include_graph' '" + tree.string() + "' 2>&1";
+    FILE* pipe = ::popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
+    if (pipe == nullptr) return report;
+    for (char buffer[4096]; const std::size_t read = std::fread(buffer, 1, sizeof buffer, pipe);)
+        report.text.append(buffer, read);
+    const int status = ::pclose(pipe);
+    report.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return report;
+}
+
+// A tree of a few files that each include one other.
+class SmallTree : public testing::Test {
+  protected:
+    SmallTree() {
+        std::string pattern = (fs::temp_directory_path() / "polhode-tree-XXXXXX").string();
+        top_ = ::mkdtemp(pattern.data());
+        file("src/body/shape.h", "text/message.h");
+        file("integrators/run/march.h", "integrators/method.h");
+    }
+    ~SmallTree() override { fs::remove_all(top_); }
+
+    void file(const std::string& path, const std::string& included) const {
+        fs::create_directories((top_ / path).parent_path());
+        std::ofstream(top_ / path) << "#pragma once\n#include <cmath>\n#include \"" << included << "\"\n";
+    }
+    void expect_fault(const std::string& fault) const {
+        const Report report = include_graph(top_);
+        EXPECT_EQ(report.status, 1);
+        EXPECT_NE(report.text.find(fault), std::string::npos) << report.text;
+    }
+    fs::path top_;
+};
+
+TEST(IncludeGraph, GoesOneWayThroughTheHouse) {
+    const Report report = include_graph(POLHODE_SOURCE_DIR);
+    EXPECT_EQ(report.status, 0) << report.text;
+}
+
+TEST_F(SmallTree, PrintsItsArrows) {
+    const Report report = include_graph(top_);
+    EXPECT_EQ(report.status, 0);
+    EXPECT_EQ(report.text, "body -> text\nintegrators/run -> integrators\n");
+}
+
+TEST_F(SmallTree, FailsOnAnUpwardInclude) {
+    file("src/motion/problem.h", "integrators/method.h");
+    expect_fault("src/motion/problem.h:3: motion includes integrators/method.h, which is upward");
+}
+
+TEST_F(SmallTree, FailsOnACircleOnOneFloor) {
+    file("integrators/odeint/odeint.h", "integrators/geometric/projection.h");
+    file("integrators/geometric/projection.h", "integrators/sundials/cvode.h");
+    file("integrators/sundials/cvode.h", "integrators/odeint/odeint.h");
+    expect_fault(
+        "integrators/geometric/projection.h:3: integrators/geometric includes integrators/sundials, in a circle");
+}
+
+TEST_F(SmallTree, FailsWhereIntegratorsAndMeasureKnowEachOther) {
+    file("integrators/own/exact.cpp", "measure/errors.h");
+    expect_fault("integrators and measure do not know each other");
+}
+
+TEST_F(SmallTree, FailsOnAFolderWithoutAFloor) {
+    file("src/attic/rope.h", "body/shape.h");
+    expect_fault("attic stands on no floor");
+}
+
+}  // namespace

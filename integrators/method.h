@@ -76,7 +76,7 @@ inline constexpr std::string_view gsl_library = "GSL";              ///< for Met
 /// nothing reads it off the name. Texts are views: those of a method made at run time belong to what make_method()
 /// returns.
 struct Method {
-    std::string_view name;             ///< letters, digits and _; a discrete order stands in it
+    std::string_view name{};           ///< letters, digits and _; a discrete order stands in it
     std::string_view documentation{};  ///< Markdown, a paragraph; the table of methods shows its first sentence
     std::string_view source{};         ///< author, year, where
     /// What the text that it is from calls it, where that is not its name: "article: update_body_orientation, as

@@ -1,27 +1,16 @@
 // polhode check: trajectories of anyone's making against the truth.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "app/commands.h"
-#include "check/altered_motion.h"
-#include "check/convention.h"
+#include "check/check_files.h"
 #include "check/report.h"
-#include "check/sample_clock.h"
-#include "check/tolerated.h"
-#include "integrators/analysis/conditioning.h"
-#include "integrators/truth/dense.h"
-#include "integrators/truth/reference.h"
 #include "scene/scene_file.h"
-#include "text/decimal.h"
 #include "text/message.h"
-#include "text/parallel.h"
 
 namespace polhode {
 namespace {
@@ -32,129 +21,18 @@ struct Options {
     std::optional<double> max_attitude;
 };
 
-// A file in our conventions, with what had to be done to it.
-TrajectoryFile prepared(const Scene& scene, const Convention& convention, CheckedFile& checked) {
-    TrajectoryFile file = read_trajectory(checked.path, convention.quaternion);
-    if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
-    convert(file, convention);
-    if (const std::optional<double> dt = restore_clock(file, scene.duration))
-        checked.remarks.push_back(fmt::format(
-            "the times are those of a binary32 clock: taken for the multiples of {} s that they are rounded from",
-            shortest_decimal(*dt)));
-    const double last = file.rows.back().t;
-    // a clock that adds up steps ends beside the duration by rounding
-    if (last > scene.duration * (1 + 1e-9))
-        throw InputError(checked.path, "column t",
-                         fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
-                                     shortest_decimal(scene.duration)),
-                         "give times in s within the scene's duration, or a scene that lasts longer");
-    checked.samples = file.rows.size(), checked.from = file.rows.front().t, checked.until = last;
-    return file;
-}
-
-// Judges a file of many samples by polynomials, in binary64: a million take a second.
-void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
-    constexpr std::size_t pieces = 16, at_once = 1024;
-    const std::size_t rows = file.rows.size();
-    std::vector<Judge> judges;
-    for (std::size_t i = 0; i < pieces; ++i) judges.emplace_back(scene, file, JudgedIn::binary64);
-    parallel_for(pieces, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
-        std::vector<ReferenceSample> samples;
-        const std::size_t end = rows * (i + 1) / pieces;
-        for (std::size_t first = rows * i / pieces; first < end; first += samples.size()) {
-            samples.clear();
-            for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
-                samples.push_back(truth.at(file.rows[k].t));
-            judges[i].add(first, samples);
-        }
-    });
-    for (std::size_t i = 1; i < pieces; ++i) judges[0].append(judges[i]);
-    checked.judgement = judges[0].result();
-    checked.truth_bound = truth.bound, checked.truth = truth.message;
-    checked.remarks.emplace_back("judged in binary64: errors below 1e-15 are not told apart");
-}
-
-// Judges a file; says why there is no truth to judge it by, or nothing.
-std::string judge_file(const Scene& scene, const TrajectoryFile& file, CheckedFile& checked) {
-    constexpr std::size_t many = 2000;
-    if (file.rows.size() > many && file.rows.back().t > 0)
-        if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available) {
-            judge_many(scene, file, truth, checked);
-            return "";
-        }
-    std::vector<double> times;
-    for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
-    const Reference truth = reference(scene, times);
-    if (!truth.available) return truth.message;
-    checked.truth_bound = truth.bound, checked.truth = truth.message;
-    checked.judgement = judge(scene, file, truth);
-    return "";
-}
-
-// The floors at the ends of the file's spans and in between, and what they say of the file.
-void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, CheckedFile& checked) {
-    if (!(checked.until > 0)) return;
-    constexpr int between = 20;
-    std::vector<double> times;
-    double begin = 0;
-    for (const ErrorSpan& span : checked.judgement.over_time) {
-        for (int i = 1; i < between; ++i) times.push_back(begin + (span.until - begin) * i / between);
-        times.push_back(begin = span.until);
-    }
-    ConditioningSettings settings;
-    settings.max_steps = prompt_conditioning_steps;
-    const Conditioning kappa = conditioning(scene, times, settings);
-    if (!kappa.available)
-        checked.remarks.push_back(kappa.times.empty() ? "the floors are not known: " + kappa.message
-                                                      : fmt::format("the floors are known until t = {:.4g} s only: {}",
-                                                                    kappa.times.back(), kappa.message));
-    if (kappa.times.empty()) return;
-    RoundingFloor so_far;
-    const double allowed = limit.attitude.value_or(default_tolerated_attitude);
-    for (std::size_t k = 0; k < kappa.times.size(); ++k) {
-        so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
-        so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
-        if (so_far.float32 > allowed && !checked.float_judged_until)
-            checked.float_judged_until = k > 0 ? times[k - 1] : 0;
-        if ((k + 1) % between == 0) checked.floor_over_time.push_back(so_far);
-    }
-    checked.floor = so_far;
-    const double error = checked.judgement["attitude"]->max;
-    // rounding at each step comes on top of that of the start: a few times the floor is the floor
-    constexpr double a_few = 4;
-    if (kappa.available && error <= a_few * so_far.float64)
-        checked.remarks.emplace_back("at the float64 floor: as good as binary64 can be on this scene");
-    else if (kappa.available && error <= a_few * so_far.float32)
-        checked.remarks.emplace_back("at the float32 floor: as good as a float engine can be on this scene");
-    if (checked.float_judged_until)
-        checked.remarks.push_back(fmt::format(
-            "beyond t = {:.4g} s no float engine can be judged: the rounding of the initial data to binary32 "
-            "alone leads to more than {} rad",
-            *checked.float_judged_until, shortest_decimal(allowed)));
-}
-
 int run(const Options& options) {
     if (options.max_attitude) require_positive("--max-attitude", *options.max_attitude);
     const Convention convention = convention_option(options.convention);
     const Scene scene = find_scene(options.scene);
     AttitudeLimit limit{options.max_attitude, "--max-attitude"};
     if (!limit.attitude) limit = {scene.tolerated_attitude, "tolerated by the scene"};
-    // all are read before any is judged: a slip in the last must not cost the time of the first
     std::vector<CheckedFile> all;
-    std::vector<TrajectoryFile> files;
-    for (const std::string& path : options.trajectories) {
-        all.emplace_back().path = path;
-        files.push_back(prepared(scene, convention, all.back()));
-    }
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        CheckedFile& checked = all[i];
-        if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty()) {
-            std::fputs(("polhode: " + one_line(checked.path + ": " + fault, 500) + "\n").c_str(), stderr);
-            return 1;
-        }
-        checked.diagnoses = diagnose(scene, files[i], altered_motion);
-        compare_with_floors(scene, limit, checked);
-        files[i] = {};
+    try {
+        all = check_files(scene, options.trajectories, convention, limit);
+    } catch (const NoTruth& fault) {
+        std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);
+        return 1;
     }
     write_output("", options.format == "json"    ? check_json(scene, limit, all)
                      : options.format == "junit" ? check_junit(scene, limit, all)

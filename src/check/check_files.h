@@ -1,0 +1,25 @@
+// What `polhode check` does with trajectory files: reads, judges, diagnoses and compares them with the floors.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "check/convention.h"
+#include "check/report.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// There is no truth to judge a file by; says which file, and why.
+struct NoTruth : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Judges the files at these paths against the scene's truth. All are read before any is judged: a slip in the last
+/// must not cost the time of the first. Files of more than some thousand samples are judged in binary64, by several
+/// threads. Throws InputError where a file cannot be read, or goes on for longer than the scene, and NoTruth.
+std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
+                                     const Convention& convention, const AttitudeLimit& limit);
+
+}  // namespace polhode

@@ -1,6 +1,5 @@
 #include "motion/trajectory_csv.h"
 
-#include "motion/exact_body.h"
 #include "text/decimal.h"
 
 namespace polhode {
@@ -13,11 +12,6 @@ void put(std::string& text, const Vector3<double>& v) {
 void put(std::string& text, double t, const Quaternion<double>& q) {
     text += shortest_decimal(t);
     for (const double value : {q.w, q.x, q.y, q.z}) text.append(",").append(shortest_decimal(value));
-}
-
-// (1/|q|^2) times a vector turned by q, in 128 bits
-Vector3<double> scaled(const Quaternion<Wide>& q, const Vector3<Wide>& turned) {
-    return cast<double>((Wide(1) / squared_norm(q)) * turned);
 }
 
 }  // namespace
@@ -55,24 +49,6 @@ std::string write_trajectory(const TrajectoryFile& file) {
         text += '\n';
     }
     return text;
-}
-
-std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass) {
-    std::vector<Sample> samples;
-    samples.reserve(file.rows.size());
-    for (const TrajectoryRow& row : file.rows) {
-        const Quaternion<Wide> q = cast<Wide>(row.q);
-        Sample s;
-        s.t = row.t, s.q = row.q, s.position_W = row.position_W, s.velocity_W = row.velocity_W;
-        s.angular_velocity_B = scaled(q, rotate_back(q, cast<Wide>(row.angular_velocity_W)));
-        if (file.has_origin) {
-            const Wide size = squared_norm(q);
-            const Vector3<Wide> origin = size * cast<Wide>(row.position_W);
-            s.position_W = scaled(q, origin + rotate(q, cast<Wide>(center_of_mass)));
-        }
-        samples.push_back(s);
-    }
-    return samples;
 }
 
 }  // namespace polhode

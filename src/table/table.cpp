@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -115,14 +114,6 @@ class CsvReader {
     int line_ = 1;
 };
 
-template <typename Number>
-std::optional<Number> whole_number(const std::string& text) {
-    Number number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return number;
-}
-
 }  // namespace
 
 void require_rectangular(const Table& table) {
@@ -192,21 +183,6 @@ Table parse_csv(std::string_view text) {
                 row.emplace_back();
             } else {
                 row.emplace_back(std::move(field));
-            }
-        }
-    }
-    return table;
-}
-
-Table with_numbers(Table table) {
-    for (std::vector<Cell>& row : table.rows) {
-        for (Cell& cell : row) {
-            const std::string* text = std::get_if<std::string>(&cell);
-            if (text == nullptr) continue;
-            if (const auto count = whole_number<long>(*text); count && text_of(*count) == *text) {
-                cell = *count;
-            } else if (const auto number = whole_number<double>(*text); number && text_of(*number) == *text) {
-                cell = *number;
             }
         }
     }

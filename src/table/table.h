@@ -39,10 +39,6 @@ std::string csv(const Table& table);
 /// the header, a quote inside a field or never closed, text behind a closing quote.
 Table parse_csv(std::string_view text);
 
-/// Text cells that are exactly what csv() writes for a count or a real number become one, so that a table read from a
-/// file is rounded and aligned like the table it was written from. "007" or "1.50" stay text: text_of never changes.
-Table with_numbers(Table table);
-
 /// For people: real numbers to three significant digits, scientific outside [1e-3, 1e3), counts in full, empty cells
 /// as they are, columns of numbers aligned to the right. Text shows literally: what the format would take as markup is
 /// escaped.

@@ -117,26 +117,6 @@ TEST(Csv, NamesLineAndFault) {
     EXPECT_EQ(fault_of("a,b\n1,2\n"), "none");
 }
 
-TEST(WithNumbers, TakesOnlyWhatTheWriterWrites) {
-    const Table table =
-        with_numbers(parse_csv("x\n12\n-2.5e-09\n007\n1.50\n1e5\nnan\nrk4\n99999999999999999999\n+1\n"));
-    const auto cell = [&](std::size_t row) { return table.rows[row][0]; };
-    EXPECT_EQ(cell(0), Cell{12L});
-    EXPECT_EQ(cell(1), Cell{-2.5e-9});
-    EXPECT_EQ(cell(2), Cell{"007"});
-    EXPECT_EQ(cell(3), Cell{"1.50"});
-    EXPECT_EQ(cell(4), Cell{"1e5"});
-    EXPECT_TRUE(std::isnan(std::get<double>(cell(5))));
-    EXPECT_EQ(cell(6), Cell{"rk4"});
-    EXPECT_EQ(cell(7), Cell{"99999999999999999999"});
-    EXPECT_EQ(cell(8), Cell{"+1"});
-}
-
-RC_GTEST_PROP(WithNumbers, ChangesNoText, ()) {
-    const Table read = parse_csv(csv(any_table()));
-    RC_ASSERT(csv(with_numbers(read)) == csv(read));
-}
-
 TEST(Json, WritesAnObjectALine) {
     EXPECT_EQ(json(small_table()),
               "[\n"

@@ -79,11 +79,9 @@ std::string as_text(const std::vector<Entry>& entries) {
 }
 
 std::string as_json(const std::vector<Entry>& entries) {
-    std::string text;
-    for (const Entry& entry : entries)
-        text += fmt::format("{}\n  {{\"name\": {}, \"about\": {}}}", text.empty() ? "" : ",", json_string(entry.name),
-                            json_string(entry.about));
-    return "[" + text + "\n]\n";
+    Table table{{"name", "about"}, {}};
+    for (const Entry& entry : entries) table.rows.push_back({entry.name, entry.about});
+    return json(table);
 }
 
 const char* name_of(Control control) {

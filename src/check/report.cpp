@@ -1,9 +1,11 @@
 #include "check/report.h"
 
 #include <fmt/format.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "text/decimal.h"
 #include "text/json_document.h"
@@ -79,22 +81,13 @@ std::string text_of(const AttitudeLimit& limit, const CheckedFile& c) {
 // JSON has no word for what is not finite
 std::string number(double value) { return std::isfinite(value) ? shortest_decimal(value) : "null"; }
 
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        if (c == '&')
-            result += "&amp;";
-        else if (c == '<')
-            result += "&lt;";
-        else if (c == '"')
-            result += "&quot;";
-        else
-            result += c;
+// two blanks a level
+class Printer : public tinyxml2::XMLPrinter {
+  protected:
+    void PrintSpace(int depth) override {
+        for (int i = 0; i < depth; ++i) Write("  ");
     }
-    return result;
-}
-
-std::string xml_attribute(const std::string& text) { return '"' + escaped(one_line(text, 4096)) + '"'; }
+};
 
 }  // namespace
 
@@ -155,25 +148,39 @@ std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std
 }
 
 std::string check_junit(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
-    std::string cases;
-    int failures = 0;
+    const std::string suite = one_line("polhode check " + scene.name, 4096);
+    const auto failures =
+        std::count_if(all.begin(), all.end(), [&](const CheckedFile& c) { return limit.exceeded_by(c); });
+    Printer xml;
+    const auto open = [&](const char* element) {
+        xml.OpenElement(element);
+        if (std::string_view(element) == "testsuite") xml.PushAttribute("name", suite.c_str());
+        xml.PushAttribute("tests", std::to_string(all.size()).c_str());
+        xml.PushAttribute("failures", std::to_string(failures).c_str());
+    };
+    xml.PushDeclaration("xml version=\"1.0\" encoding=\"UTF-8\"");
+    open("testsuites");
+    open("testsuite");
     for (const CheckedFile& c : all) {
-        cases += fmt::format("    <testcase classname={} name={}>\n", xml_attribute("polhode check " + scene.name),
-                             xml_attribute(c.path));
+        xml.OpenElement("testcase");
+        xml.PushAttribute("classname", suite.c_str());
+        xml.PushAttribute("name", one_line(c.path, 4096).c_str());
         if (limit.exceeded_by(c)) {
-            ++failures;
             std::string causes;
             for (const Diagnosis& d : c.diagnoses) causes += d.message + '\n';
-            cases += fmt::format("      <failure message={}>{}</failure>\n", xml_attribute(sentence(limit, c)),
-                                 escaped(causes));
+            xml.OpenElement("failure");
+            xml.PushAttribute("message", one_line(sentence(limit, c), 4096).c_str());
+            xml.PushText(causes.c_str());
+            xml.CloseElement();
         }
-        cases += fmt::format("      <system-out>{}</system-out>\n    </testcase>\n", escaped(text_of(limit, c)));
+        xml.OpenElement("system-out");
+        xml.PushText(text_of(limit, c).c_str());
+        xml.CloseElement();
+        xml.CloseElement();
     }
-    return fmt::format(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<testsuites tests=\"{0}\" failures=\"{1}\">\n"
-        "  <testsuite name={2} tests=\"{0}\" failures=\"{1}\">\n{3}  </testsuite>\n</testsuites>\n",
-        all.size(), failures, xml_attribute("polhode check " + scene.name), cases);
+    xml.CloseElement();
+    xml.CloseElement();
+    return xml.CStr();
 }
 
 }  // namespace polhode

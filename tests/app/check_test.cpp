@@ -124,7 +124,7 @@ TEST_F(Check, WritesTestReports) {
     const Outcome outcome = run({"check", "judged.json", "good.csv", "a&b<c>.csv", "--format", "junit"});
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_NE(outcome.out.find("<testsuites tests=\"2\" failures=\"1\">"), std::string::npos) << outcome.out;
-    EXPECT_NE(outcome.out.find("name=\"a&amp;b&lt;c>.csv\">\n      <failure message=\"attitude error at most 0.002"),
+    EXPECT_NE(outcome.out.find("name=\"a&amp;b&lt;c&gt;.csv\">\n      <failure message=\"attitude error at most 0.002"),
               std::string::npos)
         << outcome.out;
 }

@@ -18,7 +18,7 @@ struct Target {
     std::vector<std::string> also;  // seeds that stand elsewhere
 };
 
-class Findings : public testing::TestWithParam<Target> {};
+class Findings : public ::testing::TestWithParam<Target> {};
 
 TEST_P(Findings, HoldStill) {
     const std::string tests = POLHODE_SOURCE_DIR "/tests/";
@@ -39,18 +39,18 @@ TEST_P(Findings, HoldStill) {
     EXPECT_GT(files, 0);
 }
 
-std::string name_of(const testing::TestParamInfo<Target>& info) { return info.param.name; }
+std::string name_of(const ::testing::TestParamInfo<Target>& info) { return info.param.name; }
 
 const std::string top = POLHODE_SOURCE_DIR;
 
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Findings,
-    testing::Values(Target{"scene", oracles::scene, {top + "/experiments/scenes", top + "/tests/scene/bad"}},
-                    Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
-                    Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
-                    Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
-                    Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
-                    Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
+    ::testing::Values(Target{"scene", oracles::scene, {top + "/experiments/scenes", top + "/tests/scene/bad"}},
+                      Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
+                      Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
+                      Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
+                      Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
+                      Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
     name_of);
 
 }  // namespace

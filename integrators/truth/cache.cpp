@@ -1,6 +1,8 @@
 #include "integrators/truth/cache.h"
 
 #include <fmt/format.h>
+#include <gmp.h>
+#include <mpfr.h>
 
 #include <algorithm>
 #include <charconv>
@@ -20,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// how every file of the cache begins
+constexpr std::string_view mark = "polhode truth";
 constexpr std::string_view checksum_word = "checksum ";
 
 fs::path cache_directory() {
@@ -94,8 +98,8 @@ class Words {
 
 std::string encode(const std::string& key, const Truth& truth) {
     const Reference& reference = truth.reference;
-    std::string text = fmt::format("{}\n{}\n{}\n{} {} {} ", cache_version, key, reference.message,
-                                   reference.samples.size(), reference.available ? 1 : 0, truth.steps);
+    std::string text = fmt::format("{}\n{}\n{}\n{} {} {} ", mark, key, reference.message, reference.samples.size(),
+                                   reference.available ? 1 : 0, truth.steps);
     put(text, reference.bound);
     put(text, truth.seconds);
     text += '\n';
@@ -120,14 +124,14 @@ std::string encode(const std::string& key, const Truth& truth) {
 }
 
 std::optional<Truth> decode(const std::string& key, std::string_view text) {
-    const std::size_t mark = text.rfind(checksum_word);
-    if (mark == text.npos) return {};
-    const std::string_view body = text.substr(0, mark);
-    if (text.substr(mark) != std::string(checksum_word) + content_hash(body) + "\n") return {};
+    const std::size_t sealed = text.rfind(checksum_word);
+    if (sealed == text.npos) return {};
+    const std::string_view body = text.substr(0, sealed);
+    if (text.substr(sealed) != std::string(checksum_word) + content_hash(body) + "\n") return {};
     try {
         Words in(body);
         Truth truth;
-        if (in.line() != cache_version || in.line() != key) return {};
+        if (in.line() != mark || in.line() != key) return {};
         truth.reference.message = in.line();
         // a sample takes 48 words, each with a blank: no room is made for what the text cannot hold
         const std::size_t samples = in.count(in.left() / 96);
@@ -159,24 +163,26 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
 
 namespace {
 
-std::string key_of(const Scene& scene, const std::string& samples, int digits) {
+std::string key_of(const Scene& scene, const std::string& samples, int digits, const std::string& by) {
     Scene bare = scene;
     bare.name = "truth";
     bare.about.clear(), bare.source.clear();
     bare.tolerated_attitude.reset();
-    return content_hash(fmt::format("{}\n{}\n{}\n{}", cache_version, samples, digits, write_scene(bare)));
+    return content_hash(fmt::format("{}\n{}\n{}\n{}", by, samples, digits, write_scene(bare)));
 }
 
 }  // namespace
 
-std::string cache_key(const Scene& scene, long samples, int digits) {
-    return key_of(scene, std::to_string(samples), digits);
+std::string program() { return fmt::format("{}, MPFR {}, GMP {}", program_sources(), mpfr_get_version(), gmp_version); }
+
+std::string cache_key(const Scene& scene, long samples, int digits, const std::string& by) {
+    return key_of(scene, std::to_string(samples), digits, by);
 }
 
-std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits) {
+std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits, const std::string& by) {
     std::string text = "at ";
     for (const double t : times) put(text, t);
-    return key_of(scene, text, digits);
+    return key_of(scene, text, digits, by);
 }
 
 std::string cache_path(const std::string& key) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "integrators/truth/fresh_cache.h"
@@ -73,6 +75,44 @@ TEST(TruthCache, KeyIsTheMotionNotTheTexts) {
     EXPECT_NE(cache_key(scene_of(1), 6, 25), key);
     EXPECT_NE(cache_key(scene_of(1), 5, 26), key);
     EXPECT_NE(cache_key(scene_of(1.0000000000000002), 5, 25), key);
+}
+
+TEST(TruthCache, WhatOtherCodeComputedIsNotFound) {
+    const FreshCache cache;
+    Truth other = find_truth(scene_of(1), 5, 25);
+    other.reference.message = "of another program";
+    std::filesystem::remove(cache_path(cache_key(scene_of(1), 5, 25)));
+    const std::string there = cache_key(scene_of(1), 5, 25, "another " + program());
+    keep(there, other);
+    ASSERT_EQ(cached(there)->reference.message, "of another program");
+    EXPECT_FALSE(cached(cache_key(scene_of(1), 5, 25)));
+    EXPECT_NE(find_truth(scene_of(1), 5, 25).reference.message, "of another program");
+    const std::vector<double> times{0, 0.3};
+    EXPECT_NE(cache_key(scene_of(1), times, 25, "another " + program()), cache_key(scene_of(1), times, 25));
+}
+
+// The thread's clock changes no digit; the proofs, in a folder below, are not kept.
+TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
+    const std::set<std::string> folders{"src/text",         "src/body",           "src/scene",
+                                        "src/motion",       "integrators/series", "integrators/closed_form",
+                                        "integrators/truth"};
+    int files = 0;
+    for (const std::string& folder : folders) {
+        EXPECT_NE(read(POLHODE_SOURCE_DIR "/integrators/CMakeLists.txt").find(folder), std::string::npos) << folder;
+        for (const auto& entry : std::filesystem::directory_iterator(POLHODE_SOURCE_DIR "/" + folder)) {
+            if (!entry.is_regular_file()) continue;
+            std::istringstream lines(read(entry.path().string()));
+            for (std::string line; std::getline(lines, line);) {
+                if (line.rfind("#include \"", 0) != 0) continue;
+                std::string path = line.substr(10, line.rfind('"') - 10);
+                if (path.rfind("integrators/", 0) != 0) path = "src/" + path;
+                if (path == "integrators/run/processor_time.h") continue;
+                EXPECT_TRUE(folders.count(path.substr(0, path.rfind('/')))) << entry.path() << " includes " << path;
+                ++files;
+            }
+        }
+    }
+    EXPECT_GT(files, 100);
 }
 
 TEST(TruthCache, BrokenFilesAreComputedAgain) {

@@ -17,6 +17,7 @@
 #include "integrators/run/solver_run.h"
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
+#include "motion/finite.h"
 
 namespace polhode {
 namespace {

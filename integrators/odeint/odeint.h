@@ -10,6 +10,7 @@
 #include "integrators/odeint/odeint_algebra.h"
 #include "integrators/run/binary32.h"
 #include "integrators/run/march.h"
+#include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
 namespace polhode {

@@ -4,6 +4,7 @@
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/linear_growth.h"
+#include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
 namespace polhode {

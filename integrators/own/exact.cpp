@@ -3,12 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "integrators/closed_form/closed_form.h"
 #include "integrators/method.h"
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 
 namespace polhode {
 namespace {
@@ -101,11 +100,7 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
         });
     };
     if (settings.record) trajectory.samples.reserve(static_cast<std::size_t>(settings.samples) + 1);
-    const auto start = std::chrono::steady_clock::now();
-    bool complete = true;
-    for (int i = 0; i < settings.repetitions && complete; ++i) complete = run();
-    trajectory.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / settings.repetitions;
+    repeat(settings, trajectory, [&](bool) { return run(); });
     return trajectory;
 }
 

@@ -12,7 +12,7 @@
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/midpoint_columns.h"
-#include "integrators/run/march.h"
+#include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
 namespace polhode {

@@ -12,6 +12,7 @@
 #include "integrators/own/stages.h"
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
+#include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"

@@ -17,9 +17,10 @@
 #include <utility>
 
 #include "integrators/points/point_motion.h"
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "integrators/sundials/sundials_session.h"
+#include "motion/finite.h"
 
 namespace polhode {
 
@@ -30,7 +31,10 @@ class PointSession {
     PointSession& operator=(const PointSession&) = delete;
 
     double time() const { return t_; }
+    /// The motion at time(); how far the links are stretched there counts in largest_stretch().
     Sample sample() { return sample_of(t_, y()); }
+    /// The motion alone.
+    Sample look() { return motion_.sample(t_, y()); }
     double largest_stretch() const { return largest_stretch_; }
     long rhs_evaluations() const { return evaluations_; }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "integrators/method.h"
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 
 namespace polhode {
 namespace {

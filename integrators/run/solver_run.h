@@ -1,82 +1,93 @@
-// One tolerance-driven run of a library's solver that takes its own steps: events, samples, limits, and what its flags
-// mean.
+// The driver of a library's solver that takes its own steps: events, samples, limits, and what its flags mean.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <concepts>
 #include <optional>
+#include <string>
 #include <utility>
 
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 
 namespace polhode {
 
-/// Session: CvodeSession, ArkodeSession, GslSession, or one alike.
-template <class Session>
+/// A solver with its state, on one problem. Flags below zero say that it can go on no further, and failure() what they
+/// mean. One that can tell of its troubles has `SolverCounts counts()`; one whose sample() leaves a trace in what it
+/// tells at the end has `Sample look()`, which does not.
+template <class S>
+concept SolverSession = requires(S s, const Segment& segment, double t, int flag) {
+    s.restart();                                    // back to t = 0, all counts to zero
+    { s.enter(segment) } -> std::same_as<int>;      // an event: impulses, then other loads; a flag
+    { s.step() } -> std::same_as<int>;              // one step of the solver's own, cut at the segment's end; a flag
+    { s.time() } -> std::convertible_to<double>;    // s, where it stands
+    { s.sample() } -> std::convertible_to<Sample>;  // the motion there
+    { s.sample_inside(t) } -> std::convertible_to<std::optional<Sample>>;  // at a time within the last step
+    { s.inside_flag() } -> std::same_as<int>;                              // why there was none
+    { s.failure(flag).status } -> std::convertible_to<Status>;
+    { s.failure(flag).message } -> std::convertible_to<std::string>;
+    { s.steps() } -> std::convertible_to<long>;  // since restart
+    { s.rhs_evaluations() } -> std::convertible_to<long>;
+};
+
+/// One run of a session.
+template <SolverSession Session>
 class SolverRun {
   public:
+    /// They must outlive it.
     SolverRun(const Problem& problem, const Settings& settings, Session& session)
-        : problem_(problem), settings_(settings), bound_(energy_bound(problem)), session_(session) {}
+        : problem_(problem), settings_(settings), session_(session), watch_(problem, settings, trajectory_) {}
+    SolverRun(const SolverRun&) = delete;
+    SolverRun& operator=(const SolverRun&) = delete;
 
     Trajectory solve() {
-        Budget budget(settings_);
-        int runs = 0;
-        bool going = true;
-        const Stopwatch stopwatch;
-        while (going && runs < settings_.repetitions) {
-            ++runs;
-            going = run(settings_.record && runs == settings_.repetitions, budget);
-        }
-        trajectory_.seconds = stopwatch.seconds() / runs;
+        const bool complete = repeat(settings_, trajectory_, [&](bool recording) { return run(recording); });
         trajectory_.steps = session_.steps();
         trajectory_.rhs_evaluations = session_.rhs_evaluations();
         if constexpr (requires { session_.counts(); }) trajectory_.counts = session_.counts();
-        if (!settings_.record && going) record(problem_, session_.sample(), bound_, trajectory_);
+        if (!settings_.record && complete) watch_.record(session_.sample());
         return std::move(trajectory_);
     }
 
   private:
-    bool fail(Status status, std::string message) {
-        trajectory_.status = status, trajectory_.message = std::move(message);
-        return false;
-    }
     bool fail(int flag) {
         const auto failure = session_.failure(flag);
-        return fail(failure.status, failure.message);
+        return watch_.fail(failure.status, failure.message);
+    }
+    Sample look() {
+        if constexpr (requires { session_.look(); }) return session_.look();
+        return session_.sample();
     }
 
-    bool run(bool recording, Budget& budget) {
+    bool run(bool recording) {
         // steps in a row that do not move t before a run is given up
         constexpr int standstill = 100;
-        const double T = problem_.scene.duration;
-        SampleQueue samples = recording ? SampleQueue(T, settings_.samples) : SampleQueue();
+        SampleQueue samples = recording ? SampleQueue(problem_.scene.duration, settings_.samples) : SampleQueue();
         session_.restart();
-        Pace pace(settings_, T, budget.steps());
+        watch_.restart();
         const auto enter = [&](const Segment& segment) {
             const int flag = session_.enter(segment);
             return flag >= 0 || fail(flag);
         };
         const auto show = [&](double at) {
             const std::optional<Sample> sample = at == session_.time() ? session_.sample() : session_.sample_inside(at);
-            return sample ? record(problem_, *sample, bound_, trajectory_) : fail(session_.inside_flag());
+            return sample ? watch_.record(*sample) : fail(session_.inside_flag());
         };
         return follow(problem_.segments, samples, enter, show, [&](const Segment& segment) {
             int still = 0;
             while (session_.time() < segment.end) {
-                if (!budget.take(session_.rhs_evaluations())) {
-                    budget.stop(trajectory_);
-                    return false;
-                }
+                if (!watch_.may_step(session_.rhs_evaluations())) return false;
                 const double begin = session_.time();
                 if (const int flag = session_.step(); flag < 0) return fail(flag);
                 const double t = session_.time();
-                if (!pace.keeps(budget.steps(), t)) return fail(Status::tolerance_not_met, Pace::message(t));
+                if (!watch_.gets_on(t)) return false;
                 still = t > begin ? 0 : still + 1;
                 if (still == standstill)
-                    return fail(Status::tolerance_not_met,
-                                fmt::format("step size below the spacing of numbers at t = {:g} s", t));
+                    return watch_.fail(Status::tolerance_not_met,
+                                       fmt::format("step size below the spacing of numbers at t = {:g} s", t));
                 for (; samples.due(segment, t); samples.pop())
                     if (!show(samples.front())) return false;
+                if (!watch_.stays_sane([&] { return look(); })) return false;
             }
             return true;
         });
@@ -84,9 +95,9 @@ class SolverRun {
 
     const Problem& problem_;
     const Settings& settings_;
-    double bound_;
     Session& session_;
     Trajectory trajectory_;
+    Watch watch_;
 };
 
 }  // namespace polhode

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "integrators/run/linear_growth.h"
+#include "integrators/run/march.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/arkode_session.h"

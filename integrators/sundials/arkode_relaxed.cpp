@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "integrators/odeint/odeint.h"
+#include "integrators/run/march_controlled.h"
 #include "motion/conserved.h"
 
 namespace polhode {

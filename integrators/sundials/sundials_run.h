@@ -18,8 +18,7 @@ inline Trajectory remarked(Trajectory trajectory, const char* remark) {
     return trajectory;
 }
 
-/// Session: CvodeSession, ArkodeSession, or one alike.
-template <class Session>
+template <SolverSession Session>
 class SundialsRun : private SolverRun<Session> {
   public:
     using SolverRun<Session>::SolverRun;
@@ -30,7 +29,7 @@ class SundialsRun : private SolverRun<Session> {
         return trajectory;
     }
 };
-template <class Session>
+template <SolverSession Session>
 SundialsRun(const Problem&, const Settings&, Session&) -> SundialsRun<Session>;
 
 }  // namespace polhode

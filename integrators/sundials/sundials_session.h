@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 #include "integrators/sundials/fixed_dense_solver.h"
 #include "integrators/sundials/fixed_vector.h"
 #include "integrators/sundials/sundials_handles.h"

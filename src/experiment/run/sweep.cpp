@@ -13,7 +13,7 @@
 #include "experiment/run/progress.h"
 #include "experiment/run/timing.h"
 #include "integrators/analysis/conditioning.h"
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 #include "integrators/truth/reference.h"
 #include "text/parallel.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrators/run/march.h"
+#include "integrators/run/watch.h"
 #include "measure/statistics.h"
 
 namespace polhode {

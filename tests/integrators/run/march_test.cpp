@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/run/march_controlled.h"
 #include "integrators/scenes.h"
 
 namespace polhode {

@@ -1,0 +1,118 @@
+// The driver of steppers that choose their own steps by a tolerance: looks sideways for the samples.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <string>
+
+#include "integrators/run/watch.h"
+
+namespace polhode {
+
+/// What became of an attempted step of a tolerance-driven stepper.
+enum class Attempt { accepted, rejected, not_finite };
+
+/// A stepper that chooses its own steps. attempt() tries one of size h from t; accepted: t and the state have moved,
+/// h is the next size; otherwise t and the state are as before and h is smaller. Copies go on independently.
+template <class S>
+concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const Segment& segment, double& t, double& h) {
+    { s.restart() } -> std::same_as<void>;
+    { s.enter(segment) } -> std::same_as<void>;
+    { s.first_step(t) } -> std::same_as<double>;  // a guess at t, after enter()
+    { s.attempt(t, h) } -> std::same_as<Attempt>;
+    { c.sample(t) } -> std::same_as<Sample>;
+    { c.rhs_evaluations() } -> std::same_as<long>;
+};
+
+/// Tolerance-driven steps, cut only at events and at the end. A sample inside a step is reached sideways: a copy of
+/// the stepper as it was at the step's start goes there by itself. So the steps do not depend on the sampling.
+///
+/// One that solves implicit equations has `long newton_failures() const`, since restart(): the attempts that ended as
+/// rejected because they did not converge.
+template <ControlledStepper S>
+Trajectory march_controlled(const Problem& problem, const Settings& settings, S stepper) {
+    constexpr int attempts_per_step = 1000;
+    Trajectory trajectory;
+    const double T = problem.scene.duration;
+    long rejected = 0;
+    Watch watch(problem, settings, trajectory);
+    // goes from t to at most `stop` by one accepted step; false: the run has ended
+    const auto advance = [&](S& s, double& t, double& h, double stop) {
+        for (int i = 0; i < attempts_per_step; ++i) {
+            if (!watch.may_attempt(s.rhs_evaluations())) return false;
+            const double left = stop - t;
+            // a remainder of a few rounding errors joins the step
+            const bool last = h >= left * (1 - 1e-14);
+            // what t + h really moves by: else the rounding of t adds up to 1e-14 of it in 3000 steps
+            const double moved = (t + h) - t;
+            double size = last ? left : moved > 0 ? moved : h;
+            const double begin = t, tried = size;
+            const Attempt outcome = s.attempt(t, size);
+            if (outcome == Attempt::accepted) {
+                if (last) t = stop;
+                h = last && size < h && tried < h ? h : size;
+                return true;
+            }
+            if (&s == &stepper) ++rejected;
+            h = size;
+            if (!(h > 0) || begin + h == begin) {
+                if (outcome == Attempt::not_finite)
+                    return watch.fail(Status::diverged,
+                                      "not finite however small the step, at " + moment(t) + last_state(s.sample(t)));
+                return watch.fail(Status::tolerance_not_met, "step size below the spacing of numbers at " + moment(t) +
+                                                                 ": the tolerance is too small for binary64");
+            }
+        }
+        return watch.fail(Status::tolerance_not_met,
+                          std::to_string(attempts_per_step) + " rejected attempts at one step, at " + moment(t));
+    };
+    const auto run = [&](bool recording) {
+        stepper.restart();
+        rejected = 0;
+        watch.restart();
+        SampleQueue samples = recording ? SampleQueue(T, settings.samples) : SampleQueue();
+        double t = 0, h = 0;
+        const auto enter = [&](const Segment& segment) {
+            stepper.enter(segment);
+            t = segment.begin, h = segment.end > t ? stepper.first_step(t) : 0;
+            return true;
+        };
+        const auto show = [&](double at) { return watch.record(stepper.sample(at)); };
+        return follow(problem.segments, samples, enter, show, [&](const Segment& segment) {
+            while (t < segment.end) {
+                if (!watch.may_step(stepper.rhs_evaluations())) return false;
+                const bool looking = samples.front() <= t + h * 1.0000001;
+                std::optional<S> before;
+                if (looking) before = stepper;
+                double from = t, side_step = h;
+                if (!advance(stepper, t, h, segment.end)) return false;
+                if (!watch.gets_on(t)) return false;
+                for (; samples.due(segment, t); samples.pop()) {
+                    const double at = samples.front();
+                    if (at == t) {
+                        if (!show(t)) return false;
+                    } else {
+                        if (!before) return watch.fail(Status::failed, "a sample was passed unseen");
+                        while (from < at)
+                            if (!advance(*before, from, side_step, at)) return false;
+                        if (!watch.record(before->sample(at))) return false;
+                    }
+                }
+                if (!watch.stays_sane([&] { return stepper.sample(t); })) return false;
+            }
+            return true;
+        });
+    };
+    repeat(settings, trajectory, run);
+    trajectory.steps = watch.steps() / settings.repetitions;
+    trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    trajectory.counts.rejected_steps = rejected;
+    if constexpr (requires { stepper.newton_failures(); }) {
+        trajectory.counts.newton_failures = stepper.newton_failures();
+        trajectory.counts.rejected_steps = rejected - stepper.newton_failures();
+    }
+    if (!settings.record && trajectory.status == Status::ok) watch.record(stepper.sample(T));
+    return trajectory;
+}
+
+}  // namespace polhode

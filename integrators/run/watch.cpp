@@ -1,0 +1,107 @@
+#include "integrators/run/watch.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "integrators/run/processor_time.h"
+
+namespace polhode {
+
+Budget::Budget(const Settings& settings)
+    : max_steps_(settings.max_steps > std::numeric_limits<long>::max() / settings.repetitions
+                     ? settings.max_steps
+                     : settings.max_steps * settings.repetitions),
+      max_evaluations_(settings.max_evaluations),
+      repetitions_(settings.repetitions),
+      seconds_limit_(settings.seconds_limit * settings.repetitions),
+      start_(std::chrono::steady_clock::now()),
+      processor_start_(processor_time()) {}
+
+void Budget::stop(Trajectory& trajectory) const {
+    trajectory.status = Status::failed, trajectory.message = message_, trajectory.limit_reached = true;
+}
+
+void Budget::forbid(Trajectory& trajectory) const {
+    trajectory.status = Status::failed, trajectory.limit_reached = true;
+    trajectory.message = fmt::format("needs more than the limit of {} steps", max_steps_ / repetitions_);
+}
+
+bool Budget::refuse_step() {
+    message_ = fmt::format("stopped at the limit of {} steps", max_steps_ / repetitions_);
+    return false;
+}
+
+bool Budget::refuse_evaluation() {
+    message_ = fmt::format("stopped at the limit of {} evaluations", max_evaluations_);
+    return false;
+}
+
+double Budget::spent() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+bool Budget::in_time() {
+    constexpr double between_looks = 0.01;  // s
+    constexpr long most_steps = 1024;
+    const double now = spent();
+    if (now > seconds_limit_) {
+        // the wall clock is read fast; a thread's own time is not, but cannot be longer
+        if (processor_time() - processor_start_ > seconds_limit_) {
+            until_look_ = 1;
+            message_ = fmt::format("stopped at the limit of {} s", seconds_limit_ / repetitions_);
+            return false;
+        }
+    }
+    between_looks_ =
+        now - looked_ < between_looks ? std::min(2 * between_looks_, most_steps) : std::max(between_looks_ / 2, 1L);
+    until_look_ = between_looks_, looked_ = now;
+    return true;
+}
+
+std::string moment(double t) { return fmt::format("t = {:.9g} s", t); }
+
+std::string divergence(const Problem& problem, const Sample& sample, double bound) {
+    const Vector3<double>& w = sample.angular_velocity_B;
+    double kinetic = dot(w, problem.body.inertia_B * w) / 2;
+    if (!problem.body.pivoted) kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
+    const double norm = squared_norm(sample.q), place = dot(sample.position_W, sample.position_W);
+    const bool finite = std::isfinite(kinetic) && std::isfinite(norm) && std::isfinite(place) && norm > 0;
+    if (finite && kinetic <= bound) return {};
+    if (!finite) return "not finite at " + moment(sample.t);
+    return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's own", kinetic,
+                       moment(sample.t));
+}
+
+std::string last_state(const Sample& sample) {
+    const Vector3<double>& w = sample.angular_velocity_B;
+    const Quaternion<double>& q = sample.q;
+    return fmt::format(
+        "; the last state, at {}: w = ({:.6g}, {:.6g}, {:.6g}) rad/s, q = ({:.6g}, {:.6g}, {:.6g}, {:.6g})",
+        moment(sample.t), w[0], w[1], w[2], q.w, q.x, q.y, q.z);
+}
+
+void explain_unsolved(Trajectory& trajectory, const Sample& sample) {
+    trajectory.status = Status::failed;
+    trajectory.message = "the step's implicit equations were not solved: it is too long for them" + last_state(sample);
+}
+
+bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory) {
+    std::string what = divergence(problem, sample, bound);
+    if (what.empty()) {
+        trajectory.samples.push_back(sample);
+        return true;
+    }
+    if (!trajectory.samples.empty()) what += last_state(trajectory.samples.back());
+    trajectory.status = Status::diverged, trajectory.message = std::move(what);
+    return false;
+}
+
+Trajectory unsupported(std::string message) {
+    Trajectory trajectory;
+    trajectory.status = Status::unsupported, trajectory.message = std::move(message);
+    return trajectory;
+}
+
+}  // namespace polhode

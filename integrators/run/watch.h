@@ -1,0 +1,187 @@
+// What watches over a run: its limits, whether it gets on, whether its motion has diverged, and how it is told.
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <string>
+#include <utility>
+
+#include "integrators/method.h"
+
+namespace polhode {
+
+/// Holds a run to Settings' limits: of steps, of right-hand sides, and of time, at which it looks now and then.
+class Budget {
+  public:
+    explicit Budget(const Settings& settings);
+
+    /// Takes one step; false once the run may not go on: `stop()` then says why. `evaluations`: so far, in this
+    /// repetition.
+    bool take(long evaluations = 0) {
+        if (steps_ >= max_steps_) return refuse_step();
+        ++steps_;
+        if (goes_on(evaluations)) return true;
+        --steps_;
+        return false;
+    }
+    /// The same for work that is no step: another attempt at one, a sample aside.
+    bool goes_on(long evaluations = 0) {
+        if (evaluations >= max_evaluations_) return refuse_evaluation();
+        return --until_look_ > 0 || in_time();
+    }
+    long steps() const { return steps_; }
+    /// The run needs more steps than it may take: `failed` before its first.
+    void forbid(Trajectory& trajectory) const;
+    /// After take() said no: the run is `failed`, by its limit, with the reason.
+    void stop(Trajectory& trajectory) const;
+
+  private:
+    bool refuse_step();
+    bool refuse_evaluation();
+    bool in_time();
+    double spent() const;
+
+    long steps_ = 0, max_steps_, max_evaluations_;
+    int repetitions_;
+    double seconds_limit_;
+    // as many steps between two looks at the clock as take some 10 ms, 1024 at the most
+    long until_look_ = 1, between_looks_ = 1;
+    double looked_ = 0;  // s, after start_
+    std::chrono::steady_clock::time_point start_;
+    double processor_start_;
+    std::string message_;
+};
+
+/// "t = 0.125 s"
+std::string moment(double t);
+
+/// Steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit.
+class Pace {
+  public:
+    /// `steps` have been taken before t = 0.
+    Pace(const Settings& settings, double duration, long steps)
+        : most_(10 * static_cast<double>(settings.max_steps)), duration_(duration), marked_steps_(steps) {}
+
+    bool keeps(long steps, double t) {
+        constexpr long span = 1 << 14;
+        if (steps - marked_steps_ < span) return true;
+        const double needed = static_cast<double>(span) * (duration_ - t) / (t - marked_time_);
+        marked_steps_ = steps, marked_time_ = t;
+        return needed <= most_;
+    }
+    static std::string message(double t) {
+        return "no progress at " + moment(t) + ": the tolerance is too small for binary64";
+    }
+
+  private:
+    double most_, duration_;
+    long marked_steps_;
+    double marked_time_ = 0;
+};
+
+/// Seconds since construction.
+class Stopwatch {
+  public:
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// What has gone astray: a number that is not finite, or energy beyond all bounds, with the time; empty where nothing
+/// has.
+std::string divergence(const Problem& problem, const Sample& sample, double bound);
+
+/// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes: what follows upon what went wrong.
+std::string last_state(const Sample& sample);
+
+/// What a step's implicit equations that are not solved make of a trajectory; `sample`: the last state.
+void explain_unsolved(Trajectory& trajectory, const Sample& sample);
+
+/// Appends the sample, or tells that the run has diverged, with the sample before.
+bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
+
+Trajectory unsupported(std::string message);
+
+/// Calls run(recording) as often as the settings repeat the run, the last time with samples where they are asked for,
+/// until one ends early; the trajectory gets the seconds of one. Returns whether all of them went to the end.
+template <std::predicate<bool> Run>
+bool repeat(const Settings& settings, Trajectory& trajectory, Run&& run) {
+    int runs = 0;
+    bool complete = true;
+    const Stopwatch stopwatch;
+    while (complete && runs < settings.repetitions) {
+        ++runs;
+        complete = run(settings.record && runs == settings.repetitions);
+    }
+    trajectory.seconds = stopwatch.seconds() / runs;
+    return complete;
+}
+
+/// Watches over a run whose steps a tolerance drives. What ends the run early sets the trajectory's status and message,
+/// and gives false. The energy is looked at with each sample and after every 16 accepted steps. (march() looks at it
+/// more rarely, and goes back to the very step that led astray, which only fixed steps let it find.)
+class Watch {
+  public:
+    /// They must outlive it.
+    Watch(const Problem& problem, const Settings& settings, Trajectory& trajectory)
+        : problem_(&problem),
+          settings_(&settings),
+          trajectory_(&trajectory),
+          bound_(energy_bound(problem)),
+          budget_(settings),
+          pace_(settings, problem.scene.duration, 0) {}
+
+    /// At t = 0, before each repetition.
+    void restart() {
+        until_look_ = between_looks;
+        pace_ = Pace(*settings_, problem_->scene.duration, budget_.steps());
+    }
+    /// Over all repetitions.
+    long steps() const { return budget_.steps(); }
+
+    /// Before a step, and before another attempt at one or what is done aside. `evaluations`: so far, in this
+    /// repetition.
+    bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
+    bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }
+    /// After an accepted step to t.
+    bool gets_on(double t) {
+        return pace_.keeps(budget_.steps(), t) || fail(Status::tolerance_not_met, Pace::message(t));
+    }
+    /// After the samples of an accepted step; sample(): the motion now.
+    template <std::invocable Look>
+    bool stays_sane(Look&& sample) {
+        if (--until_look_ > 0) return true;
+        until_look_ = between_looks;
+        return is_sane(sample());
+    }
+    /// Takes a sample; false where the motion has diverged.
+    bool record(const Sample& sample) { return polhode::record(*problem_, sample, bound_, *trajectory_); }
+
+    bool fail(Status status, std::string message) {
+        trajectory_->status = status, trajectory_->message = std::move(message);
+        return false;
+    }
+
+  private:
+    static constexpr int between_looks = 16;  // accepted steps
+
+    bool stop() {
+        budget_.stop(*trajectory_);
+        return false;
+    }
+    bool is_sane(const Sample& sample) {
+        std::string what = divergence(*problem_, sample, bound_);
+        return what.empty() || fail(Status::diverged, what + last_state(sample));
+    }
+
+    const Problem* problem_;
+    const Settings* settings_;
+    Trajectory* trajectory_;
+    double bound_;
+    Budget budget_;
+    Pace pace_;
+    int until_look_ = between_looks;
+};
+
+}  // namespace polhode

@@ -17,7 +17,7 @@ std::vector<P> legendre(const P& x, int n) {
 }
 
 template <class P>
-struct Radau {
+struct RadauNodes {
     int stages;
     std::vector<P> c;        ///< nodes in (0, 1], the last one 1
     std::vector<P> b;        ///< weights
@@ -27,7 +27,7 @@ struct Radau {
     std::vector<P> last;     ///< the polynomial's Legendre coefficient of degree `stages`: last . values at `nodes`
     std::vector<P> last_but_one;  ///< its coefficient of degree stages - 1, from the values at the c_i (quadrature)
 
-    explicit Radau(int s);
+    explicit RadauNodes(int s);
 
     /// Lagrange's basis on `nodes` at theta.
     std::vector<P> basis(const P& theta) const { return lagrange(nodes, weights, theta); }
@@ -59,7 +59,7 @@ struct Radau {
 };
 
 template <class P>
-Radau<P>::Radau(int s) : stages(s), a(static_cast<std::size_t>(s) * s) {
+RadauNodes<P>::RadauNodes(int s) : stages(s), a(static_cast<std::size_t>(s) * s) {
     for (int i = 0; i < s; ++i) {
         // zeros of P_{s-1} - P_s by Newton's method; the last is 1
         P x(std::cos(2 * std::numbers::pi * (s - 1 - i) / (2 * s - 1)));

@@ -98,7 +98,7 @@ class CollocationStep {
     FormOf<P> form_;
     FormOf<double> linear_;
     int n_;
-    Radau<P> table_;
+    RadauNodes<P> table_;
     Eigen::MatrixXd a_;
     std::vector<P> state_, values_, rates_, residual_;  // values at the table's nodes; f and residual at the stages
     Eigen::PartialPivLU<Eigen::MatrixXd> factors_;

@@ -72,7 +72,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.message = "impacts on planes are not kept as polynomials";
         return dense;
     }
-    const bool is_stiff = truth_method(problem) == "collocation";
+    const bool by_collocation = truth_method(problem) == "collocation";
     dense.body_ = exact_body<double>(dense.scene_);
     const std::vector<double> times = sample_times(end, 256);
 
@@ -147,7 +147,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         std::string how;
         // orders and steps as in attempt_by_taylor and attempt_by_collocation
         truth::Run<P> first, other;
-        if (is_stiff) {
+        if (by_collocation) {
             const int stages = std::max(16, static_cast<int>(std::ceil(0.6 * local)));
             const truth::CollocationSettings coarse{stages, local, most_steps}, fine{stages + 4, local + 2, most_steps};
             auto second = truth::in_thread([&] {

@@ -21,6 +21,7 @@ namespace polhode {
 namespace {
 
 using truth::Attempt;
+using truth::is_strongly_damped;
 using truth::Truth;
 
 Truth none(std::string message) {
@@ -32,12 +33,6 @@ Truth none(std::string message) {
 constexpr int usual_digits = 25;
 // written beyond the digits asked for, so that rounding leaves those right
 constexpr int guard_digits = 2;
-
-bool is_stiff(const Problem& problem) {
-    double sum = 0;
-    for (const Segment& segment : problem.segments) sum += truth::damping_number(problem, segment);
-    return sum > truth::stiff_damping_number;
-}
 
 // Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there
 // the series is the truth, so that no closed form is judged by itself.
@@ -51,7 +46,7 @@ Attempt attempted(const Problem& problem, const std::vector<double>& times, doub
     if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
     // the arithmetic carries at least six digits more than a step does
     const bool narrow = local_digits <= 44;
-    if (is_stiff(problem))
+    if (is_strongly_damped(problem))
         return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
                       : truth::attempt_by_collocation<100>(problem, times, local_digits);
     return narrow ? truth::attempt_by_taylor<50>(problem, times, local_digits)
@@ -61,7 +56,7 @@ Attempt attempted(const Problem& problem, const std::vector<double>& times, doub
 // Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
 Truth computed(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
-    if (!scene.planes.empty() && is_stiff(problem))
+    if (!scene.planes.empty() && is_strongly_damped(problem))
         return none("no truth: a stiff motion is followed by collocation, which knows no planes");
     double local = digits + 8, most_agreed = 0;
     std::string fault;
@@ -141,7 +136,7 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 
 std::string_view truth_method(const Problem& problem) {
     if (problem.needs.user_torque) return "none";
-    return is_long(problem) ? "closed form" : is_stiff(problem) ? "collocation" : "Taylor series";
+    return is_long(problem) ? "closed form" : is_strongly_damped(problem) ? "collocation" : "Taylor series";
 }
 
 Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {

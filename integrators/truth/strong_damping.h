@@ -1,4 +1,4 @@
-// When damping makes a motion stiff for the truth.
+// When damping is so strong that the truth goes by collocation.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,15 @@ inline double damping_number(const Problem& problem, const Segment& segment) {
     return std::max(rate, trace) * (segment.end - segment.begin);
 }
 
-/// Beyond it a series would take its steps at the damping rate, and a collocation polynomial as the motion goes.
-constexpr double stiff_damping_number = 3000;
+/// Beyond this damping number a series would take its steps at the damping rate, and a collocation polynomial as the
+/// motion goes. (What binds a solver in binary64 is another question: run/stiffness.h.)
+constexpr double strong_damping_number = 3000;
+
+/// Whether the damping numbers of all segments together are beyond it.
+inline bool is_strongly_damped(const Problem& problem) {
+    double sum = 0;
+    for (const Segment& segment : problem.segments) sum += damping_number(problem, segment);
+    return sum > strong_damping_number;
+}
 
 }  // namespace polhode::truth

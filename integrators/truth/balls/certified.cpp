@@ -100,9 +100,9 @@ class Certifier {
     struct Route {
         PiecePlan plan;
         bool closed = false;        ///< it has a closed form, which may be out of reach
-        Carry carry = Carry::norm;  ///< of errors, where it is not stiff
+        Carry carry = Carry::norm;  ///< of errors, where it is not strongly damped
 
-        bool stiff() const { return plan.damping_number > truth::stiff_damping_number; }
+        bool strongly_damped() const { return plan.damping_number > truth::strong_damping_number; }
     };
 
     const Scene& scene_;
@@ -174,7 +174,7 @@ class Certifier {
         }
         if (routes_.empty()) find_routes();
         const Route& route = routes_[index];
-        const bool stiff = route.stiff(), sheared = !stiff && route.carry == Carry::parallelepiped;
+        const bool damped = route.strongly_damped(), sheared = !damped && route.carry == Carry::parallelepiped;
         if (index >= met_) {
             met_ = index + 1;
             if (sheared)
@@ -188,14 +188,14 @@ class Certifier {
             result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
             return {};
         }
-        (stiff ? result.by_collocation : sheared ? result.by_parallelepiped : result.by_series) = true;
-        result.most_bits = std::min(result.most_bits, stiff ? truth::most_collocation_bits : most_series_bits);
+        (damped ? result.by_collocation : sheared ? result.by_parallelepiped : result.by_series) = true;
+        result.most_bits = std::min(result.most_bits, damped ? truth::most_collocation_bits : most_series_bits);
         if (wanted > bits || bits > result.most_bits) {
             result.fault = "errors grow", result.wanted_bits = std::max(wanted, bits);
             return {};
         }
-        Enclosure enclosure = stiff ? truth::enclose_by_collocation(scene_, piece, route.plan, y)
-                                    : truth::enclose_by_taylor(piece, route.plan, y, route.carry);
+        Enclosure enclosure = damped ? truth::enclose_by_collocation(scene_, piece, route.plan, y)
+                                     : truth::enclose_by_taylor(piece, route.plan, y, route.carry);
         if (!enclosure.fault.empty())
             result.fault = enclosure.fault, result.hopeless = enclosure.hopeless, result.wanted_bits = 1.3 * bits + 64;
         return enclosure;

@@ -12,10 +12,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "integrators/analysis/reference_conditioning.h"
 #include "integrators/scenes.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
-#include "integrators/truth/variational.h"
 #include "motion/moderate_scene.h"
 #include "scene/scene_file.h"
 

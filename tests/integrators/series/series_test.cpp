@@ -61,14 +61,14 @@ TEST(Series, SquareAndProductFollowTheGeometricSeries) {
 }
 
 TEST(Radau, HasTheKnownTables) {
-    const Radau<R> two(2);
+    const RadauNodes<R> two(2);
     const R small(1e-45);
     EXPECT_LT(abs(R(two.c[0] - R(1) / 3)), small);
     EXPECT_LT(abs(R(two.c[1] - 1)), small);
     // Hairer & Wanner, table IV.5.5
     const R a[4] = {R(5) / 12, R(-1) / 12, R(3) / 4, R(1) / 4};
     for (int i = 0; i < 4; ++i) EXPECT_LT(abs(R(two.a[i] - a[i])), small);
-    const Radau<R> three(3);
+    const RadauNodes<R> three(3);
     EXPECT_LT(abs(R(three.c[0] - (4 - sqrt(R(6))) / 10)), small);
     EXPECT_LT(abs(R(three.a[0] - (88 - 7 * sqrt(R(6))) / 360)), small);
 }
@@ -76,7 +76,7 @@ TEST(Radau, HasTheKnownTables) {
 TEST(Radau, IntegratesPolynomialsExactly) {
     // the quadrature up to degree 2 s - 2, each stage up to degree s - 1; 24 stages lose a few digits of 50
     const int s = 24;
-    const Radau<R> table(s);
+    const RadauNodes<R> table(s);
     const R small(1e-44);
     for (int k = 0; k <= 2 * s - 2; ++k) {
         R sum(0);
@@ -94,7 +94,7 @@ TEST(Radau, IntegratesPolynomialsExactly) {
 TEST(Radau, LastLegendreCoefficientIsThePolynomials) {
     // of the shifted P_s itself it is 1, and of P_{s-1} the last but one
     const int s = 8;
-    const Radau<R> table(s);
+    const RadauNodes<R> table(s);
     R last(0), last_but_one(0);
     for (int j = 0; j <= s; ++j) {
         const std::vector<R> p = legendre(R(2 * table.nodes[j] - 1), s);

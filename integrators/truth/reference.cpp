@@ -42,7 +42,7 @@ bool is_long(const Problem& problem) {
            truth::closed_form_serves(problem);
 }
 
-Attempt attempted(const Problem& problem, const std::vector<double>& times, double local_digits) {
+Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
     if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
     // the arithmetic carries at least six digits more than a step does
     const bool narrow = local_digits <= 44;
@@ -54,27 +54,27 @@ Attempt attempted(const Problem& problem, const std::vector<double>& times, doub
 }
 
 // Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
-Truth computed(const Scene& scene, const std::vector<double>& times, int digits) {
+Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
     if (!scene.planes.empty() && is_strongly_damped(problem))
         return none("no truth: a stiff motion is followed by collocation, which knows no planes");
     double local = digits + 8, most_agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
-        Attempt attempt = attempted(problem, times, local);
-        fault = attempt.fault;
+        Attempt made = attempt(problem, times, local);
+        fault = made.fault;
         if (!fault.empty()) break;
         // no digit agrees: what the motion hangs on may be lost in one of the two formulations
-        if (attempt.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
+        if (made.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
-            if (other.fault.empty() && other.agreed_digits > attempt.agreed_digits) attempt = std::move(other);
+            if (other.fault.empty() && other.agreed_digits > made.agreed_digits) made = std::move(other);
         }
-        most_agreed = std::max(most_agreed, attempt.agreed_digits);
-        if (attempt.agreed_digits >= digits) {
-            attempt.truth.reference.available = true;
-            return attempt.truth;
+        most_agreed = std::max(most_agreed, made.agreed_digits);
+        if (made.agreed_digits >= digits) {
+            made.truth.reference.available = true;
+            return made.truth;
         }
-        local = digits + (local - attempt.agreed_digits) + 6;
+        local = digits + (local - made.agreed_digits) + 6;
     }
     if (!fault.empty()) return none("no truth: " + fault);
     return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
@@ -82,12 +82,12 @@ Truth computed(const Scene& scene, const std::vector<double>& times, int digits)
 }
 
 // The truth kept under `key`, or else computed at those times and kept.
-Truth found(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits,
-            double seconds_limit) {
+Truth find_or_compute(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits,
+                      double seconds_limit) {
     if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
     const auto start = std::chrono::steady_clock::now();
     const truth::Allowance allowance(seconds_limit);
-    Truth made = computed(scene, times, digits);
+    Truth made = compute(scene, times, digits);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     made.limit_reached = !made.reference.available && truth::Allowance::is_spent();
     if (made.limit_reached)
@@ -115,8 +115,8 @@ std::string refusal(const Scene& scene, int digits) {
 Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
     if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
-    return found(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples), digits,
-                 seconds_limit);
+    return find_or_compute(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples),
+                           digits, seconds_limit);
 }
 
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
@@ -131,7 +131,7 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
     if (samples > 0 && times == sample_times(timed.duration, samples))
         return reference(timed, samples, digits, seconds_limit);
     if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
-    return found(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit).reference;
+    return find_or_compute(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit).reference;
 }
 
 std::string_view truth_method(const Problem& problem) {

@@ -19,8 +19,8 @@ const char* program_sources();
 std::string program();
 
 /// The hash of all that a truth at equally spaced samples depends on: the scene without its name and texts, the number
-/// of samples, the digits, and `by`, what computes it. So a truth that other code has made is never found, and no number
-/// has to be raised by hand where code changes.
+/// of samples, the digits, and `by`, what computes it. So a truth that other code has made is never found, and no
+/// number has to be raised by hand where code changes.
 std::string cache_key(const Scene& scene, long samples, int digits, const std::string& by = program());
 
 /// The hash of all that a truth at times of the caller's own (s) depends on.

@@ -18,6 +18,7 @@
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
 #include "motion/finite.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {

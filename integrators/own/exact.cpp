@@ -8,6 +8,7 @@
 #include "integrators/closed_form/closed_form.h"
 #include "integrators/method.h"
 #include "integrators/run/watch.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {

@@ -21,6 +21,7 @@
 #include "integrators/own/rotation_series.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
+#include "motion/systems.h"
 
 namespace polhode {
 namespace {

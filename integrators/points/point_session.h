@@ -21,6 +21,7 @@
 #include "integrators/sundials/sundials_handles.h"
 #include "integrators/sundials/sundials_session.h"
 #include "motion/finite.h"
+#include "motion/systems.h"
 
 namespace polhode {
 

@@ -10,7 +10,7 @@ build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nl
     gnuplot-nox)
 test_packages=(libgtest-dev librapidcheck-dev)
 # for tests/run --all
-check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy)
+check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy doxygen)
 
 die() {
     echo "$(basename "$0"): $*" >&2

@@ -22,10 +22,11 @@
 
 namespace polhode {
 
-/// Force constant in world axes at a body point; `arm` from the centre of mass or the pivot, posed axes.
+/// A force that is constant in world axes and acts at a point of the body.
 template <class P>
 struct ForceAtBodyPoint {
-    Vector3<P> arm, force_W;
+    Vector3<P> arm;      ///< of the point from the centre of mass or the pivot, posed axes, m
+    Vector3<P> force_W;  ///< N
 };
 
 /// All forces F_n constant in world axes at body points r_n (from the centre of mass or the pivot, posed axes), by
@@ -33,8 +34,9 @@ struct ForceAtBodyPoint {
 template <class P>
 struct FieldMoments {
     std::array<Vector3<P>, 3> moment;                  ///< N m
-    std::array<bool, 3> present{false, false, false};  ///< not zero
+    std::array<bool, 3> present{false, false, false};  ///< which moments are not zero
 
+    /// Adds a force to the moments.
     void add(const ForceAtBodyPoint<P>& force) {
         for (int b = 0; b < 3; ++b) {
             moment[b] = moment[b] + force.force_W[b] * force.arm;
@@ -43,52 +45,62 @@ struct FieldMoments {
     }
 };
 
-/// Force constant in world or posed axes at a world point: in flight its torque depends on where the body is.
+/// A force that is constant in world or posed axes and acts at a point of the world: in flight its torque depends on
+/// where the body is.
 template <class P>
 struct ForceAtWorldPoint {
-    Vector3<P> point_W, force;
-    Frame frame;
+    Vector3<P> point_W;  ///< m
+    Vector3<P> force;    ///< N
+    Frame frame;         ///< the axes of `force`: world, or body for the posed ones
 };
 
+/// A torsional spring: with r = rest* q its torque is -2 k r_w r_v in posed axes.
 template <class P>
 struct SpringTorque {
-    P stiffness;
+    P stiffness;         ///< k, N m
     Quaternion<P> rest;  ///< maps posed axes at rest to world axes
 };
 
-/// Torque of the user's own in posed axes; given t, q, w, p, v.
+/// A torque of the user's own (N m, posed axes) as a function of t (s), q, w (rad/s, posed axes), p and v (m, m/s,
+/// world).
 using PosedUserTorque = std::function<Vector3<double>(double, const Quaternion<double>&, const Vector3<double>&,
                                                       const Vector3<double>&, const Vector3<double>&)>;
 
 /// What acts between two events, in posed axes. A term that is absent is skipped, not multiplied by zero.
 template <class P>
 struct Forcing {
-    bool has_torque = false, has_world_torque = false, has_damping = false, has_translational_drag = false;
-    bool has_body_force = false;
-    Vector3<P> torque;    ///< constant in posed axes, N m
-    Vector3<P> torque_W;  ///< constant in world axes, N m
-    Matrix3<P> damping;   ///< torque -D w, N m s
-    std::vector<ForceAtBodyPoint<P>> body_points;
-    FieldMoments<P> field;    ///< of `body_points`: what the right-hand side reads
-    bool only_field = false;  ///< no other torque acts: the right-hand side then looks for none
-    std::vector<ForceAtWorldPoint<P>> world_points;
-    std::vector<SpringTorque<P>> springs;
-    std::vector<PosedUserTorque> user_torques;
+    bool has_torque = false;                         ///< `torque` is not zero
+    bool has_world_torque = false;                   ///< `torque_W` is not zero
+    bool has_damping = false;                        ///< `damping` is not zero
+    bool has_translational_drag = false;             ///< `specific_drag` is not zero
+    bool has_body_force = false;                     ///< `specific_force` acts
+    Vector3<P> torque;                               ///< constant in posed axes, N m
+    Vector3<P> torque_W;                             ///< constant in world axes, N m
+    Matrix3<P> damping;                              ///< torque -D w, N m s
+    std::vector<ForceAtBodyPoint<P>> body_points;    ///< forces constant in the world, at body points
+    FieldMoments<P> field;                           ///< of `body_points`: what the right-hand side reads
+    bool only_field = false;                         ///< no other torque acts: the right-hand side then looks for none
+    std::vector<ForceAtWorldPoint<P>> world_points;  ///< forces at points of the world
+    std::vector<SpringTorque<P>> springs;            ///< torsional springs
+    std::vector<PosedUserTorque> user_torques;       ///< torques of the user's own
 
     Vector3<P> acceleration_W;  ///< gravity and world-fixed forces over the mass, m/s^2
     Vector3<P> specific_force;  ///< forces constant in posed axes over the mass, m/s^2
     P specific_drag = P(0);     ///< c/m, 1/s
     bool pivoted = false;       ///< p and v follow the rotation: p = R arm
-    Vector3<P> arm;             ///< pivot to centre of mass, posed axes
+    Vector3<P> arm;             ///< pivot to centre of mass, posed axes, m
 
+    /// Whether any torque acts.
     bool any_torque() const { return !body_points.empty() || any_torque_beside_field(); }
+    /// Whether any torque acts but that of forces at body points.
     bool any_torque_beside_field() const {
         return has_torque || has_world_torque || has_damping || !world_points.empty() || !springs.empty() ||
                !user_torques.empty();
     }
 };
 
-/// The torque in posed axes. p is read only by forces at world points and by the user's own torques.
+/// The torque (N m, posed axes) at time t (s) and the state w, q, p, v. p is read only by forces at world points and by
+/// the user's own torques.
 template <class S, class P>
 Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w, const Quaternion<S>& q,
                               const Vector3<S>& p, const Vector3<S>& v) {
@@ -135,12 +147,12 @@ struct PrincipalInertia {
     Vector3<P> inverse_moments;  ///< 1/(kg m^2)
     bool isotropic = false;      ///< all three moments equal: no gyroscopic term
 
-    /// -I^-1 (w x I w)
+    /// -I^-1 (w x I w), in rad/s^2 for w in rad/s.
     template <class S>
     Vector3<Product<P, S>> gyroscopic_acceleration(const Vector3<S>& w) const {
         return {gyroscopic[0] * (w[1] * w[2]), gyroscopic[1] * (w[2] * w[0]), gyroscopic[2] * (w[0] * w[1])};
     }
-    /// I^-1 (tau - w x I w)
+    /// I^-1 (tau - w x I w), in rad/s^2 for w in rad/s and tau in N m.
     template <class S>
     Vector3<Product<P, S>> angular_acceleration(const Vector3<S>& w, const Vector3<Product<P, S>>& tau) const {
         if (isotropic) return response(tau);
@@ -148,7 +160,7 @@ struct PrincipalInertia {
         return {g[0] + inverse_moments[0] * tau[0], g[1] + inverse_moments[1] * tau[1],
                 g[2] + inverse_moments[2] * tau[2]};
     }
-    /// I^-1 tau
+    /// I^-1 tau, in rad/s^2 for tau in N m.
     template <class T>
     Vector3<Product<P, T>> response(const Vector3<T>& tau) const {
         return {inverse_moments[0] * tau[0], inverse_moments[1] * tau[1], inverse_moments[2] * tau[2]};
@@ -158,32 +170,36 @@ struct PrincipalInertia {
 /// The full tensor in the axes in which it was given.
 template <class P>
 struct FullInertia {
-    Matrix3<P> tensor, inverse;
+    Matrix3<P> tensor;   ///< I, kg m^2
+    Matrix3<P> inverse;  ///< I^-1
 
+    /// -I^-1 (w x I w), in rad/s^2 for w in rad/s.
     template <class S>
     Vector3<Product<P, S>> gyroscopic_acceleration(const Vector3<S>& w) const {
         return inverse * cross(tensor * w, w);
     }
+    /// I^-1 (tau - w x I w), in rad/s^2 for w in rad/s and tau in N m.
     template <class S>
     Vector3<Product<P, S>> angular_acceleration(const Vector3<S>& w, const Vector3<Product<P, S>>& tau) const {
         return inverse * (tau + cross(tensor * w, w));
     }
+    /// I^-1 tau, in rad/s^2 for tau in N m.
     template <class T>
     Vector3<Product<P, T>> response(const Vector3<T>& tau) const {
         return inverse * tau;
     }
 };
 
-/// An impulse in posed axes (N s), about to act. `arm` from the centre of mass or pivot where the point is in the body.
+/// An impulse that is about to act.
 template <class P>
 struct PosedImpulse {
-    Vector3<P> vector;
-    Frame frame;
-    Vector3<P> point;  ///< arm in posed axes (point_frame body) or point in the world
-    Frame point_frame;
+    Vector3<P> vector;  ///< N s
+    Frame frame;        ///< the axes of `vector`: world, or body for the posed ones
+    Vector3<P> point;   ///< m: from the centre of mass or the pivot in posed axes, or a point of the world
+    Frame point_frame;  ///< which of the two `point` is
 };
 
-/// Jump of w and v: dw = I^-1 (r x J), dv = J / m (left out at a pivot, where the reaction takes it up).
+/// Lets an impulse act: w jumps by I^-1 (r x J) and v by J / m, but not at a pivot, where the reaction takes it up.
 template <class P, class Inertia>
 void apply(const PosedImpulse<P>& impulse, const Inertia& inertia, const P& mass, bool pivoted, Vector3<P>& w,
            const Quaternion<P>& q, const Vector3<P>& p, Vector3<P>& v) {

@@ -13,17 +13,17 @@ namespace polhode {
 /// Empty (a number that does not exist), a word, a real number or a count.
 using Cell = std::variant<std::monostate, std::string, double, long>;
 
-/// The value, or an empty cell.
+/// A cell with the value, or an empty one where there is none.
 template <class T>
 Cell cell_of(const std::optional<T>& value) {
     if (value) return *value;
     return {};
 }
 
-/// Every writer throws std::invalid_argument for a table without columns and for a row that is not as long as the
-/// header; those for machines (csv, json) also for two columns of one name.
+/// Named columns and rows of cells. Every writer throws std::invalid_argument for a table without columns and for a row
+/// that is not as long as the header; those for machines (csv, json) also for two columns of one name.
 struct Table {
-    std::vector<std::string> columns;
+    std::vector<std::string> columns;     ///< their names
     std::vector<std::vector<Cell>> rows;  ///< each as long as `columns`
 };
 
@@ -31,12 +31,13 @@ struct Table {
 /// ("nan", "inf" and "-inf" where it is not finite).
 std::string text_of(const Cell& cell);
 
-/// RFC 4180: a header line, then one line a row; fields with comma, quote or newline are quoted. Lines end in \n.
+/// RFC 4180: a header line, then one line a row; fields with comma, quote or newline are quoted. Each line ends in a
+/// line feed.
 std::string csv(const Table& table);
 
-/// The table that csv() wrote; every non-empty cell a string. Lines may also end in \r\n, the last one in nothing.
-/// Throws std::invalid_argument with line and fault: no header, two columns of one name, a row of another length than
-/// the header, a quote inside a field or never closed, text behind a closing quote.
+/// The table that csv() wrote; every non-empty cell a string. Lines may also end in a carriage return and a line feed,
+/// the last one in nothing. Throws std::invalid_argument with line and fault: no header, two columns of one name, a row
+/// of another length than the header, a quote inside a field or never closed, text behind a closing quote.
 Table parse_csv(std::string_view text);
 
 /// For people: real numbers to three significant digits, scientific outside [1e-3, 1e3), counts in full, empty cells
@@ -52,13 +53,15 @@ std::string latex(const Table& table, const std::string& caption, const std::str
 /// Bytes that are not UTF-8 become U+FFFD.
 std::string json(const Table& table);
 
-/// Only these columns, in this order, under these headings; throws std::invalid_argument if one is missing.
+/// A column of a table and what it is to be called in another.
 struct ColumnChoice {
-    std::string column, heading;
+    std::string column;   ///< its name in the table
+    std::string heading;  ///< its name in the result
 };
+/// Only these columns, in this order, under these headings. Throws std::invalid_argument where one is missing.
 Table select(const Table& table, const std::vector<ColumnChoice>& choices);
 
-/// Index of a column; throws std::invalid_argument if there is none.
+/// The index of a column by its name. Throws std::invalid_argument where there is none.
 std::size_t column_index(const Table& table, std::string_view name);
 
 /// Throws std::invalid_argument unless the table has a column and every row is as long as the header.

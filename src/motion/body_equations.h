@@ -10,18 +10,22 @@
 
 namespace polhode {
 
+/// The vector in y[i], y[i + 1], y[i + 2].
 template <class S>
 Vector3<S> vector_at(const S* y, int i) {
     return {y[i], y[i + 1], y[i + 2]};
 }
+/// The quaternion (w, x, y, z) in y[i] .. y[i + 3].
 template <class S>
 Quaternion<S> quaternion_at(const S* y, int i) {
     return {y[i], y[i + 1], y[i + 2], y[i + 3]};
 }
+/// Writes a vector to y[i], y[i + 1], y[i + 2].
 template <class S>
 void put(S* y, int i, const Vector3<S>& v) {
     y[i] = v[0], y[i + 1] = v[1], y[i + 2] = v[2];
 }
+/// Writes a quaternion (w, x, y, z) to y[i] .. y[i + 3].
 template <class S>
 void put(S* y, int i, const Quaternion<S>& q) {
     y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
@@ -30,10 +34,14 @@ void put(S* y, int i, const Quaternion<S>& q) {
 /// Rotation about one principal axis e, q = q0 (c, s e): the state is w along e, c and s.
 template <class P>
 struct AxisEquations {
-    static constexpr int dimension = 3;
-    P inverse_moment = P(1), damping = P(0);
-    P cc = P(0), cs = P(0), ss = P(0);  ///< torque along the axis: cc c^2 + cs c s + ss s^2 - damping w
+    static constexpr int dimension = 3;  ///< components of the state
+    P inverse_moment = P(1);             ///< about the axis, 1/(kg m^2)
+    P damping = P(0);                    ///< of the torque cc c^2 + cs c s + ss s^2 - damping w along the axis, N m s
+    P cc = P(0);                         ///< of that torque, N m
+    P cs = P(0);                         ///< of that torque, N m
+    P ss = P(0);                         ///< of that torque, N m
 
+    /// dy/dt.
     template <class S>
     void derivative(double, const S* y, S* dy) const {
         const S half_rate = P(0.5) * y[0];
@@ -46,9 +54,10 @@ struct AxisEquations {
 /// Rotation without a torque in principal axes, where w decouples from q.
 template <class P>
 struct FreeEquations {
-    static constexpr int dimension = 7;
-    PrincipalInertia<P> inertia;
+    static constexpr int dimension = 7;  ///< components of the state
+    PrincipalInertia<P> inertia;         ///< of the body
 
+    /// dy/dt.
     template <class S>
     void derivative(double, const S* y, S* dy) const {
         const Vector3<S> w = vector_at(y, 0);
@@ -61,10 +70,11 @@ struct FreeEquations {
 /// Rotation, and translation where `translation` is set, with the inertia as it is given.
 template <class P, class Inertia, bool translation>
 struct LoadedEquations {
-    static constexpr int dimension = translation ? 13 : 7;
-    Inertia inertia;
-    const Forcing<P>* forcing = nullptr;
+    static constexpr int dimension = translation ? 13 : 7;  ///< components of the state
+    Inertia inertia;                                        ///< of the body
+    const Forcing<P>* forcing = nullptr;                    ///< what acts
 
+    /// dy/dt at time t (s).
     template <class S>
     void derivative(double t, const S* y, S* dy) const {
         const Vector3<S> w = vector_at(y, 0);

@@ -21,33 +21,40 @@ enum class Formulation {
     full,            ///< all 13 variables, the tensor as given in body axes
 };
 
-/// "reduced", "full in the principal frame", "full as written"
+/// The name of a formulation: "reduced", "full in the principal frame" or "full as written".
 const char* name_of(Formulation formulation);
 
 /// Which of motion/systems.h.
 enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
-enum class Symmetry { spherical, symmetric, asymmetric };
+/// How the principal moments of a body are alike.
+enum class Symmetry {
+    spherical,   ///< all three agree
+    symmetric,   ///< two agree
+    asymmetric,  ///< none agree
+};
+/// How the centre of mass moves.
 enum class Translation {
     fixed,        ///< pivot, or a centre of mass that never moves
     closed_form,  ///< constant acceleration and linear drag, piecewise
-    integrated,
+    integrated,   ///< by the method, with the rotation
 };
 
 /// Something that the scene does not have, and why.
 struct LeftOut {
-    std::string what, why;
+    std::string what;  ///< "p and v", ..
+    std::string why;   ///< in a few words
 };
 
 /// What the scene really has, found once.
 struct Needs {
-    SystemKind system = SystemKind::full_motion;
-    int dimension = 13;
-    Symmetry symmetry = Symmetry::asymmetric;
-    Translation translation = Translation::integrated;
-    bool torque_free = false;     ///< no torque at any time (impulses apart)
-    bool time_dependent = false;  ///< events inside the duration, or a user's torque
-    bool user_torque = false;
-    std::vector<LeftOut> left_out;
+    SystemKind system = SystemKind::full_motion;        ///< which it is posed as
+    int dimension = 13;                                 ///< of its state
+    Symmetry symmetry = Symmetry::asymmetric;           ///< of the body
+    Translation translation = Translation::integrated;  ///< of the centre of mass
+    bool torque_free = false;                           ///< no torque at any time (impulses apart)
+    bool time_dependent = false;                        ///< events inside the duration, or a user's torque
+    bool user_torque = false;                           ///< a torque of the user's own acts
+    std::vector<LeftOut> left_out;                      ///< what is not integrated, and why
 };
 
 /// A leg of the run, with what acts on it.
@@ -55,27 +62,31 @@ struct Segment : Leg {
     std::vector<PosedImpulse<double>> impulses;  ///< at `begin`, before the motion goes on
     Forcing<double> forcing;                     ///< in posed axes
     AxisEquations<double> about_axis;            ///< where the needs say principal_axis_rotation
-    Vector3<double> position_W, velocity_W;      ///< at `begin`, impulses included, where translation has a closed form
+    Vector3<double> position_W;  ///< of the centre of mass at `begin`, m, where translation has a closed form
+    Vector3<double> velocity_W;  ///< of the centre of mass at `begin`, impulses included, m/s, likewise in closed form
 };
 
 /// Estimates of the largest |w|, |p| and |v| (SI) over the run: what absolute tolerances are multiplied by.
 struct Scales {
-    double angular_velocity = 1, position = 1, velocity = 1;
+    double angular_velocity = 1;  ///< rad/s
+    double position = 1;          ///< m
+    double velocity = 1;          ///< m/s
 };
 
+/// A posed scene: what every method is given.
 struct Problem {
-    Scene scene;
-    Formulation formulation = Formulation::reduced;
-    ExactBody<double> body;  ///< rounded once from 128 bits
-    PrincipalFrame principal;
+    Scene scene;                                     ///< as it was posed
+    Formulation formulation = Formulation::reduced;  ///< by which it was posed
+    ExactBody<double> body;                          ///< rounded once from 128 bits
+    PrincipalFrame principal;                        ///< of the tensor about the pivot or the centre of mass
     Quaternion<double> q_BP;  ///< posed axes to body axes: principal.q_BP, or 1 where the tensor is as written
-    PrincipalInertia<double> principal_inertia;
-    FullInertia<double> full_inertia;  ///< body axes
-    Vector3<double> axis;              ///< posed axes, unit: the axis of a principal_axis_rotation
-    Needs needs;
-    std::vector<Segment> segments;
-    Scales scales;
-    ContactGeometry<double> geometry;  ///< of the scene's planes and the body's hull, posed axes
+    PrincipalInertia<double> principal_inertia;  ///< posed axes, where they are the principal ones
+    FullInertia<double> full_inertia;            ///< body axes
+    Vector3<double> axis;                        ///< posed axes, unit: the axis of a principal_axis_rotation
+    Needs needs;                                 ///< what the motion really has
+    std::vector<Segment> segments;               ///< the pieces between its events
+    Scales scales;                               ///< how large it gets
+    ContactGeometry<double> geometry;            ///< of the scene's planes and the body's hull, posed axes
 
     Vector3<double> initial_angular_velocity;  ///< posed axes
     Quaternion<double> initial_q;              ///< posed axes to world
@@ -84,15 +95,16 @@ struct Problem {
     Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal
 };
 
-/// Poses a valid scene. The scene's duration is the run's.
+/// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's.
 Problem pose(const Scene& scene, Formulation formulation = Formulation::reduced);
 
-/// The segment that holds time t: the last whose begin <= t.
+/// The index of the segment that holds time t (s): the last whose begin <= t.
 std::size_t segment_at(const Problem& problem, double t);
 
 /// The centre of mass a time `after` (s) the segment's begin, where its motion has a closed form.
 void translated(const Segment& segment, double after, Vector3<double>& position_W, Vector3<double>& velocity_W);
 
+/// The name of a system, for people: "loaded rotation".
 const char* name_of(SystemKind system);
 
 /// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.

@@ -36,9 +36,10 @@ concept System = std::copyable<F> && std::constructible_from<F, const Problem&> 
 /// What the systems of one body share: the problem and the reading of its motion.
 class BodySystem {
   public:
-    using Scalar = double;
+    using Scalar = double;  ///< of the state
 
   protected:
+    /// The problem must outlive it.
     explicit BodySystem(const Problem& problem) : problem_(&problem) {}
 
     /// The sample with this rotation in posed axes.
@@ -49,34 +50,43 @@ class BodySystem {
     void apply(const PosedImpulse<double>& impulse, Vector3<double>& w, const Quaternion<double>& q,
                const Vector3<double>& p, Vector3<double>& v) const;
 
-    const Problem* problem_;
+    const Problem* problem_;  ///< posed
 };
 
 /// Rotation about one principal axis: y = (w, c, s), the rate about the axis and the half-angle's cosine and sine.
 class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
   public:
-    using Equations = AxisEquations<double>;
+    using Equations = AxisEquations<double>;  ///< its right-hand side
     using Equations::dimension;
-    static constexpr bool about_axis = true, has_translation = false, has_torque = true, has_full_inertia = false;
-    static constexpr int rates = 1;  ///< components of w; they come first
+    static constexpr bool about_axis = true;         ///< it turns about a fixed axis
+    static constexpr bool has_translation = false;   ///< p and v are part of the state
+    static constexpr bool has_torque = true;         ///< torques may act
+    static constexpr bool has_full_inertia = false;  ///< the tensor is as written, not the principal one
+    static constexpr int rates = 1;                  ///< components of w; they come first
 
+    /// With the loads of the first segment. The problem must outlive it.
     explicit PrincipalAxisRotation(const Problem& problem) : PrincipalAxisRotation(problem, problem.segments.front()) {}
     /// With the loads of this segment.
     PrincipalAxisRotation(const Problem& problem, const Segment& segment)
         : Equations(segment.about_axis), BodySystem(problem) {}
 
+    /// y at t = 0, before any impulse there.
     void initial(double* y) const;
+    /// Meets an event: the impulses that open the segment act on y in place, then its loads are taken. Returns whether
+    /// there were impulses.
     bool enter(const Segment& segment, double* y);
+    /// The motion that y at time t (s) stands for.
     Sample motion(double t, const double* y) const;
+    /// The size that each component's error is measured by.
     void scales(double* scales) const;
-    /// The way back from motion().
+    /// The state that a sample stands for: the way back from motion().
     void state(const Sample& sample, double* y) const;
 
-    /// Posed axes.
+    /// w in posed axes, rad/s.
     Vector3<double> angular_velocity(const double* y) const { return y[0] * problem_->axis; }
-    /// Posed axes to world.
+    /// q, posed axes to world axes.
     Quaternion<double> attitude(const double* y) const;
-    /// |q|^2
+    /// |q|^2, which the exact motion keeps at 1.
     template <class S>
     S attitude_square(const S* y) const {
         return y[1] * y[1] + y[2] * y[2];
@@ -97,54 +107,65 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
 template <class BodyEquations>
 class QuaternionSystem : public BodyEquations, public BodySystem {
   public:
-    using Equations = BodyEquations;
-    static constexpr int dimension = Equations::dimension;
-    static constexpr bool about_axis = false, has_translation = dimension == 13, has_torque = requires(Equations f) {
-        f.forcing;
-    }
-    , has_full_inertia = requires(Equations f) { f.inertia.tensor; };
+    using Equations = BodyEquations;                                          ///< its right-hand side
+    static constexpr int dimension = Equations::dimension;                    ///< components of the state
+    static constexpr bool about_axis = false;                                 ///< it turns freely
+    static constexpr bool has_translation = dimension == 13;                  ///< p and v are state
+    static constexpr bool has_torque = requires(Equations f) { f.forcing; };  ///< torques may act
+    /// The tensor is as written, not the principal one.
+    static constexpr bool has_full_inertia = requires(Equations f) { f.inertia.tensor; };
     static constexpr int rates = 3;  ///< components of w; they come first
 
+    /// With the loads of the first segment. The problem must outlive it.
     explicit QuaternionSystem(const Problem& problem) : QuaternionSystem(problem, problem.segments.front()) {}
     /// With the loads of this segment, which must outlive it.
     QuaternionSystem(const Problem& problem, const Segment& segment)
         : Equations(equations(problem, segment)), BodySystem(problem) {}
 
+    /// y at t = 0, before any impulse there.
     void initial(double* y) const;
+    /// Meets an event: the impulses that open the segment act on y in place, then its loads are taken. Returns whether
+    /// there were impulses.
     bool enter(const Segment& segment, double* y);
+    /// The motion that y at time t (s) stands for.
     Sample motion(double t, const double* y) const;
+    /// The size that each component's error is measured by.
     void scales(double* scales) const;
-    /// The way back from motion().
+    /// The state that a sample stands for: the way back from motion().
     void state(const Sample& sample, double* y) const;
 
-    /// Posed axes.
+    /// w in posed axes, rad/s.
     template <class S>
     static Vector3<S> angular_velocity(const S* y) {
         return vector_at(y, 0);
     }
-    /// Posed axes to world.
+    /// q, posed axes to world axes.
     template <class S>
     static Quaternion<S> attitude(const S* y) {
         return quaternion_at(y, 3);
     }
+    /// p of the centre of mass, world axes, m.
     template <class S>
     static Vector3<S> position(const S* y) requires(has_translation) {
         return vector_at(y, 7);
     }
+    /// v of the centre of mass, world axes, m/s.
     template <class S>
     static Vector3<S> velocity(const S* y) requires(has_translation) {
         return vector_at(y, 10);
     }
+    /// Writes w and q to y.
     template <class S>
     static void set_rotation(S* y, const Vector3<S>& w, const Quaternion<S>& q) {
         put(y, 0, w), put(y, 3, q);
     }
+    /// Writes p and v to y.
     template <class S>
     static void set_translation(S* y, const Vector3<S>& p, const Vector3<S>& v) requires(has_translation) {
         put(y, 7, p), put(y, 10, v);
     }
 
-    /// |q|^2
+    /// |q|^2, which the exact motion keeps at 1.
     template <class S>
     S attitude_square(const S* y) const {
         return squared_norm(attitude(y));
@@ -193,9 +214,13 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
     }
 };
 
+/// y = (w, q): no torque acts, and w decouples from q.
 using FreeRotation = QuaternionSystem<FreeEquations<double>>;
+/// y = (w, q): torques that depend on attitude, rate and time.
 using LoadedRotation = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, false>>;
+/// y = (w, q, p, v): loads that tie translation and rotation together.
 using LoadedMotion = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, true>>;
+/// y = (w, q, p, v): nothing left out, the tensor in the body's own axes.
 using FullMotion = QuaternionSystem<LoadedEquations<double, FullInertia<double>, true>>;
 
 extern template class QuaternionSystem<FreeEquations<double>>;
@@ -207,8 +232,8 @@ extern template class QuaternionSystem<LoadedEquations<double, FullInertia<doubl
 template <class SystemType>
 inline constexpr bool is_rotation = !SystemType::about_axis && !SystemType::has_translation;
 
-/// Calls visit.template operator()<SystemType>() with the compile-time system that the problem was posed as, and
-/// returns what it returns.
+/// Calls visit.template operator() with the system that the problem was posed as for template argument, and returns
+/// what that returns.
 template <class Visitor>
 auto with_system(const Problem& problem, Visitor&& visit) {
     switch (problem.needs.system) {

@@ -1,6 +1,7 @@
 // Which closed form a piece of motion has, from its forcing and the state that it starts from.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <type_traits>
 #include <utility>

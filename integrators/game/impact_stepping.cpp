@@ -5,6 +5,7 @@
 
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
+#include "motion/contact.h"
 
 namespace polhode {
 namespace {
@@ -27,7 +28,7 @@ class ImpactStepper {
     }
     void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
     void step(double t, double h) {
-        if (!problem_->geometry.any()) return advance(t, h);
+        if (!problem_->geometry->any()) return advance(t, h);
         if constexpr (detection == Detection::after_the_step) {
             advance(t, h);
             strike(t + h, 0);
@@ -68,13 +69,13 @@ class ImpactStepper {
     void strike(double t, double tolerance) {
         if (strike_planes(*problem_, tolerance, y_.data()).struck) times_.push_back(t);
     }
-    double distance() const { return problem_->geometry.distance(placement_of(y_.data())); }
+    double distance() const { return problem_->geometry->distance(placement_of(y_.data())); }
 
     // A part of the step that ends too deep is taken again at half its length. The parts of one step are bounded: what
     // is left after so many, as at rest, is taken at once.
     void halve(double t, double h) {
         constexpr int most_parts = 1000;
-        const double deep = -allowed_depth * problem_->geometry.reach, shortest = std::ldexp(h, -48);
+        const double deep = -allowed_depth * problem_->geometry->reach, shortest = std::ldexp(h, -48);
         double left = h, part = h;
         for (int parts = 0; left > 0; ++parts) {
             const State before = y_;

@@ -4,6 +4,7 @@
 // 1987, IMA J. Numer. Anal. 7, 1): |q|^2; |I w|^2 and energy of a free body; energy where gravity acts about a pivot or
 // springs do, as the right-hand side's rotations |q|^2 R(q) make it quadratic in q.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <span>
 

@@ -1,4 +1,5 @@
 // DOP853 by the tolerance, on registers for rotations and on any right-hand side.
+#include <algorithm>
 #include <limits>
 
 #include "integrators/own/compensated_state.h"

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "scene/body_source.h"
+
 namespace polhode {
 namespace {
 

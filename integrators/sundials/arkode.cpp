@@ -1,4 +1,5 @@
 // ARKODE's Runge-Kutta methods, explicit and diagonally implicit.
+#include <algorithm>
 #include <vector>
 
 #include "integrators/run/linear_growth.h"

@@ -1,6 +1,7 @@
 // CVODE with impacts on planes.
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/sundials_run.h"
+#include "motion/contact.h"
 
 namespace polhode {
 namespace {
@@ -14,9 +15,9 @@ class ImpactSession : public CvodeSession<SystemType> {
   public:
     ImpactSession(const Problem& problem, double tolerance)
         : Base(problem, Multistep::adams, Iteration::functional, tolerance),
-          planes_(static_cast<int>(problem.geometry.planes.size())),
-          touching_(std::max(tolerance, 1e-14) * problem.geometry.reach),
-          speed_scale_(problem.scales.velocity + problem.geometry.reach * problem.scales.angular_velocity) {
+          planes_(static_cast<int>(problem.geometry->planes.size())),
+          touching_(std::max(tolerance, 1e-14) * problem.geometry->reach),
+          speed_scale_(problem.scales.velocity + problem.geometry->reach * problem.scales.angular_velocity) {
         if (planes_ == 0) return;
         this->demand(CVodeRootInit(this->memory(), planes_, distances));
         std::vector<int> falling(planes_, -1);
@@ -48,7 +49,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         const double reached = this->time();
         const Placement<double> end = placement_of(this->y());
         const auto at = [&](double t) { return placement_of(t < reached ? this->state_inside(t) : this->y()); };
-        const ContactGeometry<double>& geometry = this->problem_->geometry;
+        const ContactGeometry<double>& geometry = *this->problem_->geometry;
         std::optional<double> impact =
             first_contact(geometry, at, before, reached, 1.5 * std::max(speed_of(start), speed_of(end)));
         // the solver's own root, where rounding put it just before the gap closes
@@ -71,7 +72,7 @@ class ImpactSession : public CvodeSession<SystemType> {
 
     double speed_of(const Placement<double>& at) const {
         const auto length = [](const Vector3<double>& v) { return std::sqrt(dot(v, v)); };
-        return length(at.velocity_W) + this->problem_->geometry.reach * length(at.angular_velocity_W);
+        return length(at.velocity_W) + this->problem_->geometry->reach * length(at.angular_velocity_W);
     }
 
     // false where the motion cannot be followed beyond the impact
@@ -96,7 +97,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         auto* session = static_cast<ImpactSession*>(static_cast<SundialsSession<SystemType>*>(user_data));
         const Placement<double> at = placement_of(N_VGetArrayPointer(y));
         for (int i = 0; i < session->planes_; ++i) {
-            distance[i] = session->problem_->geometry.distance(static_cast<std::size_t>(i), at);
+            distance[i] = session->problem_->geometry->distance(static_cast<std::size_t>(i), at);
             if (!std::isfinite(distance[i])) return -1;  // a NaN would be looked into for ever
         }
         return 0;

@@ -7,6 +7,7 @@
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>

@@ -14,6 +14,7 @@
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
 #include "motion/conserved.h"
+#include "motion/contact.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
@@ -137,9 +138,9 @@ void planes(Report& report, const Problem& problem) {
         report.line(fmt::format(
             "{} . x > {} m, restitution {}, {}", text(plane.normal_W), number(plane.offset), number(plane.restitution),
             plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction"));
-    const std::size_t pieces = problem.geometry.pieces.size();
+    const std::size_t pieces = problem.geometry->pieces.size();
     report.line("hull", fmt::format("of {} point{}, balls or discs, none further than {} m from the centre of mass",
-                                    pieces, pieces == 1 ? "" : "s", number(problem.geometry.reach)));
+                                    pieces, pieces == 1 ? "" : "s", number(problem.geometry->reach)));
 }
 
 std::string equations(SystemKind system) {

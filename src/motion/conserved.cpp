@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "motion/contact.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -119,7 +120,7 @@ Kicks angular_kicks(const Problem& problem) {
                 add(kicks.along, impulse.vector);
         }
     }
-    for (const ContactPlane<double>& plane : problem.geometry.planes) {
+    for (const ContactPlane<double>& plane : problem.geometry->planes) {
         if (plane.friction > 0) kicks.anything = true;
         add(kicks.along, plane.normal_W);
     }
@@ -140,7 +141,7 @@ Kicks linear_kicks(const Problem& problem) {
                 add(kicks.across, impulse.vector);
         }
     }
-    for (const ContactPlane<double>& plane : problem.geometry.planes) {
+    for (const ContactPlane<double>& plane : problem.geometry->planes) {
         if (plane.friction > 0) kicks.anything = true;
         add(kicks.across, plane.normal_W);
     }
@@ -155,7 +156,7 @@ bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool piv
 }
 
 bool keeps_energy(const Problem& problem) {
-    for (const ContactPlane<double>& plane : problem.geometry.planes)
+    for (const ContactPlane<double>& plane : problem.geometry->planes)
         if (plane.restitution < 1 || plane.friction > 0) return false;
     const bool pivoted = problem.body.pivoted;
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
@@ -251,10 +252,10 @@ bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
 }
 
 bool keeps_spin(const Problem& problem, const VectorD& e) {
-    if (problem.geometry.any()) {
-        for (const ContactPlane<double>& plane : problem.geometry.planes)
+    if (problem.geometry->any()) {
+        for (const ContactPlane<double>& plane : problem.geometry->planes)
             if (plane.friction > 0) return false;
-        if (!revolves(problem.geometry, e)) return false;
+        if (!revolves(*problem.geometry, e)) return false;
     }
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/contact.h"
 #include "motion/needs.h"
 #include "motion/rounded.h"
 #include "motion/translation.h"
@@ -73,13 +74,15 @@ Problem pose(const Scene& scene, Formulation formulation) {
         problem.segments.push_back(std::move(segment));
     }
     const ContactGeometry<Wide> geometry = contact_geometry(scene, exact.center, q_BP);
+    ContactGeometry<double> rounded_geometry;
     for (const ContactPlane<Wide>& plane : geometry.planes)
-        problem.geometry.planes.push_back(
+        rounded_geometry.planes.push_back(
             {cast<double>(plane.normal_W), double(plane.offset), double(plane.restitution), double(plane.friction)});
     for (const SupportPiece<Wide>& piece : geometry.pieces)
-        problem.geometry.pieces.push_back(
+        rounded_geometry.pieces.push_back(
             {cast<double>(piece.center), piece.extended, cast<double>(piece.semi_axes), double(piece.radius)});
-    problem.geometry.reach = double(geometry.reach);
+    rounded_geometry.reach = double(geometry.reach);
+    problem.geometry = std::make_shared<const ContactGeometry<double>>(std::move(rounded_geometry));
     find_needs(problem, exact, q_BP, forcings);
 
     if (problem.needs.translation != Translation::integrated) {

@@ -1,11 +1,11 @@
 // A scene made ready to be solved: what it really needs, the system posed, the pieces between its events.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "motion/body_equations.h"
-#include "motion/contact.h"
 #include "motion/equations.h"
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
@@ -13,6 +13,9 @@
 #include "scene/scene.h"
 
 namespace polhode {
+
+template <class S>
+class ContactGeometry;
 
 /// How much of the motion is integrated.
 enum class Formulation {
@@ -86,7 +89,8 @@ struct Problem {
     Needs needs;                                 ///< what the motion really has
     std::vector<Segment> segments;               ///< the pieces between its events
     Scales scales;                               ///< how large it gets
-    ContactGeometry<double> geometry;            ///< of the scene's planes and the body's hull, posed axes
+    /// The scene's planes and the body's hull in posed axes (motion/contact.h); never null.
+    std::shared_ptr<const ContactGeometry<double>> geometry;
 
     Vector3<double> initial_angular_velocity;  ///< posed axes
     Quaternion<double> initial_q;              ///< posed axes to world

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "motion/contact.h"
 #include "motion/needs.h"
 #include "motion/systems.h"
 
@@ -72,7 +73,7 @@ void scout(const Problem& problem, Scales& scales) {
             y = next, k1 = k4;
             if constexpr (SystemType::has_translation)
                 // as impact_stepping: what is too deep is sent back
-                if (problem.geometry.any() && strike_planes(problem, 0, y.data()).struck)
+                if (problem.geometry->any() && strike_planes(problem, 0, y.data()).struck)
                     f.derivative(t, y.data(), k1.data());
             note(problem, f.motion(t, y.data()), scales);
             h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;

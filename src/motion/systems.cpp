@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "motion/contact.h"
+
 namespace polhode {
 
 static_assert(System<PrincipalAxisRotation> && System<FreeRotation> && System<LoadedRotation> && System<LoadedMotion> &&
@@ -134,7 +136,7 @@ Placement<double> placement_of(const double* y) {
 
 ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y) {
     const Placement<double> at = placement_of(y);
-    const std::vector<Contact<double>> touching = problem.geometry.contacts(at, tolerance);
+    const std::vector<Contact<double>> touching = problem.geometry->contacts(at, tolerance);
     if (touching.empty()) return {};
     const Matrix3<double> inverse_inertia = problem.formulation == Formulation::full
                                                 ? problem.full_inertia.inverse

@@ -17,6 +17,10 @@
 
 namespace polhode {
 
+template <class S>
+struct Placement;
+struct ImpactOutcome;
+
 /// What a method integrates: made from a problem, at first with the loads of its first segment. The problem must
 /// outlive it. `dimension` is the number of components, known to the compiler.
 template <class F>

@@ -5,6 +5,7 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
+#include "motion/contact.h"
 #include "motion/moderate_scene.h"
 
 namespace polhode {

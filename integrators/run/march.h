@@ -14,7 +14,8 @@
 
 namespace polhode {
 
-/// Whole steps for one sample interval of length `interval`, none longer than `step` (but for rounding).
+/// How many whole steps fit into one sample interval of length `interval` (s), none of them longer than `step` (s) but
+/// for rounding.
 long steps_per_sample(double interval, double step);
 
 /// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
@@ -35,20 +36,27 @@ concept Stepper = requires(S s, const S c, const Segment& segment, double t, dou
 template <class Scheme, class SystemType>
 class SystemStepper {
   public:
-    static constexpr int dimension = SystemType::dimension;
+    static constexpr int dimension = SystemType::dimension;  ///< components of the state
 
+    /// At t = 0. The problem must outlive it.
     explicit SystemStepper(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
+    /// Goes back to t = 0.
     void restart() {
         system_.initial(y_);
         steps_ = 0;
     }
+    /// Meets the event that opens the segment: impulses, then other loads.
     void enter(const Segment& segment) { system_.enter(segment, y_); }
+    /// One step from t to t + h (s).
     void step(double t, double h) {
         scheme_.step(system_, t, y_, h);
         ++steps_;
     }
+    /// The motion at t (s), which is where the steps have come to.
     Sample sample(double t) const { return system_.motion(t, y_); }
+    /// Whether the state has neither infinities nor NaN.
     bool finite() const { return all_finite(y_); }
+    /// Right-hand sides since restart().
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
@@ -209,7 +217,8 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     return trajectory;
 }
 
-/// march() of a scheme on whichever system the problem was posed as: SchemeOn<SystemType>::type or a plain scheme.
+/// Solves a problem by fixed steps of Scheme<SystemType>, on whichever system it was posed as. What a scheme must have
+/// is said at SystemStepper; what is thrown and returned, at solve().
 template <template <class> class Scheme>
 Trajectory march_system(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {

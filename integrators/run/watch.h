@@ -13,10 +13,11 @@ namespace polhode {
 /// Holds a run to Settings' limits: of steps, of right-hand sides, and of time, at which it looks now and then.
 class Budget {
   public:
+    /// Starts the clock.
     explicit Budget(const Settings& settings);
 
-    /// Takes one step; false once the run may not go on: `stop()` then says why. `evaluations`: so far, in this
-    /// repetition.
+    /// Takes one step; false once the run may not go on, and stop() then says why. `evaluations` is how many right-hand
+    /// sides this repetition has evaluated so far.
     bool take(long evaluations = 0) {
         if (steps_ >= max_steps_) return refuse_step();
         ++steps_;
@@ -24,15 +25,17 @@ class Budget {
         --steps_;
         return false;
     }
-    /// The same for work that is no step: another attempt at one, a sample aside.
+    /// Whether the run may go on with work that is no step: another attempt at one, a sample aside. `evaluations` is as
+    /// for take().
     bool goes_on(long evaluations = 0) {
         if (evaluations >= max_evaluations_) return refuse_evaluation();
         return --until_look_ > 0 || in_time();
     }
+    /// Steps taken, over all repetitions.
     long steps() const { return steps_; }
-    /// The run needs more steps than it may take: `failed` before its first.
+    /// Ends a run that needs more steps than it may take before its first: it is `failed`.
     void forbid(Trajectory& trajectory) const;
-    /// After take() said no: the run is `failed`, by its limit, with the reason.
+    /// Ends the run after take() or goes_on() said no: it is `failed`, by its limit, with the reason.
     void stop(Trajectory& trajectory) const;
 
   private:
@@ -52,16 +55,18 @@ class Budget {
     std::string message_;
 };
 
-/// "t = 0.125 s"
+/// A time (s) as messages tell it: "t = 0.125 s".
 std::string moment(double t);
 
-/// Steps that round-off alone accepts are no progress: at their pace the rest would take ten times the limit.
+/// Tells when a run makes no progress: its steps are so short, accepted by round-off alone, that at their pace the rest
+/// would take ten times the limit of steps.
 class Pace {
   public:
-    /// `steps` have been taken before t = 0.
+    /// `duration` is the run's, in s; `steps` have been taken before t = 0.
     Pace(const Settings& settings, double duration, long steps)
         : most_(10 * static_cast<double>(settings.max_steps)), duration_(duration), marked_steps_(steps) {}
 
+    /// Whether the run, at t (s) after `steps` steps, can still end within ten times the limit.
     bool keeps(long steps, double t) {
         constexpr long span = 1 << 14;
         if (steps - marked_steps_ < span) return true;
@@ -69,6 +74,7 @@ class Pace {
         marked_steps_ = steps, marked_time_ = t;
         return needed <= most_;
     }
+    /// What a run without progress at t (s) is told.
     static std::string message(double t) {
         return "no progress at " + moment(t) + ": the tolerance is too small for binary64";
     }
@@ -79,9 +85,10 @@ class Pace {
     double marked_time_ = 0;
 };
 
-/// Seconds since construction.
+/// A clock that starts when it is made.
 class Stopwatch {
   public:
+    /// Wall clock since it was made, s.
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   private:
@@ -101,6 +108,7 @@ void explain_unsolved(Trajectory& trajectory, const Sample& sample);
 /// Appends the sample, or tells that the run has diverged, with the sample before.
 bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
 
+/// What a method gives for a problem that it cannot represent: no samples, Status::unsupported, and why.
 Trajectory unsupported(std::string message);
 
 /// Calls run(recording) as often as the settings repeat the run, the last time with samples where they are asked for,
@@ -123,7 +131,7 @@ bool repeat(const Settings& settings, Trajectory& trajectory, Run&& run) {
 /// more rarely, and goes back to the very step that led astray, which only fixed steps let it find.)
 class Watch {
   public:
-    /// They must outlive it.
+    /// All three must outlive the watch.
     Watch(const Problem& problem, const Settings& settings, Trajectory& trajectory)
         : problem_(&problem),
           settings_(&settings),
@@ -132,7 +140,7 @@ class Watch {
           budget_(settings),
           pace_(settings, problem.scene.duration, 0) {}
 
-    /// At t = 0, before each repetition.
+    /// To be called at t = 0, before each repetition.
     void restart() {
         until_look_ = between_looks;
         pace_ = Pace(*settings_, problem_->scene.duration, budget_.steps());
@@ -140,15 +148,16 @@ class Watch {
     /// Over all repetitions.
     long steps() const { return budget_.steps(); }
 
-    /// Before a step, and before another attempt at one or what is done aside. `evaluations`: so far, in this
-    /// repetition.
+    /// Whether a step may be taken; `evaluations` is how many right-hand sides this repetition has evaluated so far.
     bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
+    /// Whether another attempt at a step, or a step aside, may be made; `evaluations` is as for may_step().
     bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }
-    /// After an accepted step to t.
+    /// To be called after an accepted step to t (s): whether the run makes progress.
     bool gets_on(double t) {
         return pace_.keeps(budget_.steps(), t) || fail(Status::tolerance_not_met, Pace::message(t));
     }
-    /// After the samples of an accepted step; sample(): the motion now.
+    /// To be called after the samples of an accepted step: whether the motion has not diverged. sample() gives the
+    /// motion as it is now.
     template <std::invocable Look>
     bool stays_sane(Look&& sample) {
         if (--until_look_ > 0) return true;
@@ -158,6 +167,7 @@ class Watch {
     /// Takes a sample; false where the motion has diverged.
     bool record(const Sample& sample) { return polhode::record(*problem_, sample, bound_, *trajectory_); }
 
+    /// Ends the run with this status and message; false.
     bool fail(Status status, std::string message) {
         trajectory_->status = status, trajectory_->message = std::move(message);
         return false;

@@ -26,7 +26,7 @@ concept Stepper = requires(S s, const S c, const Segment& segment, double t, dou
     { s.restart() } -> std::same_as<void>;       // back to t = 0
     { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then other loads
     { s.step(t, h) } -> std::same_as<void>;      // from t to t + h
-    { c.sample(t) } -> std::same_as<Sample>;
+    { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.finite() } -> std::same_as<bool>;
     { c.rhs_evaluations() } -> std::same_as<long>;  // since restart
 };
@@ -37,7 +37,7 @@ class SystemStepper {
   public:
     static constexpr int dimension = SystemType::dimension;
 
-    explicit SystemStepper(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
+    explicit SystemStepper(const Problem& problem) : system_(problem) { restart(); }
     void restart() {
         system_.initial(y_);
         steps_ = 0;
@@ -52,7 +52,6 @@ class SystemStepper {
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
-    const Problem* problem_;
     SystemType system_;
     Scheme scheme_{};
     alignas(32) double y_[dimension];
@@ -116,8 +115,8 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         }
         if (stop > t) stepper.step(t, stop - t);
     };
-    const auto keep = [&](const Sample& sample) {
-        trajectory.samples.push_back(sample);
+    const auto keep = [&](const Bodies& moment) {
+        trajectory.append(moment);
         if constexpr (requires { stepper.orthogonality_defect(); })
             trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
     };
@@ -129,13 +128,13 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     const auto diverge = [&](long reached, std::string what) {
         trajectory.steps = reached;
         std::string state;
-        if (!trajectory.samples.empty()) state = last_state(trajectory.samples.back());
+        if (!trajectory.samples.empty()) state = last_state(trajectory.at(trajectory.moments() - 1));
         if constexpr (std::copyable<S>) {
             stepper = *copy, events = events_of_copy;
             for (long n = copied_at; n < reached; ++n) {
                 const Interval at = interval(n / per_sample + 1);
                 const long i = n % per_sample;
-                const Sample before = stepper.sample(at.time(i));
+                const auto before = stepper.sample(at.time(i));
                 take_step(at, i);
                 const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
                 if (here.empty() && stepper.finite()) continue;
@@ -153,7 +152,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         events = EventQueue<Segment>(problem.segments);
         pass_events(0);
         if (recording) {
-            const Sample start = stepper.sample(0);
+            const auto start = stepper.sample(0);
             if (std::string what = divergence(problem, start, bound); !what.empty()) {
                 trajectory.status = Status::diverged, trajectory.message = std::move(what);
                 return false;
@@ -183,7 +182,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                 }
                 const bool sampled = recording && i == per_sample;
                 if (!stepper.finite() || sampled || i - first == longest_stretch) {
-                    const Sample sample = stepper.sample(at.time(i));
+                    const auto sample = stepper.sample(at.time(i));
                     std::string what = divergence(problem, sample, bound);
                     if (what.empty() && !stepper.finite()) what = "not finite at " + moment(at.time(i));
                     if (!what.empty()) return diverge(done + i - first, std::move(what));
@@ -198,7 +197,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     if (trajectory.status != Status::diverged) trajectory.steps = budget.steps() / settings.repetitions;
     if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
     if (!settings.record && trajectory.status == Status::ok) {
-        const Sample end = stepper.sample(T);
+        const auto end = stepper.sample(T);
         std::string what = divergence(problem, end, bound);
         if (what.empty())
             keep(end);
@@ -212,7 +211,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
 /// march() of a scheme on whichever system the problem was posed as: SchemeOn<SystemType>::type or a plain scheme.
 template <template <class> class Scheme>
 Trajectory march_system(const Problem& problem, const Settings& settings) {
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         return march<SystemStepper<Scheme<SystemType>, SystemType>>(problem, settings);
     });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "motion/needs.h"
 #include "motion/rounded.h"
@@ -129,6 +130,8 @@ const char* name_of(SystemKind system) {
             return "loaded rotation";
         case SystemKind::loaded_motion:
             return "loaded rotation and translation";
+        case SystemKind::own:
+            return "own system";
         case SystemKind::full_motion:
             break;
     }
@@ -136,6 +139,7 @@ const char* name_of(SystemKind system) {
 }
 
 double energy_bound(const Problem& problem) {
+    if (problem.own) return std::numeric_limits<double>::infinity();
     const Vector3<double>& moments = problem.principal.moments;
     const double largest = std::max({moments[0], moments[1], moments[2]});
     const Scales& s = problem.scales;

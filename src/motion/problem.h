@@ -1,6 +1,7 @@
 // A scene made ready to be solved: what it really needs, the system posed, the pieces between its events.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ enum class Formulation {
 const char* name_of(Formulation formulation);
 
 /// Which of motion/systems.h.
-enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
+enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion, own };
 enum class Symmetry { spherical, symmetric, asymmetric };
 enum class Translation {
     fixed,        ///< pivot, or a centre of mass that never moves
@@ -63,6 +64,8 @@ struct Scales {
     double angular_velocity = 1, position = 1, velocity = 1;
 };
 
+class ErasedModel;
+
 struct Problem {
     Scene scene;
     Formulation formulation = Formulation::reduced;
@@ -82,6 +85,8 @@ struct Problem {
 
     WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
     Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal
+
+    std::shared_ptr<const ErasedModel> own;  ///< of a system of the user's own, which has no body and no scene
 };
 
 /// Poses a valid scene. The scene's duration is the run's.
@@ -96,6 +101,7 @@ void translated(const Segment& segment, double after, Vector3<double>& position_
 const char* name_of(SystemKind system);
 
 /// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
+/// Infinite for a system of the user's own, whose masses are not known.
 double energy_bound(const Problem& problem);
 
 }  // namespace polhode

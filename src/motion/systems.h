@@ -13,17 +13,18 @@
 #include <utility>
 
 #include "motion/body_equations.h"
+#include "motion/own_system.h"
 #include "motion/problem.h"
 
 namespace polhode {
 
 /// What a method integrates: made from a problem, at first with the loads of its first segment. The problem must
-/// outlive it. `dimension` is the number of components, known to the compiler.
+/// outlive it. `size()` is the number of components; `dimension` is the same where the compiler knows it.
 template <class F>
 concept System = std::copyable<F> && std::constructible_from<F, const Problem&> &&
     requires(const F c, F f, const Segment& segment, double t, typename F::Scalar* y, double* scales) {
-    { F::dimension } -> std::convertible_to<int>;
-    f.initial(y);  // y at t = 0, before any impulse there
+    { F::dimension } -> std::convertible_to<int>;  // run_time where the compiler does not know it
+    f.initial(y);                                  // y at t = 0, before any impulse there
     {
         f.enter(segment, y)
         } -> std::same_as<bool>;  // an event: impulses in place, then other loads;
@@ -58,6 +59,7 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
     using Equations = AxisEquations<double>;
     using Equations::dimension;
     static constexpr bool about_axis = true, has_translation = false, has_torque = true, has_full_inertia = false;
+    static constexpr int size() { return dimension; }
     static constexpr int rates = 1;  ///< components of w; they come first
 
     explicit PrincipalAxisRotation(const Problem& problem) : PrincipalAxisRotation(problem, problem.segments.front()) {}
@@ -103,6 +105,7 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
         f.forcing;
     }
     , has_full_inertia = requires(Equations f) { f.inertia.tensor; };
+    static constexpr int size() { return dimension; }
     static constexpr int rates = 3;  ///< components of w; they come first
 
     explicit QuaternionSystem(const Problem& problem) : QuaternionSystem(problem, problem.segments.front()) {}
@@ -205,12 +208,12 @@ extern template class QuaternionSystem<LoadedEquations<double, FullInertia<doubl
 
 /// Whether the state is w and q alone: what has kernels of its own.
 template <class SystemType>
-inline constexpr bool is_rotation = !SystemType::about_axis && !SystemType::has_translation;
+inline constexpr bool is_rotation = SystemType::dimension == FreeRotation::dimension;
 
-/// Calls visit.template operator()<SystemType>() with the compile-time system that the problem was posed as, and
-/// returns what it returns.
+/// Calls visit.template operator()<SystemType>() with the one body's system that the problem was posed as, and returns
+/// what it returns. Not for a system of the user's own.
 template <class Visitor>
-auto with_system(const Problem& problem, Visitor&& visit) {
+auto with_one_body(const Problem& problem, Visitor&& visit) {
     switch (problem.needs.system) {
         case SystemKind::principal_axis_rotation:
             return visit.template operator()<PrincipalAxisRotation>();
@@ -221,9 +224,17 @@ auto with_system(const Problem& problem, Visitor&& visit) {
         case SystemKind::loaded_motion:
             return visit.template operator()<LoadedMotion>();
         case SystemKind::full_motion:
+        case SystemKind::own:
             break;
     }
     return visit.template operator()<FullMotion>();
+}
+
+/// The same for any problem: with OwnSystem where it is a system of the user's own.
+template <class Visitor>
+auto with_system(const Problem& problem, Visitor&& visit) {
+    if (problem.own) return visit.template operator()<OwnSystem>();
+    return with_one_body(problem, std::forward<Visitor>(visit));
 }
 
 /// Where the body is at a state of a 13-dimensional system, as contacts need it.

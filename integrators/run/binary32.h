@@ -178,6 +178,7 @@ struct MethodInBinary32 {
         m.documentation = Joined<documentation>::text;
         m.described_as = {};
         m.conserves = Joined<conserves>::text;
+        m.own_systems = false;
         m.solve = solve_within_binary32<solve>;
         return m;
     }

@@ -84,8 +84,9 @@ struct Method {
     std::string_view described_as{};
     std::string_view conserves{};     ///< what it keeps by construction: "nothing", "|q|", ..
     Control control = Control::none;  ///< what it is told
-    bool planes = false;  ///< it follows impacts on planes; without it a scene that has any is `unsupported`
-    int order = 0;        ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
+    bool planes = false;       ///< it follows impacts on planes; without it a scene that has any is `unsupported`
+    bool own_systems = false;  ///< it takes a system of the user's own (motion/own_system.h); else `unsupported`
+    int order = 0;             ///< claimed, of a fixed step; 0 = variable. tests/order_test.cpp measures it
     /// Solves a problem; called once a trajectory, with settings that solve() has found in order.
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
     /// Linear stability: the spectral radius of one step on y' = lambda y, as a function of z = h lambda.

@@ -20,6 +20,7 @@ class ChartedMotion {
   public:
     using Scalar = S;
     static constexpr int dimension = 12;
+    static constexpr int size() { return dimension; }
 
     explicit ChartedMotion(const Problem& problem) : problem_(&problem), body_(problem) {}
 

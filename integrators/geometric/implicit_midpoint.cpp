@@ -143,7 +143,7 @@ class ImplicitMidpoint {
 
 template <class S>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return with_system_in<S>(
+    return with_one_body_in<S>(
         problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
 }
 

@@ -196,7 +196,7 @@ class GslSession {
             system_.derivative(t_ + later, y.data(), dy.data());
             ++main_.evaluations;
         };
-        const double h = polhode::first_step<dimension>(rate, y_, tolerated, order_);
+        const double h = polhode::first_step(rate, y_, tolerated, order_);
         return h > 0 && std::isfinite(h) ? h : 1e-6 * problem_->scene.duration;
     }
 
@@ -221,7 +221,7 @@ const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
 template <const Scheme& scheme>
 Trajectory solve_by(const Problem& problem, const Settings& settings) {
     if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         GslSession<SystemType> session(problem, scheme, *settings.tolerance);
         return SolverRun(problem, settings, session).solve();
     });

@@ -24,21 +24,21 @@ namespace odeint = boost::numeric::odeint;
 template <std::size_t N>
 using State = OdeintArray<N>;
 template <std::size_t N>
-using Euler = odeint::euler<State<N>, double, State<N>, double, OdeintAlgebra>;
+using Euler = odeint::euler<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using CashKarp54 = odeint::runge_kutta_cash_karp54<State<N>, double, State<N>, double, OdeintAlgebra>;
+using CashKarp54 = odeint::runge_kutta_cash_karp54<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra>;
+using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra>;
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra>;
+using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 
 /// Odeint's Bulirsch-Stoer takes two numbers as tolerances: R, and R times the smallest of the components' scales.
 template <class SystemType>
 class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     using Base = ControlledOdeintState<SystemType>;
-    static constexpr std::size_t N = SystemType::dimension;
+    static constexpr std::size_t N = Base::N;
 
   public:
     // the order it starts from: columns 2, 4, .., 10 of the midpoint rule
@@ -57,7 +57,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
         const double tried = h;
         const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
         if (!has_rate_) f(this->y_, rate_, t), has_rate_ = true;
-        State<N> next;
+        State<N> next = rate_;
         const bool accepted = extrapolation_.try_step(f, this->y_, rate_, t, next, h) == odeint::success;
         // the state and the rate are untouched so far
         const bool finite = all_finite(next) && std::isfinite(h);
@@ -82,7 +82,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     }
 
     BulirschStoer<N> extrapolation_;
-    State<N> rate_;
+    State<N> rate_{this->system_.size()};
     bool has_rate_ = false;
 };
 
@@ -114,6 +114,7 @@ constexpr Method each[] = {
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step,
+     .own_systems = true,
      .order = 1,
      .solve = march_odeint<Euler>,
      .growth = stepper_growth<Euler>},
@@ -123,6 +124,7 @@ constexpr Method each[] = {
      .source = "Kutta 1901; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step,
+     .own_systems = true,
      .order = 4,
      .solve = solve_rk4,
      .growth = classical_growth},
@@ -134,6 +136,7 @@ constexpr Method each[] = {
      .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 5,
      .solve = fixed_or_controlled<CashKarp54>,
      .growth = stepper_growth<CashKarp54>},
@@ -145,6 +148,7 @@ constexpr Method each[] = {
      .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 5,
      .solve = fixed_or_controlled<Dopri5>,
      .growth = stepper_growth<Dopri5>},
@@ -156,6 +160,7 @@ constexpr Method each[] = {
      .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 8,
      .solve = fixed_or_controlled<Fehlberg78>,
      .growth = stepper_growth<Fehlberg78>},
@@ -172,6 +177,7 @@ constexpr Method each[] = {
      .source = "Bashforth & Adams 1883; Moulton 1926; Hairer, Norsett & Wanner 1993, III.1; Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step,
+     .own_systems = true,
      .order = 6,
      .solve = solve_adams_bashforth_moulton,
      .growth = adams_bashforth_moulton_growth,
@@ -184,6 +190,7 @@ constexpr Method each[] = {
      .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .order = 0,
      .solve = extrapolate,
      .family = Family::extrapolation},
@@ -197,6 +204,7 @@ constexpr Method each[] = {
      .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 4,
      .solve = solve_rosenbrock4,
      .growth = rosenbrock4_growth,

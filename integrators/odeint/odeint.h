@@ -22,7 +22,7 @@ inline constexpr double not_finite_shrinkage = 0.1;
 template <class SystemType>
 class OdeintState {
   public:
-    static constexpr std::size_t dimension = SystemType::dimension;
+    static constexpr std::size_t dimension = static_cast<std::size_t>(SystemType::dimension);
     using Scalar = typename SystemType::Scalar;
 
     explicit OdeintState(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
@@ -31,14 +31,14 @@ class OdeintState {
         evaluations_ = 0;
     }
     void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
-    Sample sample(double t) const { return system_.motion(t, y_.data()); }
+    auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:
     const Problem* problem_;
     SystemType system_;
-    OdeintArray<dimension, Scalar> y_;
+    OdeintArray<dimension, Scalar> y_{system_.size()};
     long evaluations_ = 0;
 };
 
@@ -59,7 +59,7 @@ struct OdeintRightHandSide {
 template <class SystemType, template <std::size_t> class Scheme>
 class OdeintFixedStepper : public OdeintState<SystemType> {
     using Base = OdeintState<SystemType>;
-    static constexpr std::size_t N = SystemType::dimension;
+    static constexpr std::size_t N = Base::dimension;
     using Scalar = typename Base::Scalar;
 
   public:
@@ -98,7 +98,7 @@ Trajectory march_odeint(const Problem& problem, const Settings& settings) {
 template <class SystemType>
 class ControlledOdeintState : public OdeintState<SystemType> {
   public:
-    static constexpr std::size_t N = SystemType::dimension;
+    static constexpr std::size_t N = OdeintState<SystemType>::dimension;
 
     ControlledOdeintState(const Problem& problem, double tolerance, int order)
         : OdeintState<SystemType>(problem), tolerance_(tolerance), order_(order) {
@@ -106,13 +106,14 @@ class ControlledOdeintState : public OdeintState<SystemType> {
     }
 
     double first_step(double t) {
-        OdeintArray<N> tolerated;
-        for (std::size_t i = 0; i < N; ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(this->y_[i]));
-        const auto rate = [&](double later, const std::array<double, N>& y, std::array<double, N>& dydt) {
+        OdeintArray<N> tolerated = scales_;
+        for (std::size_t i = 0; i < scales_.size(); ++i)
+            tolerated[i] = tolerance_ * (scales_[i] + std::abs(this->y_[i]));
+        const auto rate = [&](double later, const OdeintArray<N>& y, OdeintArray<N>& dydt) {
             this->system_.derivative(t + later, y.data(), dydt.data());
             ++this->evaluations_;
         };
-        const double step = polhode::first_step<N>(rate, this->y_, tolerated, order_);
+        const double step = polhode::first_step(rate, this->y_, tolerated, order_);
         // a right-hand side that is not finite is met, and named, at the first attempt
         return step > 0 && std::isfinite(step) ? step : 1e-6 * this->problem_->scene.duration;
     }
@@ -122,7 +123,7 @@ class ControlledOdeintState : public OdeintState<SystemType> {
 
     double tolerance_;
     int order_;
-    OdeintArray<N> scales_;
+    OdeintArray<N> scales_{this->system_.size()};
 };
 
 /// y' = z y of a complex number, by its real and imaginary part.

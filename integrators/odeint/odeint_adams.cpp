@@ -12,9 +12,9 @@ namespace odeint = boost::numeric::odeint;
 
 /// The start-up, in the place of Odeint's runge_kutta4: five steps of it err by O(h^9) together.
 template <std::size_t N>
-using StartUp = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+using StartUp = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Adams6 = odeint::adams_bashforth_moulton<6, OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra,
+using Adams6 = odeint::adams_bashforth_moulton<6, OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>,
                                                odeint::default_operations, odeint::initially_resizer, StartUp<N>>;
 
 /// The formulas hold for steps of one length: another one starts the history again.

@@ -12,9 +12,9 @@ namespace odeint = boost::numeric::odeint;
 template <std::size_t N>
 using State = OdeintArray<N, float>;
 template <std::size_t N>
-using Euler = odeint::euler<State<N>, float, State<N>, float, OdeintAlgebra>;
+using Euler = odeint::euler<State<N>, float, State<N>, float, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Rk4 = odeint::runge_kutta4<State<N>, float, State<N>, float, OdeintAlgebra>;
+using Rk4 = odeint::runge_kutta4<State<N>, float, State<N>, float, OdeintAlgebra<N>>;
 
 }  // namespace
 

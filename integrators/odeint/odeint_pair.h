@@ -19,9 +19,10 @@ class ComponentError {
     template <class Algebra>
     double error(Algebra&, const OdeintArray<N>& y, const OdeintArray<N>&, const OdeintArray<N>& difference,
                  double) const {
-        OdeintArray<N> ratio;
-        for (std::size_t i = 0; i < N; ++i) ratio[i] = difference[i] / (tolerance_ * (scales_[i] + std::abs(y[i])));
-        return OdeintAlgebra::norm_inf(ratio);
+        OdeintArray<N> ratio = y;
+        for (std::size_t i = 0; i < y.size(); ++i)
+            ratio[i] = difference[i] / (tolerance_ * (scales_[i] + std::abs(y[i])));
+        return OdeintAlgebra<N>::norm_inf(ratio);
     }
 
   private:
@@ -41,7 +42,7 @@ struct StepRule : boost::numeric::odeint::default_step_adjuster<double, double> 
 template <class SystemType, template <std::size_t> class Scheme>
 class ControlledPair : public ControlledOdeintState<SystemType> {
     using Base = ControlledOdeintState<SystemType>;
-    static constexpr std::size_t N = SystemType::dimension;
+    static constexpr std::size_t N = Base::N;
     using Error = ComponentError<N>;
     using Controlled = boost::numeric::odeint::controlled_runge_kutta<Scheme<N>, Error, StepRule>;
 

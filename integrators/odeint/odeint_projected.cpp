@@ -12,9 +12,9 @@ namespace odeint = boost::numeric::odeint;
 
 // neither keeps a rate from one step to the next, which a projection would make stale
 template <std::size_t N>
-using Rk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+using Rk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Fehlberg78 = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 
 template <class SystemType, template <std::size_t> class Scheme>
 class ProjectedFixedStepper : public OdeintFixedStepper<SystemType, Scheme> {
@@ -48,13 +48,13 @@ class ProjectedPair : public ControlledPair<SystemType, Fehlberg78> {
 };
 
 Trajectory projected_rk4(const Problem& problem, const Settings& settings) {
-    return with_system(
+    return with_one_body(
         problem, [&]<class SystemType>() { return march<ProjectedFixedStepper<SystemType, Rk4>>(problem, settings); });
 }
 
 Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings) {
     if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<ProjectedFixedStepper<SystemType, Fehlberg78>>(problem, settings);
         return march_controlled(problem, settings, ProjectedPair<SystemType>(problem, *settings.tolerance));
     });

@@ -6,7 +6,7 @@ namespace polhode {
 namespace {
 
 template <std::size_t N>
-using Rk4 = boost::numeric::odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra>;
+using Rk4 = boost::numeric::odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 
 }  // namespace
 

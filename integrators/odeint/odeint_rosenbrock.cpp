@@ -22,7 +22,7 @@ struct Context {
         const auto* self = static_cast<const Context*>(context);
         polhode::jacobian(*self->system, t, y, J);
     }
-    static PlainSystem plain() { return {SystemType::dimension, rhs, jacobian}; }
+    static PlainSystem plain(int size) { return {static_cast<std::size_t>(size), rhs, jacobian}; }
 };
 
 template <class SystemType>
@@ -30,7 +30,8 @@ class FixedRosenbrock : public OdeintState<SystemType> {
     using Base = OdeintState<SystemType>;
 
   public:
-    explicit FixedRosenbrock(const Problem& problem) : Base(problem), scheme_(Context<SystemType>::plain(), 1, 1) {}
+    explicit FixedRosenbrock(const Problem& problem)
+        : Base(problem), scheme_(Context<SystemType>::plain(this->system_.size()), 1, 1) {}
     void step(double t, double h) {
         Context<SystemType> context{&this->system_, &this->evaluations_};
         scheme_.step(&context, t, this->y_.data(), h);
@@ -47,7 +48,7 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
   public:
     ControlledRosenbrock(const Problem& problem, double tolerance)
         : Base(problem, tolerance, 4),
-          scheme_(Context<SystemType>::plain(), tolerance * this->smallest_scale(), tolerance) {}
+          scheme_(Context<SystemType>::plain(this->system_.size()), tolerance * this->smallest_scale(), tolerance) {}
 
     void restart() {
         Base::restart();
@@ -59,7 +60,7 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
     }
     Attempt attempt(double& t, double& h) {
         const double tried = h;
-        OdeintArray<Base::N> next;
+        OdeintArray<Base::N> next = this->y_;
         Context<SystemType> context{&this->system_, &this->evaluations_};
         const bool accepted = scheme_.attempt(&context, t, this->y_.data(), next.data(), h);
         if (!all_finite(next) || !std::isfinite(h)) {

@@ -9,6 +9,7 @@
 
 #include "integrators/lanes/rotation_lanes.h"
 #include "integrators/run/march.h"
+#include "motion/numbers.h"
 
 namespace polhode {
 
@@ -17,10 +18,10 @@ inline constexpr double least_square = 1e-290;
 
 /// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
 /// evaluations.
-template <class SystemType, std::size_t N>
-double first_step_of(const SystemType& system, double t, const double* y, const std::array<double, N>& scales,
-                     double longest) {
-    std::array<double, N> f{}, z{}, f_ahead{};
+template <class SystemType, class Values>
+double first_step_of(const SystemType& system, double t, const double* y, const Values& scales, double longest) {
+    const std::size_t N = scales.size();
+    Values f = scales, z = scales, f_ahead = scales;
     system.derivative(t, y, f.data());
     double rate = 0;
     for (std::size_t i = 0; i < N; ++i) rate = std::max(rate, std::abs(f[i]) / scales[i]);
@@ -36,25 +37,24 @@ double first_step_of(const SystemType& system, double t, const double* y, const 
 template <class SystemType>
 class GeneralState {
   public:
-    static constexpr int N = SystemType::dimension;
-    using Y = std::array<double, N>;
+    using Y = Numbers<SystemType::dimension>;
 
     GeneralState(const Problem& problem, double tolerance) : system_(problem) {
         system_.scales(scales_.data());
-        for (int i = 0; i < N; ++i)
+        for (int i = 0; i < system_.size(); ++i)
             squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
         restart();
     }
     void restart() {
         system_.initial(y_.data());
-        lost_.fill(0);
+        forget_lost();
     }
     void enter(const Segment& segment) {
-        if (system_.enter(segment, y_.data())) lost_.fill(0);
+        if (system_.enter(segment, y_.data())) forget_lost();
     }
     double first_step(double t, double longest) { return first_step_of(system_, t, y_.data(), scales_, longest); }
     void accept() { y_ = next_, lost_ = next_lost_; }
-    Sample sample(double t) const { return system_.motion(t, y_.data()); }
+    auto sample(double t) const { return system_.motion(t, y_.data()); }
 
   protected:
     /// next = y + lost + large + small, component i
@@ -65,8 +65,11 @@ class GeneralState {
         next_lost_[i] = rounded_away(sum, rest, next_[i]);
     }
 
+    void forget_lost() { std::fill(lost_.begin(), lost_.end(), 0); }
+
     SystemType system_;
-    Y scales_{}, squared_scale_{}, y_{}, lost_{}, next_{}, next_lost_{};
+    Y scales_{system_.size()}, squared_scale_ = scales_, y_ = scales_, lost_ = scales_, next_ = scales_,
+                               next_lost_ = scales_;
 };
 
 /// The same on registers, for rotations whose torques have coefficients.
@@ -96,7 +99,7 @@ class RotationLanes {
     }
     double first_step(double t, double longest) { return first_step_of(system_, t, state_.y, scales_, longest); }
     void accept() { state_ = next_.state; }
-    Sample sample(double t) const { return system_.motion(t, state_.y); }
+    auto sample(double t) const { return system_.motion(t, state_.y); }
 
   protected:
     static const Forcing<double>* forcing_of(const Segment& segment) {

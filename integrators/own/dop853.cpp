@@ -22,15 +22,15 @@ template <class SystemType>
 class GeneralDop853 : public GeneralState<SystemType> {
     using Base = GeneralState<SystemType>;
     using Y = typename Base::Y;
-    static constexpr int N = SystemType::dimension;
 
   public:
     using Base::Base;
 
     PairErrors attempt(double t, double h) {
-        std::array<Y, dop853_stages> k{};
+        const int N = this->system_.size();
+        std::array<Y, dop853_stages> k = copies_of<dop853_stages>(Y(N));
         this->system_.derivative(t, this->y_.data(), k[0].data());
-        Y y{};
+        Y y(N);
         for (int s = 1; s < dop853_stages; ++s) {
             for (int i = 0; i < N; ++i) y[i] = this->y_[i] + h * weighted(k, dop853.a[s], s, i);
             this->system_.derivative(t + dop853.c[s] * h, y.data(), k[s].data());
@@ -111,7 +111,7 @@ class ControlledDop853 {
         t += tried;
         return Attempt::accepted;
     }
-    Sample sample(double t) const { return state_.sample(t); }
+    auto sample(double t) const { return state_.sample(t); }
     long rhs_evaluations() const { return evaluations_; }
 
   private:
@@ -147,6 +147,7 @@ constexpr Method each[] = {
      .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .order = 0,
      .solve = solve_dop853,
      .growth = growth},

@@ -116,7 +116,6 @@ template <class SystemType>
 class GeneralColumns : public GeneralState<SystemType> {
     using Base = GeneralState<SystemType>;
     using Y = typename Base::Y;
-    static constexpr int N = SystemType::dimension;
 
   public:
     GeneralColumns(const Problem& problem, double tolerance)
@@ -126,9 +125,10 @@ class GeneralColumns : public GeneralState<SystemType> {
         const ExtrapolationRow& row = extrapolation_rows[number];
         const int K = row.columns;
         const bool careful = number == careful_row;
-        Y f{};
+        const int N = this->system_.size();
+        Y f(N);
         this->system_.derivative(t, this->y_.data(), f.data());
-        std::array<Y, most_columns> column{}, lost_column{};
+        std::array<Y, most_columns> column = copies_of<most_columns>(Y(N)), lost_column = column;
         for (int j = 0; j < K; ++j)
             midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
         const Y& finest = column[K - 1];
@@ -156,8 +156,9 @@ class GeneralColumns : public GeneralState<SystemType> {
     /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded
     /// away.
     void midpoint(double t, const Y& f, double h, int n, bool careful, Y& now, Y& lost) const {
-        Y before{}, lost_before{}, y{}, rate{};
-        lost.fill(0);
+        const int N = this->system_.size();
+        Y before(N), lost_before(N), y(N), rate(N);
+        std::fill(lost.begin(), lost.end(), 0);
         for (int i = 0; i < N; ++i) now[i] = h * f[i];
         for (int m = 1; m < n; ++m) {
             for (int i = 0; i < N; ++i) y[i] = this->y_[i] + (now[i] + lost[i]);
@@ -223,7 +224,7 @@ class ControlledExtrapolation {
         t += tried;
         return Attempt::accepted;
     }
-    Sample sample(double t) const { return columns_.sample(t); }
+    auto sample(double t) const { return columns_.sample(t); }
     long rhs_evaluations() const { return evaluations_; }
 
   private:
@@ -257,6 +258,7 @@ constexpr Method each[] = {
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .order = 0,
      .solve = extrapolate},
 };

@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "integrators/own/four_systems.h"
+#include "integrators/own/dense_systems.h"
 #include "integrators/own/radau_coefficients.h"
 #include "integrators/own/stages.h"
 #include "integrators/run/linear_growth.h"
@@ -16,28 +16,57 @@
 #include "integrators/run/refusals.h"
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
+#include "motion/numbers.h"
 
 namespace polhode {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
+template <int N>
+using Systems = std::conditional_t<N == run_time, DenseSystems, FourSystems<N == run_time ? 3 : N>>;
+
 /// One step's equations Z = h (A x I) f(y + Z).
 template <class SystemType>
 struct Equations {
     static constexpr int N = SystemType::dimension;
+    static constexpr int squared = N == run_time ? run_time : N * N;
 
-    double y[N];            ///< at the step's start
-    double weight[N];       ///< of each component in norms
-    double J[N * N];        ///< df/dy, row by row
-    FourSystems<N> matrix;  ///< eigenvalue / h - J
-    Stages Z[N];            ///< y at the stages less y at the start
+    explicit Equations(int n) : y(n), weight(n), J(n * n), matrix(matrix_of(n)), Z(n) {}
+
+    Numbers<N> y;          ///< at the step's start
+    Numbers<N> weight;     ///< of each component in norms
+    Numbers<squared> J;    ///< df/dy, row by row
+    Systems<N> matrix;     ///< eigenvalue / h - J
+    Numbers<N, Stages> Z;  ///< y at the stages less y at the start
+
+  private:
+    static Systems<N> matrix_of([[maybe_unused]] int n) {
+        if constexpr (N == run_time)
+            return Systems<N>(n);
+        else
+            return {};
+    }
 };
+
+/// The right-hand side at the stages.
+template <class SystemType>
+[[gnu::always_inline]] inline void stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy, int) {
+    system.derivative(t, y, dy);
+}
+[[gnu::noinline]] inline void stage_rates(const OwnSystem& system, double t, const Stages* y, Stages* dy, int stages) {
+    Numbers<run_time> at(system.size()), rate(system.size());
+    for (int j = 0; j < stages; ++j) {
+        for (int n = 0; n < system.size(); ++n) at[n] = y[n].lane[j];
+        system.derivative(t, at.data(), rate.data());
+        for (int n = 0; n < system.size(); ++n) dy[n].lane[j] = rate[n];
+    }
+}
 
 template <class SystemType>
 [[gnu::always_inline]] inline void factor(Equations<SystemType>& e, const RadauCoefficients& radau, double h) {
     const double per_h = 1 / h;
-    e.matrix.factor({radau.eigenvalue.re * per_h, radau.eigenvalue.im * per_h}, e.J);
+    e.matrix.factor({radau.eigenvalue.re * per_h, radau.eigenvalue.im * per_h}, e.J.data());
 }
 
 /// One simplified Newton step, (I - h A x J) dZ = h (A x I) f(y + Z) - Z and Z += dZ. Returns the weighted root mean
@@ -45,13 +74,13 @@ template <class SystemType>
 template <class SystemType>
 [[gnu::always_inline]] inline double iterate(Equations<SystemType>& e, const SystemType& system,
                                              const RadauCoefficients& radau, double t, double h) {
-    constexpr int N = SystemType::dimension;
+    const int N = system.size();
     const int s = radau.stages;
     const double per_h = 1 / h;
-    Stages Y[N], F[N];
+    Numbers<SystemType::dimension, Stages> Y(N), F(N);
     for (int n = 0; n < N; ++n) Y[n] = e.y[n] + e.Z[n];
-    system.derivative(t, Y, F);
-    Complex4 W[N];
+    stage_rates(system, t, Y.data(), F.data(), s);
+    Numbers<SystemType::dimension, Complex4> W(N);
     for (int n = 0; n < N; ++n) {
         // Lambda T^-1 (A F - Z / h), of which (eigenvalue / h - J)^-1 makes T^-1 dZ
         Lanes8 residual = -per_h * e.Z[n].lane, transformed{};
@@ -60,7 +89,7 @@ template <class SystemType>
         W[n].re = __builtin_shufflevector(transformed, transformed, 0, 1, 2, 3);
         W[n].im = __builtin_shufflevector(transformed, transformed, 4, 5, 6, 7);
     }
-    e.matrix.solve(W);
+    e.matrix.solve(W.data());
     Lanes8 squares{};
     for (int n = 0; n < N; ++n) {
         Lanes8 change{};
@@ -78,10 +107,10 @@ template <class SystemType>
 /// x := (gamma / h - J)^-1 x with the real eigenvalue gamma.
 template <class SystemType>
 [[gnu::always_inline]] inline void solve_real(const Equations<SystemType>& e, double* x) {
-    constexpr int N = SystemType::dimension;
-    Complex4 W[N];
+    const int N = static_cast<int>(e.y.size());
+    Numbers<SystemType::dimension, Complex4> W(N);
     for (int n = 0; n < N; ++n) W[n].re = Lanes4{0, 0, 0, x[n]};
-    e.matrix.solve(W);
+    e.matrix.solve(W.data());
     for (int n = 0; n < N; ++n) x[n] = W[n].re[3];
 }
 
@@ -130,28 +159,26 @@ const Kernel<SystemType>& kernel_for(InstructionSet set) {
 template <class SystemType>
 class Radau {
   public:
-    static constexpr int N = SystemType::dimension;
-
     Radau(const Problem& problem, int stages)
         : problem_(&problem),
           system_(problem),
           kernel_(kernel_for<SystemType>(instruction_set())),
           radau_(&radau_coefficients(stages)),
-          equations_(std::make_shared<Equations<SystemType>>()) {
-        system_.scales(scales_);
+          equations_(std::make_shared<Equations<SystemType>>(system_.size())) {
+        system_.scales(scales_.data());
         restart();
     }
     void restart() {
-        system_.initial(y_);
-        std::fill_n(carry_, N, 0);
+        system_.initial(y_.data());
+        std::fill(carry_.begin(), carry_.end(), 0);
         evaluations_ = 0;
         last_h_ = 0;
     }
     void enter(const Segment& segment) {
-        if (system_.enter(segment, y_)) std::fill_n(carry_, N, 0);
+        if (system_.enter(segment, y_.data())) std::fill(carry_.begin(), carry_.end(), 0);
         last_h_ = 0;
     }
-    Sample sample(double t) const { return system_.motion(t, y_); }
+    auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
@@ -162,7 +189,10 @@ class Radau {
         double expected = 0;  ///< what would have been left of the error at the last iteration, in units of `enough`
     };
 
-    double norm(const double* v) const {
+    using Values = Numbers<SystemType::dimension>;
+
+    double norm(const Values& v) const {
+        const int N = system_.size();
         double sum = 0;
         for (int i = 0; i < N; ++i) sum += (v[i] * equations_->weight[i]) * (v[i] * equations_->weight[i]);
         return std::sqrt(sum / N);
@@ -170,20 +200,21 @@ class Radau {
 
     /// Component i is worth 1 / (unit (scale_i + |y_i|)).
     void weigh(double unit) {
-        for (int i = 0; i < N; ++i) {
+        for (int i = 0; i < system_.size(); ++i) {
             equations_->y[i] = y_[i];
             equations_->weight[i] = 1 / (unit * (scales_[i] + std::abs(y_[i])));
         }
     }
 
-    void differentiate(const double* y) { jacobian(system_, 0, y, equations_->J); }
+    void differentiate(const Values& y) { jacobian(system_, 0, y.data(), equations_->J.data()); }
 
     /// Sets up the equations: Z from the last step's polynomial where that is not too far away, the Jacobian where it
     /// says that the middle of this step will be (half the iterations that one at the start needs in a fast spin).
     void begin(double h) {
         constexpr double furthest = 8;
         Equations<SystemType>& e = *equations_;
-        double middle[N];
+        const int N = system_.size();
+        Values middle(N);
         const double ratio = h / last_h_;
         const bool known = last_h_ > 0 && ratio <= furthest;
         const Lanes8 x = ratio * radau_->nodes;
@@ -245,7 +276,7 @@ class Radau {
     /// y + Z_s, compensated. The polynomial through the stages is kept for the next step's begin().
     void finish(double h) {
         const int s = radau_->stages;
-        for (int n = 0; n < N; ++n) {
+        for (int n = 0; n < system_.size(); ++n) {
             const Lanes8& Z = equations_->Z[n].lane;
             const double change = Z[s - 1] + carry_[n], sum = y_[n] + change;
             carry_[n] = change - (sum - y_[n]);
@@ -262,10 +293,11 @@ class Radau {
     Kernel<SystemType> kernel_;
     const RadauCoefficients* radau_;
     std::shared_ptr<Equations<SystemType>> equations_;
-    double scales_[N], y_[N], carry_[N];
-    double polynomial_[N][8] = {};  ///< y at 1 + x, in steps after the last one's end, less y there: x, x^2, ..
-    double last_h_ = 0;             ///< of the step that it is of; 0: there is none
-    double left_ = 1;               ///< of an iteration's change, what the next ones will add
+    Values scales_{system_.size()}, y_ = scales_, carry_ = scales_;
+    Numbers<SystemType::dimension, std::array<double, 8>> polynomial_{
+        system_.size()};  ///< y at 1 + x, in steps after the last one's end, less y there: x, x^2, ..
+    double last_h_ = 0;   ///< of the step that it is of; 0: there is none
+    double left_ = 1;     ///< of an iteration's change, what the next ones will add
     long evaluations_ = 0;
 };
 
@@ -304,7 +336,7 @@ template <class SystemType>
 class ControlledRadau : public Radau<SystemType> {
     using Base = Radau<SystemType>;
     using Base::equations_, Base::evaluations_, Base::radau_, Base::system_, Base::y_;
-    static constexpr int N = SystemType::dimension;
+    using typename Base::Values;
 
   public:
     ControlledRadau(const Problem& problem, double tolerance, int stages) : Base(problem, stages) {
@@ -331,7 +363,8 @@ class ControlledRadau : public Radau<SystemType> {
         this->weigh(unit_);
         evaluate(t);
         this->differentiate(y_);
-        double second[N];
+        const int N = system_.size();
+        Values second(N);
         for (int i = 0; i < N; ++i) {
             second[i] = 0;
             for (int j = 0; j < N; ++j) second[i] += equations_->J[i * N + j] * rate_[j];
@@ -384,7 +417,7 @@ class ControlledRadau : public Radau<SystemType> {
 
     void forget() { first_ = true, rejected_ = evaluated_ = false; }
     void evaluate(double t) {
-        system_.derivative(t, y_, rate_);
+        system_.derivative(t, y_.data(), rate_.data());
         ++evaluations_;
         evaluated_ = true;
     }
@@ -396,27 +429,28 @@ class ControlledRadau : public Radau<SystemType> {
     /// (gamma - h J)^-1 h (f(y) - p'(0)) with the collocation polynomial p: the distance to the formula of order s that
     /// takes f(y) in; where it says no to a first step, filtered once more.
     double estimate(double t, double h) {
-        double slope[N], error[N], z[N], rate[N];
+        const int N = system_.size();
+        Values slope(N), error(N), z(N), rate(N);
         for (int n = 0; n < N; ++n) {
             slope[n] = 0;
             for (int j = 0; j < radau_->stages; ++j) slope[n] += radau_->slope_at_0[j] * equations_->Z[n].lane[j];
             slope[n] /= h;
             error[n] = rate_[n] - slope[n];
         }
-        this->kernel_.solve_real(*equations_, error);
+        this->kernel_.solve_real(*equations_, error.data());
         if (!(this->norm(error) >= 1) || !(first_ || rejected_)) return this->norm(error);
         for (int n = 0; n < N; ++n) z[n] = y_[n] + error[n];
-        system_.derivative(t, z, rate);
+        system_.derivative(t, z.data(), rate.data());
         ++evaluations_;
         for (int n = 0; n < N; ++n) error[n] = rate[n] - slope[n];
-        this->kernel_.solve_real(*equations_, error);
+        this->kernel_.solve_real(*equations_, error.data());
         return this->norm(error);
     }
 
     double unit_;    ///< what the error estimate is held to
     double enough_;  ///< of Newton's iteration, in these units
     int most_;
-    double rate_[N];  ///< f at the step's start
+    Values rate_{system_.size()};  ///< f at the step's start
     double last_error_ = 1, last_size_ = 1;
     bool first_ = true, rejected_ = false, evaluated_ = false;
     long newton_failures_ = 0;
@@ -464,12 +498,14 @@ constexpr Method each[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .solve = solve_any_order},
     {.name = "radau5",
      .documentation = of_one_order,
      .source = source,
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 5,
      .solve = solve_radau<3>,
      .growth = radau_growth<3>},
@@ -478,6 +514,7 @@ constexpr Method each[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 9,
      .solve = solve_radau<5>,
      .growth = radau_growth<5>},
@@ -486,6 +523,7 @@ constexpr Method each[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::fixed_step_or_tolerance,
+     .own_systems = true,
      .order = 13,
      .solve = solve_radau<7>,
      .growth = radau_growth<7>},

@@ -21,6 +21,7 @@
 #include "integrators/own/rotation_series.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
+#include "motion/numbers.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -77,7 +78,8 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
 template <int order, class Wide>
 class UnrolledCoefficients {
   public:
-    UnrolledCoefficients(const Problem& problem, const Segment& segment)
+    template <class SystemType>
+    UnrolledCoefficients(const Problem& problem, const Segment& segment, const SystemType&)
         : series_(problem.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
@@ -127,28 +129,26 @@ class UnrolledCoefficients {
 };
 
 template <class T, class SystemType>
-truth::Series<T> recorded_series(const Problem& problem, const Segment& segment, int order) {
+truth::Series<T> recorded_series(const SystemType& system, int order) {
     struct Form {
-        SystemType system;
-        void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system.derivative(0, y, dy); }
+        const SystemType* system;
+        void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system->derivative(0, y, dy); }
     };
-    return {truth::record<T>(Form{SystemType(problem, segment)}, SystemType::dimension), order};
+    return {truth::record<T>(Form{&system}, system.size()), order};
 }
 
 /// Those of any of the systems, their recurrences recorded from the one right-hand side.
 template <int order, class SystemType>
 class RecordedCoefficients {
   public:
-    static constexpr int dimension = SystemType::dimension;
-
-    RecordedCoefficients(const Problem& problem, const Segment& segment)
-        : series_(recorded_series<double, SystemType>(problem, segment, order)) {
-        SystemType(problem).scales(scales_.data());
+    RecordedCoefficients(const Problem&, const Segment&, const SystemType& system)
+        : series_(recorded_series<double>(system, order)), scales_(system.size()) {
+        system.scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
         Sizes sizes;
-        for (int i = 0; i < dimension; ++i)
+        for (int i = 0; i < size(); ++i)
             sizes.note(squared(series_.coefficient(i, order)), squared(series_.coefficient(i, order - 1)), scales_[i]);
         return step_of(sizes, tolerance, order);
     }
@@ -157,7 +157,7 @@ class RecordedCoefficients {
     /// The sum of y_k h^(k - from) from k = from on.
     template <int from>
     void tail(double h, double* sums) const {
-        for (int i = 0; i < dimension; ++i) sums[i] = sum(i, h, from);
+        for (int i = 0; i < size(); ++i) sums[i] = sum(i, h, from);
     }
 
   private:
@@ -169,15 +169,19 @@ class RecordedCoefficients {
         return sum;
     }
 
+    int size() const { return static_cast<int>(scales_.size()); }
+
     truth::Series<double> series_;
-    std::array<double, dimension> scales_{};
+    Numbers<SystemType::dimension> scales_;
 };
 
 /// A rotation and its series about it, summed with compensation.
 template <int order, class Wide>
 class UnrolledSeries {
   public:
-    UnrolledSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    template <class SystemType>
+    UnrolledSeries(const Problem& problem, const Segment& segment, const SystemType& system)
+        : coefficients_(problem, segment, system) {}
     void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
     void expand() { coefficients_.expand(state_); }
     double step(double tolerance) const { return coefficients_.step(tolerance); }
@@ -198,31 +202,32 @@ class UnrolledSeries {
 template <int order, class SystemType>
 class RecordedSeries {
   public:
-    static constexpr int dimension = SystemType::dimension;
-
-    RecordedSeries(const Problem& problem, const Segment& segment) : coefficients_(problem, segment) {}
+    RecordedSeries(const Problem& problem, const Segment& segment, const SystemType& system)
+        : coefficients_(problem, segment, system), sum_(system.size()) {}
     void start(const double* y) {
-        for (int i = 0; i < dimension; ++i) sum_[i] = {y[i], 0};
+        for (int i = 0; i < size(); ++i) sum_[i] = {y[i], 0};
     }
     void expand() {
-        std::array<double, dimension> y{};
+        Numbers<SystemType::dimension> y(size());
         state(y.data());
         coefficients_.expand(y.data());
     }
     double step(double tolerance) const { return coefficients_.step(tolerance); }
     void advance(double h) {
-        for (int i = 0; i < dimension; ++i) sum_[i].add(coefficients_.increment(i, h));
+        for (int i = 0; i < size(); ++i) sum_[i].add(coefficients_.increment(i, h));
     }
     void look(double h, double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value + (sum_[i].lost + coefficients_.increment(i, h));
+        for (int i = 0; i < size(); ++i) y[i] = sum_[i].value + (sum_[i].lost + coefficients_.increment(i, h));
     }
     void state(double* y) const {
-        for (int i = 0; i < dimension; ++i) y[i] = sum_[i].value;
+        for (int i = 0; i < size(); ++i) y[i] = sum_[i].value;
     }
 
   private:
+    int size() const { return static_cast<int>(sum_.size()); }
+
     RecordedCoefficients<order, SystemType> coefficients_;
-    std::array<CompensatedSum, dimension> sum_{};
+    Numbers<SystemType::dimension, CompensatedSum> sum_;
 };
 
 /// I^-1 in posed axes, 1/(kg m^2).
@@ -273,15 +278,14 @@ double response_rate(const Problem& problem, const Segment& segment) {
 template <class Coefficients, class SystemType>
 class ExtendedSeries {
   public:
-    static constexpr int dimension = SystemType::dimension;
-
-    ExtendedSeries(const Problem& problem, const Segment& segment)
-        : coefficients_(problem, segment),
-          first_(recorded_series<Extended, SystemType>(problem, segment, extended)),
-          longest_(4 / response_rate(problem, segment)) {}
-    void start(const double* y) { std::copy_n(y, dimension, state_.begin()); }
+    ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system)
+        : coefficients_(problem, segment, system),
+          first_(recorded_series<Extended>(system, extended)),
+          longest_(problem.own ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
+          state_(system.size()) {}
+    void start(const double* y) { std::copy_n(y, size(), state_.begin()); }
     void expand() {
-        std::array<double, dimension> y{};
+        Values y(size());
         state(y.data());
         coefficients_.expand(y.data());
         first_.expand(state_.data());
@@ -292,15 +296,17 @@ class ExtendedSeries {
     void state(double* y) const { round(state_, y); }
 
   private:
-    using State = std::array<Extended, dimension>;
+    using State = Numbers<SystemType::dimension, Extended>;
+    using Values = Numbers<SystemType::dimension>;
     static constexpr int extended = 4;  ///< the last of them
 
+    int size() const { return static_cast<int>(state_.size()); }
     State after(double h) const {
-        std::array<double, dimension> tail{};
+        Values tail(size());
         coefficients_.template tail<extended + 1>(h, tail.data());
         const Extended step = h;
-        State y{};
-        for (int i = 0; i < dimension; ++i) {
+        State y(size());
+        for (int i = 0; i < size(); ++i) {
             Extended sum = tail[i];
             for (int k = extended; k > 0; --k) sum = first_.coefficient(i, k) + sum * step;
             y[i] = state_[i] + sum * step;
@@ -308,7 +314,7 @@ class ExtendedSeries {
         return y;
     }
     static void round(const State& state, double* y) {
-        for (int i = 0; i < dimension; ++i) y[i] = static_cast<double>(state[i]);
+        for (std::size_t i = 0; i < state.size(); ++i) y[i] = static_cast<double>(state[i]);
     }
 
     Coefficients coefficients_;
@@ -316,12 +322,13 @@ class ExtendedSeries {
     // near equilibrium the rounded state's coefficients can vanish where those of the state do not: beyond some 4/rate
     // what is left of it would then grow
     double longest_;
-    State state_{};
+    State state_;
 };
 
 /// The exponent k of the unit of time 2^-k s in which a motion's fastest rate is near one. Zero where no coefficient
 /// leaves the range of binary64 without it.
 int exponent_of_rate(const Problem& problem) {
+    if (problem.own) return 0;
     double rate = problem.scales.angular_velocity;
     for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(problem.initial_angular_velocity[i]));
     for (const Segment& segment : problem.segments) {
@@ -393,7 +400,7 @@ class TaylorSession {
         system_.enter(segment, y_.data());
         series_.reset();
         begin_ = t_ = segment.begin, end_ = segment.end;
-        if (end_ > t_) series_.emplace(*scaled_, segment).start(y_.data());
+        if (end_ > t_) series_.emplace(*scaled_, segment, system_).start(y_.data());
         return 0;
     }
     /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
@@ -411,15 +418,15 @@ class TaylorSession {
     }
 
     double time() const { return t_ * unit_; }
-    Sample sample() {
+    auto sample() {
         settle();
         return in_seconds(system_.motion(t_, y_.data()));
     }
     /// The motion at a time within the last step.
-    std::optional<Sample> sample_inside(double at) {
+    auto sample_inside(double at) {
         const double t = at * per_unit_;
         series_->look(t - begin_, y_.data());
-        return in_seconds(system_.motion(t, y_.data()));
+        return std::optional(in_seconds(system_.motion(t, y_.data())));
     }
     int inside_flag() const { return 0; }
 
@@ -439,6 +446,8 @@ class TaylorSession {
   private:
     static constexpr int not_finite = -1, too_short = -2;
 
+    // those of a system of the user's own are in seconds already
+    static std::vector<Sample> in_seconds(std::vector<Sample> bodies) { return bodies; }
     Sample in_seconds(Sample sample) const {
         sample.t *= unit_;
         sample.angular_velocity_B = per_unit_ * sample.angular_velocity_B;
@@ -458,7 +467,7 @@ class TaylorSession {
     double tolerance_;
     double begin_ = 0, t_ = 0, end_ = 0;  ///< units: of the last step, now, of the segment
     long steps_ = 0;
-    std::array<double, SystemType::dimension> y_{};
+    Numbers<SystemType::dimension> y_{system_.size()};
     std::optional<Series> series_;
 };
 
@@ -537,6 +546,7 @@ constexpr Method each[] = {
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .solve = solve},
 };
 

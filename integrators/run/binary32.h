@@ -39,6 +39,7 @@ class Binary32 {
   public:
     using Scalar = float;
     static constexpr int dimension = SystemType::dimension;
+    static constexpr int size() { return dimension; }
 
     explicit Binary32(const Problem& problem) : posed_(problem) { take_equations(); }
 
@@ -91,15 +92,24 @@ class Binary32 {
 template <class SystemType, class S>
 using SystemIn = std::conditional_t<std::is_same_v<S, double>, SystemType, Binary32<SystemType>>;
 
-/// with_system() for scalar S, double or float.
+/// with_one_body() for scalar S, double or float.
+template <class S, class Visitor>
+Trajectory with_one_body_in(const Problem& problem, Visitor&& visit) {
+    if constexpr (std::is_same_v<S, double>) {
+        return with_one_body(problem, std::forward<Visitor>(visit));
+    } else {
+        return with_one_body(problem,
+                             [&]<class SystemType>() { return visit.template operator()<Binary32<SystemType>>(); });
+    }
+}
+
+/// with_system() for scalar S: systems of the user's own are of double.
 template <class S, class Visitor>
 Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
-    if constexpr (std::is_same_v<S, double>) {
+    if constexpr (std::is_same_v<S, double>)
         return with_system(problem, std::forward<Visitor>(visit));
-    } else {
-        return with_system(problem,
-                           [&]<class SystemType>() { return visit.template operator()<Binary32<SystemType>>(); });
-    }
+    else
+        return with_one_body_in<S>(problem, std::forward<Visitor>(visit));
 }
 
 /// Why the body or its start is nothing that binary32 can hold; empty where it can.
@@ -168,6 +178,7 @@ struct MethodInBinary32 {
         m.documentation = Joined<documentation>::text;
         m.described_as = {};
         m.conserves = Joined<conserves>::text;
+        m.own_systems = false;
         m.solve = solve_within_binary32<solve>;
         return m;
     }

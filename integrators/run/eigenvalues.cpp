@@ -24,7 +24,7 @@ std::vector<std::complex<double>> eigenvalues_on(const Problem& problem, const S
 }  // namespace
 
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample) {
-    return with_system(problem, [&]<class SystemType>() { return eigenvalues_on<SystemType>(problem, sample); });
+    return with_one_body(problem, [&]<class SystemType>() { return eigenvalues_on<SystemType>(problem, sample); });
 }
 
 std::complex<double> largest_in_magnitude(std::span<const std::complex<double>> eigenvalues) {

@@ -27,7 +27,7 @@ concept Stepper = requires(S s, const S c, const Segment& segment, double t, dou
     { s.restart() } -> std::same_as<void>;       // back to t = 0
     { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then other loads
     { s.step(t, h) } -> std::same_as<void>;      // from t to t + h
-    { c.sample(t) } -> std::same_as<Sample>;
+    { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.finite() } -> std::same_as<bool>;
     { c.rhs_evaluations() } -> std::same_as<long>;  // since restart
 };
@@ -39,7 +39,7 @@ class SystemStepper {
     static constexpr int dimension = SystemType::dimension;  ///< components of the state
 
     /// At t = 0. The problem must outlive it.
-    explicit SystemStepper(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
+    explicit SystemStepper(const Problem& problem) : system_(problem) { restart(); }
     /// Goes back to t = 0.
     void restart() {
         system_.initial(y_);
@@ -60,7 +60,6 @@ class SystemStepper {
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
-    const Problem* problem_;
     SystemType system_;
     Scheme scheme_{};
     alignas(32) double y_[dimension];
@@ -124,8 +123,8 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         }
         if (stop > t) stepper.step(t, stop - t);
     };
-    const auto keep = [&](const Sample& sample) {
-        trajectory.samples.push_back(sample);
+    const auto keep = [&](const Bodies& moment) {
+        trajectory.append(moment);
         if constexpr (requires { stepper.orthogonality_defect(); })
             trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
     };
@@ -137,13 +136,13 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     const auto diverge = [&](long reached, std::string what) {
         trajectory.steps = reached;
         std::string state;
-        if (!trajectory.samples.empty()) state = last_state(trajectory.samples.back());
+        if (!trajectory.samples.empty()) state = last_state(trajectory.at(trajectory.moments() - 1));
         if constexpr (std::copyable<S>) {
             stepper = *copy, events = events_of_copy;
             for (long n = copied_at; n < reached; ++n) {
                 const Interval at = interval(n / per_sample + 1);
                 const long i = n % per_sample;
-                const Sample before = stepper.sample(at.time(i));
+                const auto before = stepper.sample(at.time(i));
                 take_step(at, i);
                 const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
                 if (here.empty() && stepper.finite()) continue;
@@ -161,7 +160,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         events = EventQueue<Segment>(problem.segments);
         pass_events(0);
         if (recording) {
-            const Sample start = stepper.sample(0);
+            const auto start = stepper.sample(0);
             if (std::string what = divergence(problem, start, bound); !what.empty()) {
                 trajectory.status = Status::diverged, trajectory.message = std::move(what);
                 return false;
@@ -191,7 +190,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                 }
                 const bool sampled = recording && i == per_sample;
                 if (!stepper.finite() || sampled || i - first == longest_stretch) {
-                    const Sample sample = stepper.sample(at.time(i));
+                    const auto sample = stepper.sample(at.time(i));
                     std::string what = divergence(problem, sample, bound);
                     if (what.empty() && !stepper.finite()) what = "not finite at " + moment(at.time(i));
                     if (!what.empty()) return diverge(done + i - first, std::move(what));
@@ -206,7 +205,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     if (trajectory.status != Status::diverged) trajectory.steps = budget.steps() / settings.repetitions;
     if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
     if (!settings.record && trajectory.status == Status::ok) {
-        const Sample end = stepper.sample(T);
+        const auto end = stepper.sample(T);
         std::string what = divergence(problem, end, bound);
         if (what.empty())
             keep(end);
@@ -221,7 +220,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
 /// is said at SystemStepper; what is thrown and returned, at solve().
 template <template <class> class Scheme>
 Trajectory march_system(const Problem& problem, const Settings& settings) {
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         return march<SystemStepper<Scheme<SystemType>, SystemType>>(problem, settings);
     });
 }

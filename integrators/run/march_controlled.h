@@ -20,7 +20,7 @@ concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const S
     { s.enter(segment) } -> std::same_as<void>;
     { s.first_step(t) } -> std::same_as<double>;  // a guess at t, after enter()
     { s.attempt(t, h) } -> std::same_as<Attempt>;
-    { c.sample(t) } -> std::same_as<Sample>;
+    { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.rhs_evaluations() } -> std::same_as<long>;
 };
 

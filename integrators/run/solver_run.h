@@ -14,16 +14,16 @@ namespace polhode {
 
 /// A solver with its state, on one problem. Flags below zero say that it can go on no further, and failure() what they
 /// mean. One that can tell of its troubles has `SolverCounts counts()`; one whose sample() leaves a trace in what it
-/// tells at the end has `Sample look()`, which does not.
+/// tells at the end has `look()`, which does not.
 template <class S>
 concept SolverSession = requires(S s, const Segment& segment, double t, int flag) {
     s.restart();                                    // back to t = 0, all counts to zero
     { s.enter(segment) } -> std::same_as<int>;      // an event: impulses, then other loads; a flag
     { s.step() } -> std::same_as<int>;              // one step of the solver's own, cut at the segment's end; a flag
     { s.time() } -> std::convertible_to<double>;    // s, where it stands
-    { s.sample() } -> std::convertible_to<Sample>;  // the motion there
-    { s.sample_inside(t) } -> std::convertible_to<std::optional<Sample>>;  // at a time within the last step
-    { s.inside_flag() } -> std::same_as<int>;                              // why there was none
+    { s.sample() } -> std::convertible_to<Bodies>;  // the motion there
+    { *s.sample_inside(t) } -> std::convertible_to<Bodies>;  // at a time within the last step
+    { s.inside_flag() } -> std::same_as<int>;                // why there was none
     { s.failure(flag).status } -> std::convertible_to<Status>;
     { s.failure(flag).message } -> std::convertible_to<std::string>;
     { s.steps() } -> std::convertible_to<long>;  // since restart
@@ -54,7 +54,7 @@ class SolverRun {
         const auto failure = session_.failure(flag);
         return watch_.fail(failure.status, failure.message);
     }
-    Sample look() {
+    auto look() {
         if constexpr (requires { session_.look(); }) return session_.look();
         return session_.sample();
     }
@@ -70,7 +70,7 @@ class SolverRun {
             return flag >= 0 || fail(flag);
         };
         const auto show = [&](double at) {
-            const std::optional<Sample> sample = at == session_.time() ? session_.sample() : session_.sample_inside(at);
+            const auto sample = at == session_.time() ? std::optional(session_.sample()) : session_.sample_inside(at);
             return sample ? watch_.record(*sample) : fail(session_.inside_flag());
         };
         return follow(problem_.segments, samples, enter, show, [&](const Segment& segment) {

@@ -26,10 +26,11 @@ inline Trajectory out_of_reach(double tolerance) {
 /// Hairer, Norsett & Wanner (1993), II.4: the step at which an Euler step, and then the second derivative, would change
 /// y by a hundredth of its tolerated error to the power the order gives. rate(y, dy) is called twice, at t and a little
 /// later. Not finite, or 0, where the right-hand side is not finite.
-template <std::size_t N, class Rate>
-double first_step(const Rate& rate, const std::array<double, N>& y, const std::array<double, N>& tolerated, int order) {
+template <class Values, class Rate>
+double first_step(const Rate& rate, const Values& y, const Values& tolerated, int order) {
+    const std::size_t N = y.size();
     // root mean square in units of the tolerated error
-    const auto norm = [&](const std::array<double, N>& v) {
+    const auto norm = [&](const Values& v) {
         double sum = 0;
         for (std::size_t i = 0; i < N; ++i) {
             const double ratio = v[i] / tolerated[i];
@@ -37,7 +38,7 @@ double first_step(const Rate& rate, const std::array<double, N>& y, const std::a
         }
         return std::sqrt(sum / static_cast<double>(N));
     };
-    std::array<double, N> f0{}, f1{}, z{};
+    Values f0 = y, f1 = y, z = y;
     rate(0.0, y, f0);
     const double d0 = norm(y), d1 = norm(f0);
     const double guess = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;

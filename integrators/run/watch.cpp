@@ -62,38 +62,46 @@ bool Budget::in_time() {
 
 std::string moment(double t) { return fmt::format("t = {:.9g} s", t); }
 
-std::string divergence(const Problem& problem, const Sample& sample, double bound) {
-    const Vector3<double>& w = sample.angular_velocity_B;
-    double kinetic = dot(w, problem.body.inertia_B * w) / 2;
-    if (!problem.body.pivoted) kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
-    const double norm = squared_norm(sample.q), place = dot(sample.position_W, sample.position_W);
-    const bool finite = std::isfinite(kinetic) && std::isfinite(norm) && std::isfinite(place) && norm > 0;
+std::string divergence(const Problem& problem, const Bodies& bodies, double bound) {
+    double kinetic = 0;
+    bool finite = true;
+    for (const Sample& sample : bodies) {
+        const Vector3<double>& w = sample.angular_velocity_B;
+        kinetic += dot(w, problem.body.inertia_B * w) / 2;
+        if (!problem.body.pivoted) kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
+        const double norm = squared_norm(sample.q), place = dot(sample.position_W, sample.position_W);
+        finite = finite && std::isfinite(kinetic) && std::isfinite(norm) && std::isfinite(place) && norm > 0;
+    }
+    const double t = bodies.front().t;
     if (finite && kinetic <= bound) return {};
-    if (!finite) return "not finite at " + moment(sample.t);
-    return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's own", kinetic,
-                       moment(sample.t));
+    if (!finite) return "not finite at " + moment(t);
+    return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's own", kinetic, moment(t));
 }
 
-std::string last_state(const Sample& sample) {
-    const Vector3<double>& w = sample.angular_velocity_B;
-    const Quaternion<double>& q = sample.q;
-    return fmt::format(
-        "; the last state, at {}: w = ({:.6g}, {:.6g}, {:.6g}) rad/s, q = ({:.6g}, {:.6g}, {:.6g}, {:.6g})",
-        moment(sample.t), w[0], w[1], w[2], q.w, q.x, q.y, q.z);
+std::string last_state(const Bodies& bodies) {
+    std::string text = fmt::format("; the last state, at {}: ", moment(bodies.front().t));
+    for (const Sample& sample : bodies) {
+        const Vector3<double>& w = sample.angular_velocity_B;
+        const Quaternion<double>& q = sample.q;
+        if (&sample != &bodies.front()) text += "; ";
+        text += fmt::format("w = ({:.6g}, {:.6g}, {:.6g}) rad/s, q = ({:.6g}, {:.6g}, {:.6g}, {:.6g})", w[0], w[1],
+                            w[2], q.w, q.x, q.y, q.z);
+    }
+    return text;
 }
 
-void explain_unsolved(Trajectory& trajectory, const Sample& sample) {
+void explain_unsolved(Trajectory& trajectory, const Bodies& bodies) {
     trajectory.status = Status::failed;
-    trajectory.message = "the step's implicit equations were not solved: it is too long for them" + last_state(sample);
+    trajectory.message = "the step's implicit equations were not solved: it is too long for them" + last_state(bodies);
 }
 
-bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory) {
-    std::string what = divergence(problem, sample, bound);
+bool record(const Problem& problem, const Bodies& bodies, double bound, Trajectory& trajectory) {
+    std::string what = divergence(problem, bodies, bound);
     if (what.empty()) {
-        trajectory.samples.push_back(sample);
+        trajectory.append(bodies);
         return true;
     }
-    if (!trajectory.samples.empty()) what += last_state(trajectory.samples.back());
+    if (!trajectory.samples.empty()) what += last_state(trajectory.at(trajectory.moments() - 1));
     trajectory.status = Status::diverged, trajectory.message = std::move(what);
     return false;
 }

@@ -97,16 +97,16 @@ class Stopwatch {
 
 /// What has gone astray: a number that is not finite, or energy beyond all bounds, with the time; empty where nothing
 /// has.
-std::string divergence(const Problem& problem, const Sample& sample, double bound);
+std::string divergence(const Problem& problem, const Bodies& bodies, double bound);
 
 /// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes: what follows upon what went wrong.
-std::string last_state(const Sample& sample);
+std::string last_state(const Bodies& bodies);
 
-/// What a step's implicit equations that are not solved make of a trajectory; `sample`: the last state.
-void explain_unsolved(Trajectory& trajectory, const Sample& sample);
+/// What a step's implicit equations that are not solved make of a trajectory; `bodies`: the last state.
+void explain_unsolved(Trajectory& trajectory, const Bodies& bodies);
 
-/// Appends the sample, or tells that the run has diverged, with the sample before.
-bool record(const Problem& problem, const Sample& sample, double bound, Trajectory& trajectory);
+/// Appends the moment, or tells that the run has diverged, with the moment before.
+bool record(const Problem& problem, const Bodies& bodies, double bound, Trajectory& trajectory);
 
 /// What a method gives for a problem that it cannot represent: no samples, Status::unsupported, and why.
 Trajectory unsupported(std::string message);
@@ -165,7 +165,7 @@ class Watch {
         return is_sane(sample());
     }
     /// Takes a sample; false where the motion has diverged.
-    bool record(const Sample& sample) { return polhode::record(*problem_, sample, bound_, *trajectory_); }
+    bool record(const Bodies& bodies) { return polhode::record(*problem_, bodies, bound_, *trajectory_); }
 
     /// Ends the run with this status and message; false.
     bool fail(Status status, std::string message) {
@@ -180,9 +180,9 @@ class Watch {
         budget_.stop(*trajectory_);
         return false;
     }
-    bool is_sane(const Sample& sample) {
-        std::string what = divergence(*problem_, sample, bound_);
-        return what.empty() || fail(Status::diverged, what + last_state(sample));
+    bool is_sane(const Bodies& bodies) {
+        std::string what = divergence(*problem_, bodies, bound_);
+        return what.empty() || fail(Status::diverged, what + last_state(bodies));
     }
 
     const Problem* problem_;

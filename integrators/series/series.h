@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "integrators/series/real.h"
-#include "integrators/series/traced.h"
+#include "motion/traced.h"
 
 namespace polhode::truth {
 

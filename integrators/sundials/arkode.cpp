@@ -23,8 +23,8 @@ class ArkodeFixedStepper {
         if (!failed()) note(session_.fixed_step(t, h));
     }
     // at the time that the caller says it is: its sum of steps may round otherwise
-    Sample sample(double t) const { return session_.sample_at(t); }
-    bool finite() const { return all_finite({session_.y(), SystemType::dimension}); }
+    auto sample(double t) const { return session_.sample_at(t); }
+    bool finite() const { return all_finite(std::span<const double>(session_.y(), session_.size())); }
     long rhs_evaluations() const { return session_.rhs_evaluations(); }
     bool failed() const { return flag_ < 0; }
     void explain(Trajectory& trajectory) {
@@ -113,6 +113,7 @@ constexpr Method method(std::string_view name, std::string_view documentation) {
             .source = arkode_source,
             .conserves = "nothing",
             .control = Control::fixed_step_or_tolerance,
+            .own_systems = true,
             .order = order,
             .solve = solve_by<implicit, order>,
             .growth = growth<implicit, order>,

@@ -178,7 +178,7 @@ template <ARKODE_ERKTableID id>
 Trajectory relaxed(const Problem& problem, const Settings& settings) {
     if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
     const Tableau table(id);
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<RelaxedStepper<SystemType>>(problem, settings, table);
         return march_controlled(problem, settings, RelaxedStepper<SystemType>(problem, table, *settings.tolerance));
     });

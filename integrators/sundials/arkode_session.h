@@ -18,7 +18,7 @@ struct ArkodeTable {
     int order;
 };
 
-/// SystemType: one of motion/systems.h.
+/// SystemType: a System.
 ///
 /// ARKStep, although ERKStep has less to do: ERKStep 6.4 takes the last stage's rate for the next step's first wherever
 /// the last abscissa is 1, which is right only if that stage stands at the step's end. Measured on a free symmetric
@@ -51,8 +51,8 @@ class ArkodeSession : public SundialsSession<SystemType> {
         demand(ARKStepSetMaxHnilWarns(memory, -1));
         if (!table.implicit) return;
         nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
-        matrix_ = owned(FixedMatrix<dimension>::make(context_));
-        linear_ = owned(FixedDenseSolver<dimension>::make(context_));
+        matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
+        linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
         demand(ARKStepSetNonlinearSolver(memory, nonlinear_.get()));
         demand(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
         demand(ARKStepSetJacFn(memory, Base::fill_jacobian));
@@ -97,17 +97,17 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// >= 0. What a torque of the user's own throws comes out here.
     int step() {
         before_ = t_;
-        std::copy(y(), y() + dimension, y_before_);
+        std::copy_n(y(), this->system_.size(), y_before_.begin());
         return controlled_step();
     }
 
     /// The motion at a time within the last step, later than the one asked for before. ARKODE's interpolation is of
     /// degree 5 at the most, so another session of the same table goes there from the step's begin by itself.
-    std::optional<Sample> sample_inside(double t) {
+    auto sample_inside(double t) -> std::optional<decltype(this->sample())> {
         if (!aside_) aside_.reset(new ArkodeSession(*this->problem_, table_, this->tolerance_));
         ArkodeSession& aside = *aside_;
         aside.system_ = this->system_;
-        std::copy(y_before_, y_before_ + dimension, aside.y());
+        std::copy(y_before_.begin(), y_before_.end(), aside.y());
         aside.t_ = aside.reached_ = before_, aside.end_ = t;
         inside_flag_ =
             ARKStepReInit(aside.memory_.get(), explicit_part(), implicit_part(), before_, aside.state_.get());
@@ -119,7 +119,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
             return std::nullopt;
         }
         before_ = t;
-        std::copy(aside.y(), aside.y() + dimension, y_before_);
+        std::copy_n(aside.y(), this->system_.size(), y_before_.begin());
         return aside.sample();
     }
     /// Why sample_inside() had none.
@@ -192,7 +192,8 @@ class ArkodeSession : public SundialsSession<SystemType> {
     std::unique_ptr<ArkodeSession> aside_;
     double reached_ = 0;  // s, on ARKODE's clock
     double length_ = 0;   // s, the fixed step it was last told
-    double before_ = 0, y_before_[dimension] = {};
+    double before_ = 0;
+    Numbers<dimension> y_before_{this->system_.size()};
     int inside_flag_ = ARK_SUCCESS;
     long steps_ = 0;
     Counts counts_, counted_;  // since restart(); ARKODE's own at the last look

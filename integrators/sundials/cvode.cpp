@@ -32,7 +32,7 @@ Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, Multistep::bdf, Iteration::newton, *settings.tolerance);
         session.project_onto(Projection<SystemType>(problem));
         return SundialsRun(problem, settings, session).solve();
@@ -56,6 +56,7 @@ constexpr Method each[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .solve = adams},
     {.name = "cvode_bdf",
      .documentation =
@@ -68,6 +69,7 @@ constexpr Method each[] = {
      .source = source,
      .conserves = "nothing",
      .control = Control::tolerance,
+     .own_systems = true,
      .solve = bdf,
      .refuses = no_jacobian_of_user_torque},
     {.name = "cvode_bdf_projected",

@@ -47,8 +47,8 @@ struct CvodeCounts {
     }
 };
 
-/// Newton's method needs FixedVector. SystemType: one of motion/systems.h.
-template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
+/// Newton's method needs the vector by default. SystemType: a System.
+template <class SystemType, class Vector = typename VectorFor<SystemType::dimension>::type>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base = SundialsSession<SystemType, Vector>;
     using Base::absolute_, Base::context_, Base::end_, Base::state_, Base::t_;
@@ -75,11 +75,11 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
             demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
             demand(CVodeSetNonlinConvCoef(memory, functional_coefficient));
             demand(CVodeSetMaxNonlinIters(memory, functional_iterations));
-        } else if constexpr (std::is_same_v<Vector, FixedVector<dimension>>) {
+        } else if constexpr (std::is_same_v<Vector, typename VectorFor<dimension>::type>) {
             nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
             demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            matrix_ = owned(FixedMatrix<dimension>::make(context_));
-            linear_ = owned(FixedDenseSolver<dimension>::make(context_));
+            matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
+            linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
             demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
             demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
@@ -137,11 +137,11 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     }
 
     /// The motion at a time within the last step, by the step's own interpolating polynomial.
-    std::optional<Sample> sample_inside(double t) {
+    auto sample_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, inside_.get());
         if constexpr (projects)
             if (projection_) projection_->project(Vector::data(inside_.get()));
-        return this->system_.motion(t, Vector::data(inside_.get()));
+        return std::optional(this->system_.motion(t, Vector::data(inside_.get())));
     }
 
     int inside_flag() const { return CV_SUCCESS; }
@@ -210,7 +210,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         counts_.add(memory_.get());
     }
 
-    SundialsOwner<N_Vector> inside_ = owned(Vector::make(context_));
+    SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
     SundialsOwner<SUNNonlinearSolver> nonlinear_;
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;

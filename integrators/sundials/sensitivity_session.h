@@ -70,8 +70,8 @@ class SensitivitySession : public SundialsSession<SystemType> {
             nonlinear_columns_ = owned(SUNNonlinSol_NewtonSens(directions, state_.get(), context_));
             demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
             demand(CVodeSetNonlinearSolverSensStg(memory, nonlinear_columns_.get()));
-            matrix_ = owned(FixedMatrix<dimension>::make(context_));
-            linear_ = owned(FixedDenseSolver<dimension>::make(context_));
+            matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
+            linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
             demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
             demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
@@ -252,7 +252,7 @@ class SensitivitySession : public SundialsSession<SystemType> {
     }
 
     std::array<double, dimension> scale_{};
-    SundialsOwner<N_Vector> inside_ = owned(Vector::make(context_));
+    SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
     std::unique_ptr<N_Vector, FreeColumns> columns_, inside_columns_;
     SundialsOwner<SUNNonlinearSolver> nonlinear_, nonlinear_columns_;
     SundialsOwner<SUNMatrix> matrix_;

@@ -15,10 +15,10 @@
 #include <utility>
 
 #include "integrators/run/watch.h"
-#include "integrators/sundials/fixed_dense_solver.h"
-#include "integrators/sundials/fixed_vector.h"
+#include "integrators/sundials/serial_vector.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "motion/dual.h"
+#include "motion/numbers.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -31,7 +31,7 @@ struct SundialsFailure {
 
 /// Vector: FixedVector<N>, or a type with the same make() and data(). The problem must outlive the session. Not to be
 /// moved: the library points into it.
-template <class SystemType, class Vector = FixedVector<SystemType::dimension>>
+template <class SystemType, class Vector = typename VectorFor<SystemType::dimension>::type>
 class SundialsSession {
   public:
     static constexpr int dimension = SystemType::dimension;
@@ -40,13 +40,14 @@ class SundialsSession {
     SundialsSession& operator=(const SundialsSession&) = delete;
 
     double time() const { return t_; }
+    std::size_t size() const { return static_cast<std::size_t>(system_.size()); }  ///< of y
     double* y() { return Vector::data(state_.get()); }
 
     /// The motion at time(), as the solver left it.
-    Sample sample() { return sample_at(t_); }
+    auto sample() { return sample_at(t_); }
 
     /// The same where the caller keeps the time: time() may differ from t by rounding.
-    Sample sample_at(double t) { return system_.motion(t, y()); }
+    auto sample_at(double t) { return system_.motion(t, y()); }
 
     /// The time at which the right-hand side was not finite, since restart().
     std::optional<double> not_finite_at() const { return not_finite_at_; }
@@ -61,7 +62,7 @@ class SundialsSession {
           tolerance_(std::max(tolerance, 1e-100)) {
         system_.initial(y());
         system_.scales(Vector::data(absolute_.get()));
-        for (int i = 0; i < dimension; ++i) Vector::data(absolute_.get())[i] *= tolerance_;
+        for (int i = 0; i < system_.size(); ++i) Vector::data(absolute_.get())[i] *= tolerance_;
     }
     ~SundialsSession() = default;
 
@@ -93,10 +94,10 @@ class SundialsSession {
     }
     // a segment of a rounding error's length, which no solver can start on: one explicit Euler step is exact there
     void leap() {
-        double rate[dimension];
-        system_.derivative(t_, y(), rate);
+        Numbers<dimension> rate(system_.size());
+        system_.derivative(t_, y(), rate.data());
         ++evaluations_;
-        for (int i = 0; i < dimension; ++i) y()[i] += (end_ - t_) * rate[i];
+        for (int i = 0; i < system_.size(); ++i) y()[i] += (end_ - t_) * rate[i];
         t_ = end_;
         message_.clear();
     }
@@ -117,18 +118,27 @@ class SundialsSession {
             return -1;
         }
         double zeros[2] = {0, 0};
-        for (int i = 0; i < dimension; ++i) zeros[i & 1] += dy[i] * 0;
+        for (int i = 0; i < self->system_.size(); ++i) zeros[i & 1] += dy[i] * 0;
         if (zeros[0] + zeros[1] == 0) return 0;
         self->not_finite_at_ = t;
         return -1;
     }
 
-    // for FixedMatrix, which goes with FixedVector
+    // for the matrix that goes with the vector of this size
     static int fill_jacobian(double t, N_Vector y, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector, N_Vector) {
         SundialsSession* self = static_cast<SundialsSession*>(session);
-        auto& entries = FixedMatrix<dimension>::entries(J);
-        jacobian(self->system_, t + self->offset_, Vector::data(y), entries.data());
-        if (entries.allFinite()) return 0;
+        if constexpr (dimension == run_time) {
+            const int n = self->system_.size();
+            std::vector<double> rows(static_cast<std::size_t>(n) * n);
+            jacobian(self->system_, t + self->offset_, Vector::data(y), rows.data());
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j) SM_ELEMENT_D(J, i, j) = rows[i * n + j];
+            if (all_finite(rows)) return 0;
+        } else {
+            auto& entries = FixedMatrix<dimension>::entries(J);
+            jacobian(self->system_, t + self->offset_, Vector::data(y), entries.data());
+            if (entries.allFinite()) return 0;
+        }
         self->not_finite_at_ = t + self->offset_;
         return -1;
     }
@@ -142,8 +152,8 @@ class SundialsSession {
     SystemType system_;
     double tolerance_;
     SundialsContext context_;  // before all that lives in it
-    SundialsOwner<N_Vector> state_ = owned(Vector::make(context_));
-    SundialsOwner<N_Vector> absolute_ = owned(Vector::make(context_));
+    SundialsOwner<N_Vector> state_ = owned(made<Vector>(context_, system_.size()));
+    SundialsOwner<N_Vector> absolute_ = owned(made<Vector>(context_, system_.size()));
     double t_ = 0, end_ = 0;
     double offset_ = 0;  // s, from the solver's clock to the motion's
     long evaluations_ = 0;

@@ -338,7 +338,7 @@ bool turns_across(const Problem& problem, const UniformField& field, const Sampl
 
 // The motion at t = 0, impulses there included.
 Sample first_sample(const Problem& problem) {
-    return with_system(problem, [&]<class SystemType>() {
+    return with_one_body(problem, [&]<class SystemType>() {
         SystemType system(problem);
         double y[SystemType::dimension];
         system.initial(y);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <concepts>
+#include <vector>
 
 namespace polhode {
 
@@ -66,14 +67,30 @@ struct Dual {
 };
 
 /// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
-template <class System>
-void jacobian(const System& system, double t, const double* y, double* J) {
-    constexpr int N = System::dimension;
+template <class SystemType>
+requires(SystemType::dimension > 0) void jacobian(const SystemType& system, double t, const double* y, double* J) {
+    constexpr int N = SystemType::dimension;
     std::array<Dual<N>, N> state, rate;
     for (int i = 0; i < N; ++i) state[i] = Dual<N>(y[i]), state[i].slope[i] = 1;
     system.derivative(t, state.data(), rate.data());
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) J[i * N + j] = rate[i].slope[j];
+}
+
+/// The same of n = system.size() components, as many columns at a time as one evaluation finds.
+template <int columns, class SystemType>
+void jacobian_by_columns(const SystemType& system, double t, const double* y, double* J) {
+    const int n = system.size();
+    std::vector<Dual<columns>> state(n), rate(n);
+    for (int first = 0; first < n; first += columns) {
+        for (int i = 0; i < n; ++i) {
+            state[i] = Dual<columns>(y[i]);
+            if (i >= first && i < first + columns) state[i].slope[i - first] = 1;
+        }
+        system.derivative(t, state.data(), rate.data());
+        for (int i = 0; i < n; ++i)
+            for (int j = first; j < n && j < first + columns; ++j) J[i * n + j] = rate[i].slope[j - first];
+    }
 }
 
 }  // namespace polhode

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "motion/contact.h"
 #include "motion/needs.h"
@@ -132,6 +133,8 @@ const char* name_of(SystemKind system) {
             return "loaded rotation";
         case SystemKind::loaded_motion:
             return "loaded rotation and translation";
+        case SystemKind::own:
+            return "own system";
         case SystemKind::full_motion:
             break;
     }
@@ -139,6 +142,7 @@ const char* name_of(SystemKind system) {
 }
 
 double energy_bound(const Problem& problem) {
+    if (problem.own) return std::numeric_limits<double>::infinity();
     const Vector3<double>& moments = problem.principal.moments;
     const double largest = std::max({moments[0], moments[1], moments[2]});
     const Scales& s = problem.scales;

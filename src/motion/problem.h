@@ -28,7 +28,7 @@ enum class Formulation {
 const char* name_of(Formulation formulation);
 
 /// Which of motion/systems.h.
-enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion };
+enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion, own };
 /// How the principal moments of a body are alike.
 enum class Symmetry {
     spherical,   ///< all three agree
@@ -76,6 +76,8 @@ struct Scales {
     double velocity = 1;          ///< m/s
 };
 
+class ErasedModel;
+
 /// A posed scene: what every method is given.
 struct Problem {
     Scene scene;                                     ///< as it was posed
@@ -97,6 +99,8 @@ struct Problem {
 
     WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
     Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal
+
+    std::shared_ptr<const ErasedModel> own;  ///< of a system of the user's own, which has no body and no scene
 };
 
 /// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's.
@@ -112,6 +116,7 @@ void translated(const Segment& segment, double after, Vector3<double>& position_
 const char* name_of(SystemKind system);
 
 /// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
+/// Infinite for a system of the user's own, whose masses are not known.
 double energy_bound(const Problem& problem);
 
 }  // namespace polhode

@@ -85,7 +85,7 @@ void scout(const Problem& problem, Scales& scales) {
 
 void find_scales(Problem& problem) {
     Scales scales{0, 0, 0};
-    with_system(problem, [&]<class SystemType>() { scout<SystemType>(problem, scales); });
+    with_one_body(problem, [&]<class SystemType>() { scout<SystemType>(problem, scales); });
     // a motion at rest has no scale of its own: one radian, metre over the duration
     if (scales.angular_velocity == 0) scales.angular_velocity = 1 / problem.scene.duration;
     if (scales.position == 0) scales.position = 1;

@@ -7,7 +7,7 @@
 namespace polhode {
 
 static_assert(System<PrincipalAxisRotation> && System<FreeRotation> && System<LoadedRotation> && System<LoadedMotion> &&
-              System<FullMotion>);
+              System<FullMotion> && System<OwnSystem>);
 
 Sample BodySystem::rotated(double t, const Vector3<double>& w, const Quaternion<double>& q) const {
     const Problem& problem = *problem_;

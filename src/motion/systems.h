@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "motion/body_equations.h"
+#include "motion/own_system.h"
 #include "motion/problem.h"
 
 namespace polhode {
@@ -22,12 +23,12 @@ struct Placement;
 struct ImpactOutcome;
 
 /// What a method integrates: made from a problem, at first with the loads of its first segment. The problem must
-/// outlive it. `dimension` is the number of components, known to the compiler.
+/// outlive it. `size()` is the number of components; `dimension` is the same where the compiler knows it.
 template <class F>
 concept System = std::copyable<F> && std::constructible_from<F, const Problem&> &&
     requires(const F c, F f, const Segment& segment, double t, typename F::Scalar* y, double* scales) {
-    { F::dimension } -> std::convertible_to<int>;
-    f.initial(y);  // y at t = 0, before any impulse there
+    { F::dimension } -> std::convertible_to<int>;  // run_time where the compiler does not know it
+    f.initial(y);                                  // y at t = 0, before any impulse there
     {
         f.enter(segment, y)
         } -> std::same_as<bool>;  // an event: impulses in place, then other loads;
@@ -62,11 +63,12 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
   public:
     using Equations = AxisEquations<double>;  ///< its right-hand side
     using Equations::dimension;
-    static constexpr bool about_axis = true;         ///< it turns about a fixed axis
-    static constexpr bool has_translation = false;   ///< p and v are part of the state
-    static constexpr bool has_torque = true;         ///< torques may act
-    static constexpr bool has_full_inertia = false;  ///< the tensor is as written, not the principal one
-    static constexpr int rates = 1;                  ///< components of w; they come first
+    static constexpr bool about_axis = true;           ///< it turns about a fixed axis
+    static constexpr bool has_translation = false;     ///< p and v are part of the state
+    static constexpr bool has_torque = true;           ///< torques may act
+    static constexpr bool has_full_inertia = false;    ///< the tensor is as written, not the principal one
+    static constexpr int size() { return dimension; }  ///< components of the state
+    static constexpr int rates = 1;                    ///< components of w; they come first
 
     /// With the loads of the first segment. The problem must outlive it.
     explicit PrincipalAxisRotation(const Problem& problem) : PrincipalAxisRotation(problem, problem.segments.front()) {}
@@ -118,7 +120,8 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
     static constexpr bool has_torque = requires(Equations f) { f.forcing; };  ///< torques may act
     /// The tensor is as written, not the principal one.
     static constexpr bool has_full_inertia = requires(Equations f) { f.inertia.tensor; };
-    static constexpr int rates = 3;  ///< components of w; they come first
+    static constexpr int size() { return dimension; }  ///< components of the state
+    static constexpr int rates = 3;                    ///< components of w; they come first
 
     /// With the loads of the first segment. The problem must outlive it.
     explicit QuaternionSystem(const Problem& problem) : QuaternionSystem(problem, problem.segments.front()) {}
@@ -234,12 +237,12 @@ extern template class QuaternionSystem<LoadedEquations<double, FullInertia<doubl
 
 /// Whether the state is w and q alone: what has kernels of its own.
 template <class SystemType>
-inline constexpr bool is_rotation = !SystemType::about_axis && !SystemType::has_translation;
+inline constexpr bool is_rotation = SystemType::dimension == FreeRotation::dimension;
 
-/// Calls visit.template operator() with the system that the problem was posed as for template argument, and returns
-/// what that returns.
+/// Calls visit.template operator()<SystemType>() with the one body's system that the problem was posed as, and returns
+/// what it returns. Not for a system of the user's own.
 template <class Visitor>
-auto with_system(const Problem& problem, Visitor&& visit) {
+auto with_one_body(const Problem& problem, Visitor&& visit) {
     switch (problem.needs.system) {
         case SystemKind::principal_axis_rotation:
             return visit.template operator()<PrincipalAxisRotation>();
@@ -250,9 +253,17 @@ auto with_system(const Problem& problem, Visitor&& visit) {
         case SystemKind::loaded_motion:
             return visit.template operator()<LoadedMotion>();
         case SystemKind::full_motion:
+        case SystemKind::own:
             break;
     }
     return visit.template operator()<FullMotion>();
+}
+
+/// The same for any problem: with OwnSystem where it is a system of the user's own.
+template <class Visitor>
+auto with_system(const Problem& problem, Visitor&& visit) {
+    if (problem.own) return visit.template operator()<OwnSystem>();
+    return with_one_body(problem, std::forward<Visitor>(visit));
 }
 
 /// Where the body is at a state of a 13-dimensional system, as contacts need it.

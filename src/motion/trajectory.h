@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,14 @@ struct Sample {
     Vector3<double> velocity_W;          ///< of the centre of mass, m/s
 };
 
+/// The motion of every body at one time, seen in one sample or in a list of them.
+class Bodies : public std::span<const Sample> {
+  public:
+    Bodies(const Sample& one) : span(&one, 1) {}
+    Bodies(const std::vector<Sample>& all) : span(all) {}
+    Bodies(std::span<const Sample> all) : span(all) {}
+};
+
 /// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
 Vector3<double> angular_velocity_W(const Sample& sample);
 
@@ -44,7 +53,8 @@ struct SolverCounts {
 struct Trajectory {
     Status status = Status::ok;   ///< how the run ended
     std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
-    std::vector<Sample> samples;  ///< those reached; the first at t = 0
+    int bodies = 1;               ///< how many there are in each moment
+    std::vector<Sample> samples;  ///< those reached, by time and then by body; the first at t = 0
     std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
     std::vector<double> impact_times;          ///< s, of the impacts on the scene's planes
     long steps = 0;                            ///< taken
@@ -53,6 +63,19 @@ struct Trajectory {
     double seconds = 0;          ///< wall clock of the integration alone, set-up left out
     bool limit_reached = false;  ///< `failed` because of one of Settings' limits
     double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
+
+    /// How many times have samples.
+    std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }
+    /// All bodies at the k-th time, k < moments().
+    Bodies at(std::size_t k) const {
+        const std::size_t n = static_cast<std::size_t>(bodies);
+        return std::span(samples).subspan(k * n, n);
+    }
+    /// Appends a moment.
+    void append(const Bodies& moment) {
+        bodies = static_cast<int>(moment.size());
+        samples.insert(samples.end(), moment.begin(), moment.end());
+    }
 };
 
 /// t_k = k T / n, the k-th of n + 1 sample times, in s. Truth and methods use this one formula, so that both mean the

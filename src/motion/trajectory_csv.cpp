@@ -1,5 +1,6 @@
 #include "motion/trajectory_csv.h"
 
+#include "body/wide.h"
 #include "text/decimal.h"
 
 namespace polhode {
@@ -49,6 +50,28 @@ std::string write_trajectory(const TrajectoryFile& file) {
         text += '\n';
     }
     return text;
+}
+
+std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass) {
+    // (1/|q|^2) times a vector turned by q
+    const auto scaled = [](const Quaternion<Wide>& q, const Vector3<Wide>& turned) {
+        return cast<double>((Wide(1) / squared_norm(q)) * turned);
+    };
+    std::vector<Sample> samples;
+    samples.reserve(file.rows.size());
+    for (const TrajectoryRow& row : file.rows) {
+        const Quaternion<Wide> q = cast<Wide>(row.q);
+        Sample s;
+        s.t = row.t, s.q = row.q, s.position_W = row.position_W, s.velocity_W = row.velocity_W;
+        s.angular_velocity_B = scaled(q, rotate_back(q, cast<Wide>(row.angular_velocity_W)));
+        if (file.has_origin) {
+            const Wide size = squared_norm(q);
+            const Vector3<Wide> origin = size * cast<Wide>(row.position_W);
+            s.position_W = scaled(q, origin + rotate(q, cast<Wide>(center_of_mass)));
+        }
+        samples.push_back(s);
+    }
+    return samples;
 }
 
 }  // namespace polhode

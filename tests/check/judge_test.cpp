@@ -8,7 +8,6 @@
 
 #include "measure/errors.h"
 #include "motion/exact_body.h"
-#include "motion/file_samples.h"
 
 namespace polhode {
 namespace {
@@ -58,7 +57,7 @@ TEST(Judge, AgreesWithTheErrorsOfTheTables) {
     const Case c(200);
     const Judgement found = judge(c.scene, c.file, c.truth);
     Trajectory trajectory;
-    trajectory.samples = testing::samples_of(c.file, c.scene.body.center_of_mass);
+    trajectory.samples = samples_of(c.file, c.scene.body.center_of_mass);
     const ErrorSeries series = error_series(c.scene, trajectory, c.truth);
     const auto expect = [&](const ErrorSummary& summary, const std::vector<double>& values) {
         const auto worst = std::max_element(values.begin(), values.end());

@@ -19,7 +19,6 @@
 #include "integrators/own/ensemble.h"
 #include "integrators/truth/cache.h"
 #include "motion/ensemble_table.h"
-#include "motion/file_samples.h"
 #include "motion/problem.h"
 #include "motion/trajectory_csv.h"
 #include "scene/body_source.h"
@@ -110,7 +109,7 @@ inline void trajectory(std::string_view text) {
     // said of this text, not of the motion: what is written has nothing to be read past
     file->read_past.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
-    require(testing::samples_of(*file, {1, 2, 3}).size() == file->rows.size(), "samples are lost");
+    require(samples_of(*file, {1, 2, 3}).size() == file->rows.size(), "samples are lost");
     // read in another order, there is as much of it; in other axes and on another clock as well
     const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     TrajectoryFile other = parse_trajectory(text, "fuzz", order);

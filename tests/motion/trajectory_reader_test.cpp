@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "bad_files.h"
-#include "motion/file_samples.h"
 #include "motion/moderate_scene.h"
 #include "motion/trajectory_csv.h"
 #include "scene/random_scene.h"
@@ -164,7 +163,7 @@ RC_GTEST_PROP(SamplesOf, GivesTheRatesBackThatWereWritten, ()) {
     trajectory.samples = {s};
     const Vector3<double> center = testing::moderate_vector();
     TrajectoryFile file = parse_trajectory(trajectory_csv(trajectory), "written");
-    const std::vector<Sample> back = testing::samples_of(file, center);
+    const std::vector<Sample> back = samples_of(file, center);
     RC_ASSERT(back.size() == 1u);
     RC_ASSERT(back[0].q == s.q);
     RC_ASSERT(back[0].position_W == s.position_W);
@@ -174,7 +173,7 @@ RC_GTEST_PROP(SamplesOf, GivesTheRatesBackThatWereWritten, ()) {
     const Vector3<double> arm_W = (1 / squared_norm(s.q)) * rotate(s.q, center);
     file.has_position = false, file.has_origin = true;
     file.rows[0].position_W = s.position_W - arm_W;
-    RC_ASSERT(testing::distance(testing::samples_of(file, center)[0].position_W, s.position_W) < 1e-14);
+    RC_ASSERT(testing::distance(samples_of(file, center)[0].position_W, s.position_W) < 1e-14);
 }
 
 // a quarter turn about z: the body's x is the world's y
@@ -182,7 +181,7 @@ TEST(SamplesOf, TurnsRatesAndMovesTheOrigin) {
     TrajectoryFile file;
     file.has_angular_velocity = file.has_origin = true;
     file.rows = {{0, {3, 0, 0, 3}, {0, 2, 5}, {10, 20, 30}, {}}};
-    const std::vector<Sample> samples = testing::samples_of(file, {1, 0, 0.5});
+    const std::vector<Sample> samples = samples_of(file, {1, 0, 0.5});
     ASSERT_EQ(samples.size(), 1u);
     EXPECT_EQ(samples[0].angular_velocity_B, Vector3<double>(2, 0, 5));
     EXPECT_EQ(samples[0].position_W, Vector3<double>(10, 21, 30.5));

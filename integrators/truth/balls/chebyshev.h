@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "integrators/series/traced.h"
 #include "integrators/truth/balls/ball.h"
+#include "motion/traced.h"
 
 namespace polhode::truth {
 

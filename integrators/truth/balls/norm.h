@@ -11,9 +11,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "integrators/series/traced.h"
 #include "integrators/truth/balls/ball.h"
 #include "motion/problem.h"
+#include "motion/traced.h"
 
 namespace polhode::truth {
 

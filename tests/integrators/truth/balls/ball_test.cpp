@@ -9,8 +9,8 @@
 #include <string>
 
 #include "integrators/series/real.h"
-#include "integrators/series/traced.h"
 #include "integrators/truth/balls/decimal.h"
+#include "motion/traced.h"
 
 namespace polhode::truth {
 namespace {

@@ -1,0 +1,174 @@
+// A system of the user's own: any first-order ODE whose state is of a size that only the running program knows, made
+// from a model that the user writes. For example two masses on a spring along x, y = (x1, x2, v1, v2):
+//
+//   struct TwoMasses {
+//       double k, m1, m2, rest;
+//       int dimension() const { return 4; }
+//       void initial(double* y) const { y[0] = 0, y[1] = 2 * rest, y[2] = 0, y[3] = 0; }
+//       template <class S>
+//       void derivative(const S* y, S* dy) const {
+//           const S pull = k * (y[1] - y[0] - rest);
+//           dy[0] = y[2], dy[1] = y[3], dy[2] = (1 / m1) * pull, dy[3] = (-1 / m2) * pull;
+//       }
+//       std::vector<double> scales() const { return {rest, rest, 1, 1}; }
+//       std::vector<Sample> motion(const double* y) const;  // one for each mass
+//   };
+//   const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "motion/dual.h"
+#include "motion/problem.h"
+#include "motion/traced.h"
+
+namespace polhode {
+
+/// The size of a state that the compiler does not know.
+inline constexpr int run_time = -1;
+
+/// As many columns of a Jacobian are found in one evaluation of an own system.
+inline constexpr int own_directions = 8;
+
+/// What a model of one's own has:
+///
+///  * `int dimension() const`: the number n of components of the state y, at least one.
+///  * `void initial(double* y) const`: writes y at t = 0.
+///  * `template <class S> void derivative(const S* y, S* dy) const`: writes dy/dt. The scalar S is double for a step,
+///    Dual where a Jacobian is needed and Traced where Taylor coefficients are: the rates are sums and products of
+///    components and of doubles (a quotient or a root becomes a component with a rate of its own), without branches on
+///    their values. Time does not enter: where it is needed, it is a component with the rate S(1).
+///  * `std::vector<double> scales() const`: n positive numbers, the sizes that the components reach, in their units. A
+///    method's tolerance R means R times these.
+///  * `std::vector<Sample> motion(const double* y) const`: the motion of each body at the state y, always as many, at
+///    least one. Their times are filled in by the caller.
+///
+/// Where loads change or impulses act at given times it has besides:
+///
+///  * `std::vector<double> events() const`: those times, s.
+///  * `void enter(double t, double* y)`: called at t = 0 and at each event: changes y, and the model to what holds from
+///    then on.
+template <class M>
+concept OwnModel = std::copyable<M> &&
+    requires(const M model, double* y, const Dual<own_directions>* x, Dual<own_directions>* rate) {
+    { model.dimension() } -> std::convertible_to<int>;
+    model.initial(y);
+    model.derivative(y, y);
+    model.derivative(x, rate);
+    { model.scales() } -> std::convertible_to<std::vector<double>>;
+    { model.motion(y) } -> std::convertible_to<std::vector<Sample>>;
+};
+
+/// An OwnModel behind one type, each scalar by a virtual function of its own. It does not change.
+class ErasedModel {
+  public:
+    virtual ~ErasedModel() = default;
+    virtual int dimension() const = 0;
+    virtual void initial(double* y) const = 0;
+    virtual void derivative(const double* y, double* dy) const = 0;
+    virtual void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const = 0;
+    virtual void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const = 0;
+    virtual void derivative(const truth::Traced<long double>* y, truth::Traced<long double>* dy) const = 0;
+    virtual std::vector<double> scales() const = 0;
+    virtual std::vector<Sample> motion(const double* y) const = 0;
+    virtual std::vector<double> events() const = 0;
+    /// The model that holds from t on; y as it is then. nullptr where there is no other.
+    virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
+};
+
+template <OwnModel M>
+class Erased : public ErasedModel {
+  public:
+    explicit Erased(M model) : model_(std::move(model)) {}
+
+    int dimension() const override { return model_.dimension(); }
+    void initial(double* y) const override { model_.initial(y); }
+    void derivative(const double* y, double* dy) const override { model_.derivative(y, dy); }
+    void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const override {
+        model_.derivative(y, dy);
+    }
+    void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const override {
+        model_.derivative(y, dy);
+    }
+    void derivative(const truth::Traced<long double>* y, truth::Traced<long double>* dy) const override {
+        model_.derivative(y, dy);
+    }
+    std::vector<double> scales() const override { return model_.scales(); }
+    std::vector<Sample> motion(const double* y) const override { return model_.motion(y); }
+    std::vector<double> events() const override {
+        if constexpr (requires { model_.events(); })
+            return model_.events();
+        else
+            return {};
+    }
+    std::shared_ptr<const ErasedModel> entered(double t, double* y) const override {
+        if constexpr (requires(M m) { m.enter(t, y); }) {
+            M next = model_;
+            next.enter(t, y);
+            return std::make_shared<const Erased>(std::move(next));
+        } else {
+            (void)t, (void)y;
+            return nullptr;
+        }
+    }
+
+  private:
+    M model_;
+};
+
+/// The problem of an own system over `duration` (s), as pose() makes it.
+Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
+
+/// Poses a system of one's own for a run from t = 0 to `duration` (s). It is solved like a scene's problem by every
+/// method whose descriptor says `own_systems`; the others answer `unsupported`. The trajectory has one sample for each
+/// body at each time. Throws InputError where the duration or what the model says of itself makes no sense.
+template <OwnModel M>
+Problem pose(M model, double duration) {
+    return pose_own(std::make_shared<const Erased<M>>(std::move(model)), duration);
+}
+
+/// The System of such a problem.
+class OwnSystem {
+  public:
+    using Scalar = double;
+    static constexpr int dimension = run_time;
+    static constexpr bool about_axis = false, has_translation = false;
+
+    explicit OwnSystem(const Problem& problem) : model_(problem.own), size_(model_->dimension()) {}
+
+    int size() const { return size_; }
+    void initial(double* y) const { model_->initial(y); }
+    bool enter(const Segment& segment, double* y) {
+        std::shared_ptr<const ErasedModel> next = model_->entered(segment.begin, y);
+        if (!next) return false;
+        model_ = std::move(next);
+        return true;
+    }
+    template <class S>
+    void derivative(double, const S* y, S* dy) const {
+        model_->derivative(y, dy);
+    }
+    std::vector<Sample> motion(double t, const double* y) const {
+        std::vector<Sample> bodies = model_->motion(y);
+        for (Sample& body : bodies) body.t = t;
+        return bodies;
+    }
+    void scales(double* scales) const {
+        const std::vector<double> s = model_->scales();
+        std::copy(s.begin(), s.end(), scales);
+    }
+
+  private:
+    std::shared_ptr<const ErasedModel> model_;
+    int size_;
+};
+
+inline void jacobian(const OwnSystem& system, double t, const double* y, double* J) {
+    jacobian_by_columns<own_directions>(system, t, y, J);
+}
+
+}  // namespace polhode

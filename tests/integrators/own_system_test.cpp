@@ -1,0 +1,152 @@
+// Systems of the user's own, of a size that only the running program knows.
+#include "motion/own_system.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "integrators/method.h"
+#include "motion/systems.h"
+#include "tests/integrators/scenes.h"
+
+namespace polhode {
+namespace {
+
+/// n bodies side by side that know nothing of each other, each by the library's own LoadedMotion.
+struct SideBySide {
+    std::shared_ptr<const std::vector<Problem>> alone;
+
+    template <class Visit>
+    void each(Visit&& visit) const {
+        int first = 0;
+        for (const Problem& problem : *alone) visit(LoadedMotion(problem), first), first += LoadedMotion::dimension;
+    }
+    int dimension() const { return static_cast<int>(alone->size()) * LoadedMotion::dimension; }
+    void initial(double* y) const {
+        each([&](const LoadedMotion& body, int first) { body.initial(y + first); });
+    }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        each([&](const LoadedMotion& body, int first) { body.derivative(0, y + first, dy + first); });
+    }
+    std::vector<double> scales() const {
+        std::vector<double> all(static_cast<std::size_t>(dimension()));
+        each([&](const LoadedMotion& body, int first) { body.scales(all.data() + first); });
+        return all;
+    }
+    std::vector<Sample> motion(const double* y) const {
+        std::vector<Sample> bodies;
+        each([&](const LoadedMotion& body, int first) { bodies.push_back(body.motion(0, y + first)); });
+        return bodies;
+    }
+};
+
+std::vector<Problem> three_bodies() {
+    std::vector<Problem> problems;
+    for (double spin : {0.5, 1.0, 1.5}) {
+        Scene scene = testing::free_body(3);
+        scene.initial.angular_velocity = {spin, 0.3, 1};
+        scene.initial.velocity_W = {0.5, 0, spin};
+        Drag drag;
+        drag.rotational = {0.1, 0.2, 0.1}, drag.translational = 0.3;
+        scene.loads = {drag};
+        problems.push_back(pose(scene, Formulation::full_principal));
+    }
+    return problems;
+}
+
+double largest_difference(const Sample& a, const Sample& b) {
+    const auto length = [](const Vector3<double>& v) { return std::sqrt(dot(v, v)); };
+    return std::max({testing::attitude_error(a.q, b.q), length(a.angular_velocity_B - b.angular_velocity_B),
+                     length(a.position_W - b.position_W), length(a.velocity_W - b.velocity_W)});
+}
+
+// By fixed steps an explicit method does the same to each body whoever stands beside it: round-off of a state of size 1
+// over 300 steps is 300 x 1e-16 at the most. An implicit one is solved to its own round-off, a thousandth of 1e-9. By a
+// tolerance R either run errs by R a step, and the motion amplifies no error.
+TEST(OwnSystem, BodiesSideBySideMoveAsEachDoesAlone) {
+    const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
+    const Problem together = pose(SideBySide{alone}, 3);
+    constexpr double R = 1e-9;
+    int methods_run = 0;
+    for (const Method* method : methods()) {
+        if (!method->own_systems) continue;
+        Settings settings;
+        settings.samples = 3;
+        if (takes_tolerance(*method))
+            settings.tolerance = R;
+        else
+            settings.step = 0.01;
+        const Trajectory all = solve(together, *method, settings);
+        ASSERT_EQ(all.status, Status::ok) << method->name << ": " << all.message;
+        ASSERT_EQ(all.bodies, 3);
+        ASSERT_EQ(all.moments(), 4u);
+        ++methods_run;
+        double difference = 0;
+        long steps = all.steps;
+        for (std::size_t body = 0; body < alone->size(); ++body) {
+            const Trajectory one = solve((*alone)[body], *method, settings);
+            ASSERT_EQ(one.status, Status::ok) << method->name << ": " << one.message;
+            steps = std::max(steps, all.steps + one.steps);
+            for (std::size_t k = 0; k < 4; ++k) {
+                EXPECT_EQ(all.at(k)[body].t, one.at(k)[0].t);
+                difference = std::max(difference, largest_difference(all.at(k)[body], one.at(k)[0]));
+            }
+        }
+        EXPECT_LT(difference, settings.step ? 1e-12 : R * static_cast<double>(std::max(steps, 100L))) << method->name;
+    }
+    EXPECT_GE(methods_run, 20);
+}
+
+TEST(OwnSystem, AMethodThatNeedsTheBodySaysSo) {
+    const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
+    const Trajectory trajectory = solve(pose(SideBySide{alone}, 3), *find_method("exact"));
+    EXPECT_EQ(trajectory.status, Status::unsupported);
+    EXPECT_NE(trajectory.message.find("needs to know the body"), std::string::npos) << trajectory.message;
+}
+
+/// A mass on a spring that is struck at t = 1: x'' = -x.
+struct StruckMass {
+    double kick = 2;
+
+    int dimension() const { return 2; }
+    void initial(double* y) const { y[0] = 1, y[1] = 0; }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        dy[0] = y[1], dy[1] = -y[0];
+    }
+    std::vector<double> scales() const { return {1, 1}; }
+    std::vector<double> events() const { return {1}; }
+    void enter(double t, double* y) const {
+        if (t == 1) y[1] += kick;
+    }
+    std::vector<Sample> motion(const double* y) const {
+        Sample mass;
+        mass.position_W = {y[0], 0, 0}, mass.velocity_W = {y[1], 0, 0};
+        return {mass};
+    }
+};
+
+// x = cos t, and kick sin(t - 1) more after t = 1; a sample at the event shows the motion after it.
+TEST(OwnSystem, EventsStrikeIt) {
+    const Problem problem = pose(StruckMass(), 2.0);
+    for (const char* name : {"cvode_adams", "cvode_bdf", "taylor", "radau", "dop853", "extrapolation"}) {
+        Settings settings;
+        settings.tolerance = 1e-9, settings.samples = 2;
+        const Trajectory trajectory = solve(problem, *find_method(name), settings);
+        ASSERT_EQ(trajectory.status, Status::ok) << name << ": " << trajectory.message;
+        EXPECT_NEAR(trajectory.at(1)[0].velocity_W[0], -std::sin(1.0) + 2, 1e-7) << name;
+        EXPECT_NEAR(trajectory.at(2)[0].position_W[0], std::cos(2.0) + 2 * std::sin(1.0), 1e-7) << name;
+    }
+}
+
+TEST(OwnSystem, WhatMakesNoSenseIsNotPosed) {
+    EXPECT_THROW(pose(StruckMass(), 0.0), InputError);
+    EXPECT_THROW(pose(StruckMass(), std::nan("")), InputError);
+}
+
+}  // namespace
+}  // namespace polhode

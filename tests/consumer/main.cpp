@@ -6,6 +6,7 @@ int main() {
     solve_by_the_library();
     add_a_torque();
     add_a_method();
+    add_a_system();
     make_a_table();
     return faults() == 0 ? 0 : 1;
 }

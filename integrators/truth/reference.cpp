@@ -11,7 +11,7 @@
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/cache.h"
-#include "integrators/truth/decimal.h"
+#include "integrators/truth/rounded_decimal.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"

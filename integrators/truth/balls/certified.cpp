@@ -12,7 +12,7 @@
 
 #include "integrators/analysis/conditioning.h"
 #include "integrators/truth/allowance.h"
-#include "integrators/truth/balls/decimal.h"
+#include "integrators/truth/balls/ball_decimal.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"

@@ -7,7 +7,7 @@
 
 #include "body/algebra.h"
 #include "integrators/series/radau_nodes.h"
-#include "integrators/truth/decimal.h"
+#include "integrators/truth/rounded_decimal.h"
 
 namespace polhode::truth {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "integrators/series/real.h"
-#include "integrators/truth/balls/decimal.h"
+#include "integrators/truth/balls/ball_decimal.h"
 #include "motion/traced.h"
 
 namespace polhode::truth {

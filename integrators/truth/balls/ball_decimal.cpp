@@ -1,4 +1,4 @@
-#include "integrators/truth/balls/decimal.h"
+#include "integrators/truth/balls/ball_decimal.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "integrators/truth/decimal.h"
+#include "integrators/truth/rounded_decimal.h"
 
 #include <cstddef>
 

@@ -110,15 +110,15 @@ bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Sc
     return !why;
 }
 
-/// on_step(t, h, series): the polynomial of the step from t to t + h.
+/// Follows the legs with a formulation, which may be of several bodies. `blocks` begin with estimates of the largest
+/// lengths; `scales` are asked for only where the formulation meets planes. on_step(t, h, series): the polynomial of
+/// the step from t to t + h.
 template <class P, class Form, class OnStep = ForgetStep>
-auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
-            const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {
-    Form form(scene);
+auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& sample_times, std::vector<Block> blocks,
+            [[maybe_unused]] const Scales& scales, const TaylorSettings& settings, const OnStep& on_step = {}) {
     Run<P, decltype(form.motion(nullptr))> run;
     const int n = form.dimension();
     std::vector<P> y(n), at_sample(n);
-    std::vector<Block> blocks = form.blocks(scales, moments);
     SampleQueue samples(sample_times);
 
     const auto enter = [&](const Leg& leg) {
@@ -130,7 +130,7 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
         return true;
     };
     form.initial(y.data());
-    follow(itinerary(scene), samples, enter, show, [&](const Leg& leg) {
+    follow(legs, samples, enter, show, [&](const Leg& leg) {
         Series<P> series(record<P>(form, n), settings.order);
         P t(leg.begin);
         while (t < leg.end) {
@@ -189,6 +189,15 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
         return true;
     });
     return run;
+}
+
+/// The motion of a scene by a formulation that is made from it; `moments`: any estimate of the principal moments.
+template <class P, class Form, class OnStep = ForgetStep>
+auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
+            const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {
+    Form form(scene);
+    std::vector<Block> blocks = form.blocks(scales, moments);
+    return taylor<P>(std::move(form), itinerary(scene), sample_times, std::move(blocks), scales, settings, on_step);
 }
 
 }  // namespace polhode::truth

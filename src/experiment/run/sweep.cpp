@@ -193,12 +193,12 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         static_cast<long>(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.result; })),
         options.quiet);
     // what is known of a scene, while there is anything left to do with it
-    struct Known {
+    struct SceneAtHand {
         std::vector<Case*> cases;
         Reference truth;
         Conditioning conditioning;
     };
-    std::vector<Known> scenes;
+    std::vector<SceneAtHand> scenes;
     for (auto begin = cases.begin(); begin != cases.end();) {
         const auto end = std::find_if(begin, cases.end(), [&](const Case& c) { return c.scene != begin->scene; });
         if (std::any_of(begin, end, [](const Case& c) { return !c.result; })) {
@@ -216,7 +216,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         scenes[i].truth = reference(scene, plan.experiment.samples);
         scenes[i].conditioning = conditioning_of(scene, plan.experiment.samples);
     });
-    for (Known& known : scenes) {
+    for (SceneAtHand& known : scenes) {
         if (interrupted) break;
         sweep.run += SceneSweep(plan, options, known.cases, known.truth, known.conditioning, progress).run();
         known = {};

@@ -7,7 +7,7 @@
 
 #include "integrators/sundials/build.h"
 #include "integrators/sundials/cvode_session.h"
-#include "integrators/sundials/serial_vector.h"
+#include "integrators/sundials/serial_vector_of.h"
 #include "motion/systems.h"
 
 namespace {
@@ -38,7 +38,7 @@ double run(Session& session, const Problem& problem) {
 void vectors(benchmark::State& state, double tolerance) {
     const Problem problem = free_body();
     CvodeSession<System7, FixedVector<7>> fixed(problem, Multistep::adams, Iteration::functional, tolerance);
-    CvodeSession<System7, SerialVector<7>> serial(problem, Multistep::adams, Iteration::functional, tolerance);
+    CvodeSession<System7, SerialVectorOf<7>> serial(problem, Multistep::adams, Iteration::functional, tolerance);
     double shortest_fixed = std::numeric_limits<double>::infinity(), shortest_serial = shortest_fixed;
     for (auto _ : state) {
         const double on_fixed = run(fixed, problem), on_serial = run(serial, problem);

@@ -9,7 +9,7 @@
 #include "integrators/method.h"
 #include "integrators/sundials/build.h"
 #include "integrators/sundials/cvode_session.h"
-#include "integrators/sundials/serial_vector.h"
+#include "integrators/sundials/serial_vector_of.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -289,7 +289,7 @@ TEST(CvodeFamily, RunsAlikeOnTheSerialVector) {
     const Problem problem = pose(body(1, 2, 3, {1, 1, 1}, 10));
     using System7 = FreeRotation;
     CvodeSession<System7> fixed(problem, Multistep::adams, Iteration::functional, 1e-9);
-    CvodeSession<System7, SerialVector<7>> serial(problem, Multistep::adams, Iteration::functional, 1e-9);
+    CvodeSession<System7, SerialVectorOf<7>> serial(problem, Multistep::adams, Iteration::functional, 1e-9);
     fixed.enter(problem.segments[0]), serial.enter(problem.segments[0]);
     while (fixed.time() < 10) {
         ASSERT_GE(fixed.step(), 0);

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "integrators/sundials/serial_vector.h"
+#include "integrators/sundials/serial_vector_of.h"
 #include "integrators/sundials/sundials_handles.h"
 
 namespace polhode {
@@ -99,7 +99,7 @@ TYPED_TEST(FixedVectorOf, ComputesWhatTheSerialVectorComputes) {
     SundialsContext context;
     for (const auto& [name, operation] : operations) {
         Three<FixedVector<N>, N> fixed(context);
-        Three<SerialVector<N>, N> serial(context);
+        Three<SerialVectorOf<N>, N> serial(context);
         EXPECT_EQ(operation(fixed.x.get(), fixed.y.get(), fixed.z.get()),
                   operation(serial.x.get(), serial.y.get(), serial.z.get()))
             << name;
@@ -107,7 +107,7 @@ TYPED_TEST(FixedVectorOf, ComputesWhatTheSerialVectorComputes) {
                                std::pair(fixed.z.get(), serial.z.get())};
         for (const auto& [f, s] : pairs) {
             for (int i = 0; i < N; ++i)
-                EXPECT_EQ(FixedVector<N>::data(f)[i], SerialVector<N>::data(s)[i]) << name << ", component " << i;
+                EXPECT_EQ(FixedVector<N>::data(f)[i], SerialVectorOf<N>::data(s)[i]) << name << ", component " << i;
             for (int i = N; i < FixedVector<N>::padded; ++i)
                 EXPECT_EQ(FixedVector<N>::data(f)[i], 0) << name << " leaves a number in the padding";
         }

@@ -6,7 +6,7 @@
 namespace polhode {
 
 template <int N>
-struct SerialVector {
+struct SerialVectorOf {
     static N_Vector make(SUNContext context) { return N_VNew_Serial(N, context); }
     static double* data(N_Vector v) { return NV_DATA_S(v); }
 };

@@ -47,7 +47,9 @@ TEST(Itinerary, LegsFollowEachOtherWithoutAGap) {
     for (std::size_t i = 0; i < legs.size(); ++i) {
         EXPECT_EQ(legs[i].index, i);
         EXPECT_EQ(legs[i].last, i == 3);
-        if (i > 0) EXPECT_EQ(legs[i].begin, legs[i - 1].end);
+        if (i > 0) {
+            EXPECT_EQ(legs[i].begin, legs[i - 1].end);
+        }
     }
     EXPECT_EQ(legs[3].begin, 4) << "the impulse at the end opens a leg of no length";
     EXPECT_EQ(legs[3].end, 4);
@@ -98,7 +100,9 @@ TEST(Itinerary, EventsAreDueWhereTheirLegShowsTheSample) {
         const Leg* leg = nullptr;
         while (events.due(t)) leg = &events.pop();
         for (const Leg& other : legs)
-            if (leg && t >= other.begin) EXPECT_EQ(other.shows(t), &other == leg) << t;
+            if (leg && t >= other.begin) {
+                EXPECT_EQ(other.shows(t), &other == leg) << t;
+            }
         EXPECT_EQ(leg != nullptr, t != 0.4 && t != 2) << t;
     }
     EXPECT_FALSE(events.due(3));

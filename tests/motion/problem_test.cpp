@@ -20,7 +20,7 @@ Sample start(const Problem& problem) {
 
 Sample start(const Problem& problem) {
     Sample s;
-    with_system(problem, [&]<class SystemType>() {
+    with_one_body(problem, [&]<class SystemType>() {
         s = start<SystemType>(problem);
         return Trajectory{};
     });

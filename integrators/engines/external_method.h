@@ -14,9 +14,9 @@ namespace polhode {
 /// sample intervals N, the step (s), the relative tolerance and the directory that the scene's files are relative to.
 struct EngineCommand {
     std::vector<std::string> arguments;  ///< the program, looked up on the PATH if it has no slash, and what follows
-    std::vector<std::string> by_step;    ///< appended where the run is by a fixed step: {"--step", "{step}"}
+    std::vector<std::string> by_step{};  ///< appended where the run is by a fixed step: {"--step", "{step}"}
     std::vector<std::string>
-        by_tolerance;  ///< appended where the run is by a tolerance: {"--tolerance", "{tolerance}"}
+        by_tolerance{};  ///< appended where the run is by a tolerance: {"--tolerance", "{tolerance}"}
     std::size_t most_bytes = std::size_t(1) << 30;  ///< of what it may print
 };
 

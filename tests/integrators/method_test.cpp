@@ -46,7 +46,9 @@ TEST(Descriptors, RefuseWhatTheMethodsDoNotSolve) {
             const std::string why = refusal(*method, problem);
             const Trajectory run = solve(problem, *method, settings);
             EXPECT_EQ(run.status == Status::unsupported, !why.empty()) << method->name << " on " << scene.name;
-            if (!why.empty()) EXPECT_EQ(run.message, why) << method->name;
+            if (!why.empty()) {
+                EXPECT_EQ(run.message, why) << method->name;
+            }
             refused += why.empty() ? 0 : 1;
         }
     }

@@ -150,16 +150,16 @@ TEST(FixedSteps, AllocateNothing) {
 
 TEST(OdeintAlgebra, ANormThatIsNotANumberIsInfinite) {
     OdeintArray<3> s;
-    EXPECT_EQ(OdeintAlgebra::norm_inf(s), 0);
+    EXPECT_EQ(OdeintAlgebra<3>::norm_inf(s), 0);
     s[0] = -3, s[1] = 2;
-    EXPECT_EQ(OdeintAlgebra::norm_inf(s), 3);
+    EXPECT_EQ(OdeintAlgebra<3>::norm_inf(s), 3);
     s[2] = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(OdeintAlgebra::norm_inf(s), s[2]);
+    EXPECT_EQ(OdeintAlgebra<3>::norm_inf(s), s[2]);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < 3; ++i) {
         OdeintArray<3> one;
         one[i] = nan, one[(i + 1) % 3] = 5;
-        EXPECT_EQ(OdeintAlgebra::norm_inf(one), std::numeric_limits<double>::infinity()) << i;
+        EXPECT_EQ(OdeintAlgebra<3>::norm_inf(one), std::numeric_limits<double>::infinity()) << i;
     }
 }
 

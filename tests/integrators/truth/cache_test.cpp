@@ -100,7 +100,8 @@ TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
     for (const std::string& folder : folders) {
         EXPECT_NE(read(POLHODE_SOURCE_DIR "/integrators/CMakeLists.txt").find(folder), std::string::npos) << folder;
         for (const auto& entry : std::filesystem::directory_iterator(POLHODE_SOURCE_DIR "/" + folder)) {
-            if (!entry.is_regular_file()) continue;
+            // the method `truth` hands on what is computed, and computes none of it
+            if (!entry.is_regular_file() || entry.path().filename() == "truth_method.cpp") continue;
             std::istringstream lines(read(entry.path().string()));
             for (std::string line; std::getline(lines, line);) {
                 if (line.rfind("#include \"", 0) != 0) continue;

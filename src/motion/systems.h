@@ -124,7 +124,8 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
     static constexpr int rates = 3;                    ///< components of w; they come first
 
     /// With the loads of the first segment. The problem must outlive it.
-    explicit QuaternionSystem(const Problem& problem) : QuaternionSystem(problem, problem.segments.front()) {}
+    explicit QuaternionSystem(const Problem& problem)
+        : Equations(equations(problem, problem.segments.front())), BodySystem(problem) {}
     /// With the loads of this segment, which must outlive it.
     QuaternionSystem(const Problem& problem, const Segment& segment)
         : Equations(equations(problem, segment)), BodySystem(problem) {}

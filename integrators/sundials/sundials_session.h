@@ -13,11 +13,13 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "integrators/run/watch.h"
 #include "integrators/sundials/serial_vector.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "motion/dual.h"
+#include "motion/finite.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 

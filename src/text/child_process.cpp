@@ -35,7 +35,7 @@ std::string content(std::FILE* file) {
 }
 
 std::size_t size_of(std::FILE* file) {
-    struct stat properties;
+    struct stat properties {};
     return fstat(fileno(file), &properties) == 0 ? static_cast<std::size_t>(properties.st_size) : 0;
 }
 

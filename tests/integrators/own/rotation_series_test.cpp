@@ -68,8 +68,7 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
         expand_avx512(other, PackedRotation(y));
         same(other);
     }
-    truth::Series<double> recorded(truth::record<double>(Form{LoadedRotation(problem, segment)}, 7),
-                                   order);
+    truth::Series<double> recorded(truth::record<double>(Form{LoadedRotation(problem, segment)}, 7), order);
     recorded.expand(y);
     double growth = 1;  // of the coefficients, and of what rounding makes of them
     for (int k = 0; k <= order; ++k) {

@@ -1,19 +1,19 @@
 // A system of the user's own: any first-order ODE whose state is of a size that only the running program knows, made
 // from a model that the user writes. For example two masses on a spring along x, y = (x1, x2, v1, v2):
 //
-//   struct TwoMasses {
-//       double k, m1, m2, rest;
-//       int dimension() const { return 4; }
-//       void initial(double* y) const { y[0] = 0, y[1] = 2 * rest, y[2] = 0, y[3] = 0; }
-//       template <class S>
-//       void derivative(const S* y, S* dy) const {
-//           const S pull = k * (y[1] - y[0] - rest);
-//           dy[0] = y[2], dy[1] = y[3], dy[2] = (1 / m1) * pull, dy[3] = (-1 / m2) * pull;
-//       }
-//       std::vector<double> scales() const { return {rest, rest, 1, 1}; }
-//       std::vector<Sample> motion(const double* y) const;  // one for each mass
-//   };
-//   const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
+//     struct TwoMasses {
+//         double k, m1, m2, rest;
+//         int dimension() const { return 4; }
+//         void initial(double* y) const { y[0] = 0, y[1] = 2 * rest, y[2] = 0, y[3] = 0; }
+//         template <class S>
+//         void derivative(const S* y, S* dy) const {
+//             const S pull = k * (y[1] - y[0] - rest);
+//             dy[0] = y[2], dy[1] = y[3], dy[2] = (1 / m1) * pull, dy[3] = (-1 / m2) * pull;
+//         }
+//         std::vector<double> scales() const { return {rest, rest, 1, 1}; }
+//         std::vector<Sample> motion(const double* y) const;  // one for each mass
+//     };
+//     const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
 #pragma once
 
 #include <algorithm>
@@ -63,6 +63,7 @@ concept OwnModel = std::copyable<M> &&
     { model.motion(y) } -> std::convertible_to<std::vector<Sample>>;
 };
 
+/// @cond internal
 /// An OwnModel behind one type, each scalar by a virtual function of its own. It does not change.
 class ErasedModel {
   public:
@@ -119,6 +120,7 @@ class Erased : public ErasedModel {
   private:
     M model_;
 };
+/// @endcond
 
 /// The problem of an own system over `duration` (s), as pose() makes it.
 Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
@@ -131,6 +133,7 @@ Problem pose(M model, double duration) {
     return pose_own(std::make_shared<const Erased<M>>(std::move(model)), duration);
 }
 
+/// @cond internal
 /// The System of such a problem.
 class OwnSystem {
   public:
@@ -170,5 +173,6 @@ class OwnSystem {
 inline void jacobian(const OwnSystem& system, double t, const double* y, double* J) {
     jacobian_by_columns<own_directions>(system, t, y, J);
 }
+/// @endcond
 
 }  // namespace polhode

@@ -240,8 +240,8 @@ extern template class QuaternionSystem<LoadedEquations<double, FullInertia<doubl
 template <class SystemType>
 inline constexpr bool is_rotation = SystemType::dimension == FreeRotation::dimension;
 
-/// Calls visit.template operator()<SystemType>() with the one body's system that the problem was posed as, and returns
-/// what it returns. Not for a system of the user's own.
+/// Calls visit.template operator() with the one body's system that the problem was posed as for template argument, and
+/// returns what that returns. Not for a system of the user's own.
 template <class Visitor>
 auto with_one_body(const Problem& problem, Visitor&& visit) {
     switch (problem.needs.system) {

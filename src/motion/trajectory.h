@@ -34,9 +34,9 @@ struct Sample {
 /// The motion of every body at one time, seen in one sample or in a list of them.
 class Bodies : public std::span<const Sample> {
   public:
-    Bodies(const Sample& one) : span(&one, 1) {}
-    Bodies(const std::vector<Sample>& all) : span(all) {}
-    Bodies(std::span<const Sample> all) : span(all) {}
+    Bodies(const Sample& one) : span(&one, 1) {}           ///< of a single body
+    Bodies(const std::vector<Sample>& all) : span(all) {}  ///< one sample for each
+    Bodies(std::span<const Sample> all) : span(all) {}     ///< one sample for each
 };
 
 /// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.

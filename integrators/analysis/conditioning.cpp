@@ -11,6 +11,7 @@
 
 #include "integrators/analysis/sensitivity_closed_form.h"
 #include "integrators/analysis/spectral_norm.h"
+#include "integrators/run/processor_time.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/sensitivity_session.h"
 
@@ -59,6 +60,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
     const bool by_bdf = is_stiff(problem);
     const double tolerance = settings.tolerance.value_or(by_bdf ? bdf_tolerance : adams_tolerance);
     const long max_steps = settings.max_steps;
+    const double end = processor_time() + settings.seconds_limit;
     SensitivitySession<SystemType> session(problem, by_bdf ? Multistep::bdf : Multistep::adams,
                                            by_bdf ? Iteration::newton : Iteration::functional, tolerance);
     FreeFlight flight;
@@ -83,6 +85,8 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
         while (session.time() < segment.end && !samples.empty()) {
             if (++result.steps > max_steps)
                 return fail(fmt::format("more than {} steps: known until t = {:g} s", max_steps, session.time()));
+            if (processor_time() > end)
+                return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
             if (const int flag = session.step(); flag < 0) return fail(session.failure(flag).message);
             for (; samples.due(segment, session.time()); samples.pop())
                 if (!show(samples.front())) return false;

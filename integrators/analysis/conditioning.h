@@ -8,6 +8,7 @@
 // turns and vectors are written, nor on the system as which the scene was posed.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +46,7 @@ struct Conditioning {
 struct ConditioningSettings {
     std::optional<double> tolerance;  ///< relative; default 1e-14, 1e-9 where the motion is stiff
     long max_steps = 2'000'000;       ///< beyond it not available
+    double seconds_limit = std::numeric_limits<double>::infinity();  ///< s, of the thread's own time
 };
 
 /// max_steps for what is read at once: half a second of work.

@@ -158,6 +158,7 @@ class Certifier {
         constexpr double unknown = 64;
         ConditioningSettings settings;
         settings.max_steps = prompt_conditioning_steps;
+        settings.seconds_limit = truth::Allowance::left();
         const Conditioning found = conditioning(problem, sample_times(scene_.duration, times), settings);
         return found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown;
     }

@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "motion/problem.h"
 #include "motion/trajectory.h"
@@ -109,18 +110,25 @@ struct Method {
     const void* context = nullptr;  ///< what `solve_in` is given
 };
 
-/// `methods`, each with `common`'s family, library, precision, formulation and refusal where it has none of its own.
+/// `methods`, each with what `common` says wherever it says nothing itself: all but name, documentation, what it is
+/// described as and how it is solved.
 template <std::size_t count>
 constexpr std::array<Method, count> sharing(const Method& common, const Method (&methods)[count]) {
     std::array<Method, count> all{};
     for (std::size_t i = 0; i < count; ++i) {
-        Method& m = all[i];
-        m = methods[i];
-        if (m.family == Family::unnamed) m.family = common.family;
-        if (m.library.empty()) m.library = common.library;
-        if (m.precision == Precision::binary64) m.precision = common.precision;
-        if (!m.formulation) m.formulation = common.formulation;
-        if (!m.refuses) m.refuses = common.refuses;
+        all[i] = methods[i];
+        const auto share = [&]<class T>(T Method::*part) {
+            T& own = all[i].*part;
+            if constexpr (std::is_pointer_v<T>) {
+                if (!own) own = common.*part;
+            } else {
+                if (own == T{}) own = common.*part;
+            }
+        };
+        share(&Method::source), share(&Method::conserves), share(&Method::control), share(&Method::planes);
+        share(&Method::own_systems), share(&Method::order), share(&Method::growth), share(&Method::pendulum_growth);
+        share(&Method::family), share(&Method::library), share(&Method::precision), share(&Method::formulation);
+        share(&Method::refuses);
     }
     return all;
 }

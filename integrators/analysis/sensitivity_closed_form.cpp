@@ -32,10 +32,10 @@ std::vector<Eigen::Matrix<double, 6, 6>> sensitivity_by_closed_form(const Proble
     if (problem.segments.size() != 1 || !problem.segments.front().impulses.empty() || problem.needs.user_torque ||
         problem.needs.translation == Translation::integrated)
         return {};
-    const WidePrincipalFrame& frame = problem.wide_principal;
+    const WidePrincipalFrame& frame = problem.body.wide_principal;
     const ExactBody<Wide> body = exact_body<Wide>(problem.scene);
     const Forcing<Wide> forcing = forcing_at<Wide>(problem.scene, body, 0, frame.q_BP);
-    const Vector3<Wide>& w = problem.wide_initial_angular_velocity;
+    const Vector3<Wide>& w = problem.body.wide_initial_angular_velocity;
     const Quaternion<Wide> q = body.q * frame.q_BP;
     const Wide scale = problem.scales.angular_velocity;
 

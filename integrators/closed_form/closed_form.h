@@ -49,7 +49,6 @@ class ClosedForm {
     }
 
     static S size(const S& x) { return Elementary<S>::magnitude(x); }
-    static S length(const Vector3<S>& v) { return square_root(dot(v, v)); }
     static Vector3<S> unit(int axis) {
         Vector3<S> e;
         e[axis] = S(1);

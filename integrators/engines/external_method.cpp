@@ -6,7 +6,6 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "integrators/run/march.h"
 #include "motion/trajectory_csv.h"

@@ -233,62 +233,42 @@ constexpr Method each[] = {
          "The article's update as it is printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
          "converges, with order 1, to I dw/dt = tau + w x Iw, which is another motion; and the offset of the centre of "
          "mass is not turned into the world where forces are applied.",
-     .source = source,
      .described_as = "article: apply_torque and update_body_orientation, as printed",
-     .conserves = "|q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Form::as_written>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Form::as_written>},
     {.name = "article_offset_as_written",
      .documentation =
          "The article's `apply_torque` as it is printed, x_com = position + center_of_mass with the offset left in "
-         "body "
-         "axes, in the mended update: the first of the article's two slips alone. It shows where a force acts on a "
-         "body "
-         "whose centre of mass is not its origin and that has turned; else it is `article_mended`, bit for bit.",
-     .source = source,
+         "body axes, in the mended update: the first of the article's two slips alone. It shows where a force acts on "
+         "a body whose centre of mass is not its origin and that has turned; else it is `article_mended`, bit for bit.",
      .described_as = "article: apply_torque's centre of mass as printed, the sign mended",
-     .conserves = "|q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Form::offset_as_written>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Form::offset_as_written>},
     {.name = "article_sign_as_written",
      .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
                       "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
-     .source = source,
      .described_as = "article: update_body_orientation's sign as printed, the centre of mass mended",
-     .conserves = "|q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Form::sign_as_written>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Form::sign_as_written>},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
          "into the world. Order 1; the tensor is rotated and inverted anew at every step.",
-     .source = source,
      .described_as = "article: the same with the signs and the centre of mass mended",
-     .conserves = "|q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Form::mended>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Form::mended>},
     {.name = "article_body_frame",
      .documentation =
          "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
          "`article_mended` but for rounding, at less cost.",
-     .source = source,
      .described_as = "article: \"put the body in its local coordinates\"",
-     .conserves = "|q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Form::body_frame>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Form::body_frame>},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::published_update, .refuses = refused_pivot}, each);
+constexpr auto in_binary64 = sharing({.source = source,
+                                      .conserves = "|q| to round-off",
+                                      .control = Control::fixed_step,
+                                      .order = 1,
+                                      .pendulum_growth = semi_implicit_euler_pendulum_growth,
+                                      .family = Family::published_update,
+                                      .refuses = refused_pivot},
+                                     each);
 
 constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Form::as_written, float>,
                                       solve<Form::offset_as_written, float>, solve<Form::sign_as_written, float>,
@@ -296,7 +276,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Fo
 
 }  // namespace
 
-extern const std::span<const Method> article_methods;
-const std::span<const Method> article_methods = family;
+extern const std::span<const Method> article_methods{family};
 
 }  // namespace polhode

@@ -26,7 +26,7 @@ class BaraffWitkin {
           loads_(problem),
           held_(problem.body.pivoted),
           mass_(S(problem.body.mass)),
-          inverse_inertia_B_(cast<S>(problem.full_inertia.inverse)) {
+          inverse_inertia_B_(cast<S>(problem.body.full_inertia.inverse)) {
         restart();
     }
     void restart() {
@@ -127,33 +127,31 @@ constexpr Method each[] = {
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
          "term w x Iw appears. R is taken from the normalised q; q itself is left to drift in length.",
-     .source = source,
      .described_as = "the Pixar course that the article recommends",
-     .conserves = kept,
-     .control = Control::fixed_step,
      .order = 4,
      .solve = solve<ClassicalRungeKutta>,
      .growth = classical_growth},
     {.name = "baraff_witkin_euler",
      .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
                       "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
-     .source = source,
      .described_as = "the same course's Euler step",
-     .conserves = kept,
-     .control = Control::fixed_step,
      .order = 1,
      .solve = solve<ExplicitEuler>,
      .growth = explicit_euler_growth},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+constexpr auto in_binary64 = sharing({.source = source,
+                                      .conserves = kept,
+                                      .control = Control::fixed_step,
+                                      .family = Family::published_update,
+                                      .formulation = Formulation::full},
+                                     each);
 
 constexpr auto family =
     with_binary32<in_binary64, refused_by_binary32, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
 
 }  // namespace
 
-extern const std::span<const Method> baraff_witkin_methods;
-const std::span<const Method> baraff_witkin_methods = family;
+extern const std::span<const Method> baraff_witkin_methods{family};
 
 }  // namespace polhode

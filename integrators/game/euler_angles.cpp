@@ -150,7 +150,7 @@ class WatchedSession : public CvodeSession<SystemType, Vector> {
 template <class SystemType, class Vector>
 Trajectory solve_watched(const Problem& problem, const Settings& settings, LockPassage* passage) {
     WatchedSession<SystemType, Vector> session(problem, *settings.tolerance, passage);
-    return SundialsRun(problem, settings, session).solve();
+    return run_sundials(problem, settings, session);
 }
 
 Trajectory euler_angles(const Problem& problem, const Settings& settings) {
@@ -169,13 +169,10 @@ constexpr Method each[] = {
      .documentation =
          "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near pitch "
          "+-90 degrees, gimbal lock, roll and yaw turn like 1/cos(pitch); steps of h come no nearer to it than some h "
-         "w "
-         "but by chance, and pass with an error of the usual size. A step that would turn an angle by more than half a "
-         "turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in body "
-         "axes. Order 1.",
-     .source = source,
+         "w but by chance, and pass with an error of the usual size. A step that would turn an angle by more than half "
+         "a turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in "
+         "body axes. Order 1.",
      .described_as = "slides: Euler angles, roll, pitch, yaw",
-     .conserves = "nothing; |q| = 1 by construction",
      .control = Control::fixed_step,
      .order = 1,
      .solve = euler_angles,
@@ -184,17 +181,18 @@ constexpr Method each[] = {
      .documentation =
          "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "
          "quaternion. Passing gimbal lock at a distance d costs steps down to a hundredth of d / w and less, until d "
-         "is "
-         "below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
-     .source = source,
+         "is below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
      .described_as = "slides: Euler angles, by an adaptive solver",
-     .conserves = "nothing; |q| = 1 by construction",
      .control = Control::tolerance,
      .solve = euler_angles_cvode,
      .library = sundials_library},
 };
 
-constexpr auto family = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+constexpr auto family = sharing({.source = source,
+                                 .conserves = "nothing; |q| = 1 by construction",
+                                 .family = Family::published_update,
+                                 .formulation = Formulation::full},
+                                each);
 
 }  // namespace
 
@@ -219,7 +217,6 @@ Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settin
     return solve_watched<FullMotion, Vector>(problem, settings, passage);
 }
 
-extern const std::span<const Method> euler_angles_methods;
-const std::span<const Method> euler_angles_methods = family;
+extern const std::span<const Method> euler_angles_methods{family};
 
 }  // namespace polhode

@@ -98,7 +98,7 @@ class AccumulatedVertices {
 template <class S>
 class TransformedInertia {
   public:
-    explicit TransformedInertia(const Problem& problem) : inverse_B_(cast<S>(problem.full_inertia.inverse)) {}
+    explicit TransformedInertia(const Problem& problem) : inverse_B_(cast<S>(problem.body.full_inertia.inverse)) {}
     Vector3<S> angular_velocity(const Matrix3<S>& A, const Vector3<S>& L) const {
         return A * (inverse_B_ * (transposed(A) * L));
     }
@@ -115,7 +115,7 @@ template <class S>
 class ResummedInertia {
   public:
     explicit ResummedInertia(const Problem& problem) : mass_(S(problem.body.mass / 8)) {
-        const Vector3<double>& I = problem.principal.moments;
+        const Vector3<double>& I = problem.body.principal.moments;
         Vector3<double> half;
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -123,7 +123,7 @@ class ResummedInertia {
             half[i] = std::sqrt(std::max(I[j] + I[k] - I[i], 0.0) / (2 * problem.body.mass));
         }
         for (std::size_t n = 0; n < points_B_.size(); ++n)
-            points_B_[n] = cast<S>(rotate(problem.principal.q_BP,
+            points_B_[n] = cast<S>(rotate(problem.body.principal.q_BP,
                                           Vector3<double>((n & 1U) ? half[0] : -half[0], (n & 2U) ? half[1] : -half[1],
                                                           (n & 4U) ? half[2] : -half[2])));
     }
@@ -173,14 +173,7 @@ class Fleck {
         find_angular_velocity();
         ++steps_;
     }
-    Sample sample(double t) const {
-        Sample s;
-        s.t = t, s.q = attitude_.quaternion();
-        s.angular_velocity_B = rotate_back(s.q, cast<double>(w_));
-        s.position_W = cast<double>(x_), s.velocity_W = cast<double>(v_);
-        if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
-        return s;
-    }
+    Sample sample(double t) const { return sample_in_world(*problem_, t, attitude_.quaternion(), w_, x_, v_); }
     bool finite() const { return all_finite(L_, w_, x_, v_) && all_finite(attitude_.matrix()); }
     long rhs_evaluations() const { return steps_; }
     double orthogonality_defect() const requires requires(const Attitude& a) { a.orthogonality_defect(); }
@@ -217,74 +210,58 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 
 constexpr std::string_view source =
     "D. Fleck, Game Physics, part IV: Moving to 3D (slides), after C. Hecker, Physics, part 4: The Third Dimension, "
-    "Game "
-    "Developer, June 1997";
+    "Game Developer, June 1997";
 constexpr std::string_view kept = "L in world axes exactly where no torque acts";
 
 constexpr Method each[] = {
     {.name = "fleck_matrix",
      .documentation =
          "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
-         "columns "
-         "(X kept in direction, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. Order 1. The error of a step is not the "
-         "same about all axes, since the first column alone keeps its direction.",
-     .source = source,
+         "columns (X kept in direction, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. Order 1. The error of a step is "
+         "not the same about all axes, since the first column alone keeps its direction.",
      .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
-     .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<MendedMatrix>,
-     .growth = explicit_euler_growth},
+     .solve = solve<MendedMatrix>},
     {.name = "fleck_matrix_drifting",
      .documentation =
          "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
          "that A^T A - 1 grows like h w^2 t; points and inertia are taken through A as it is, A r and A I^-1 A^T. The "
          "attitude reported is the rotation nearest to A. Order 1.",
-     .source = source,
      .described_as = "slides: the same without re-orthogonalizing, A drifts",
      .conserves = "nothing",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<DriftingMatrix>,
-     .growth = explicit_euler_growth},
+     .solve = solve<DriftingMatrix>},
     {.name = "fleck_quaternion",
      .documentation =
          "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
          "with A = A(q); vertices would be V = A V0, always from the originals. Order 1.",
-     .source = source,
      .described_as = "slides: the same step with the orientation as a quaternion",
      .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<TurnedQuaternion>,
-     .growth = explicit_euler_growth},
+     .solve = solve<TurnedQuaternion>},
     {.name = "accumulated_vertices",
      .documentation =
          "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
          "The orientation is read off three of them, re-orthogonalised, for w = A I^-1 A^T L; the vertices keep their "
          "rounding errors, and their A^T A - 1 is the defect reported. Order 1.",
-     .source = source,
      .described_as = "slides: \"always start with the original\" not heeded, vertices turned on from where they are",
      .conserves = kept,
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<AccumulatedVertices>,
-     .growth = explicit_euler_growth},
+     .solve = solve<AccumulatedVertices>},
     {.name = "fleck_resummed_inertia",
      .documentation =
          "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
          "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor: "
          "the same motion but for rounding, at more cost. Order 1.",
-     .source = source,
      .described_as = "slides: the inertia tensor from world space vectors, re-summed each frame",
-     .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<MendedMatrix, ResummedInertia>,
-     .growth = explicit_euler_growth},
+     .solve = solve<MendedMatrix, ResummedInertia>},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+constexpr auto in_binary64 =
+    sharing({.source = source,
+             .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
+             .control = Control::fixed_step,
+             .order = 1,
+             .growth = explicit_euler_growth,
+             .family = Family::published_update,
+             .formulation = Formulation::full},
+            each);
 
 constexpr auto family =
     with_binary32<in_binary64, refused_by_binary32, solve<MendedMatrix, TransformedInertia, float>,
@@ -293,7 +270,6 @@ constexpr auto family =
 
 }  // namespace
 
-extern const std::span<const Method> fleck_methods;
-const std::span<const Method> fleck_methods = family;
+extern const std::span<const Method> fleck_methods{family};
 
 }  // namespace polhode

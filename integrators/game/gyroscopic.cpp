@@ -10,9 +10,9 @@
 //        rescaled momentum   L = I w_B,  L' = L + h L x w_B,  w_B = I^-1 L' |L| / |L'|
 //   3. attitude by the new w:   q = exp(h w) q,  or  q += (h/2) (0, w) q  normalised;  x += h v
 // At a pivot w, tau and I are about it, and x, v follow from q, w.
-#include <cmath>
 #include <span>
 
+#include "body/elementary.h"
 #include "body/mass_properties.h"
 #include "body/orientation.h"
 #include "integrators/run/binary32.h"
@@ -24,12 +24,6 @@ namespace {
 
 enum class Term { none, explicit_euler, one_newton_step, rescaled_momentum };
 enum class Turning { exponential, first_order };
-
-/// |v|, also where its square is out of range.
-template <class S>
-S length(const Vector3<S>& v) {
-    return std::hypot(v[0], v[1], v[2]);
-}
 
 template <class S>
 struct BodyInertia {
@@ -52,7 +46,7 @@ struct BodyInertia {
         }
         if constexpr (term == Term::rescaled_momentum) {
             const Vector3<S> turned = L + h * cross(L, w);
-            const S before = length(L), after = length(turned);
+            const S before = hypotenuse(L), after = hypotenuse(turned);
             return after > 0 ? inverse * ((before / after) * turned) : w;
         }
     }
@@ -65,7 +59,7 @@ class GyroscopicUpdate {
     explicit GyroscopicUpdate(const Problem& problem)
         : problem_(&problem),
           loads_(problem),
-          inertia_{cast<S>(problem.full_inertia.tensor), cast<S>(problem.full_inertia.inverse)},
+          inertia_{cast<S>(problem.body.full_inertia.tensor), cast<S>(problem.body.full_inertia.inverse)},
           held_(problem.body.pivoted) {
         restart();
     }
@@ -104,14 +98,7 @@ class GyroscopicUpdate {
         place_at_pivot();
         ++steps_;
     }
-    Sample sample(double t) const {
-        Sample s;
-        s.t = t, s.q = cast<double>(q_);
-        s.angular_velocity_B = rotate_back(s.q, cast<double>(w_));
-        s.position_W = cast<double>(x_), s.velocity_W = cast<double>(v_);
-        if (held_) pivoted_center(s.q, s.angular_velocity_B, problem_->body.arm, s.position_W, s.velocity_W);
-        return s;
-    }
+    Sample sample(double t) const { return sample_in_world(*problem_, t, cast<double>(q_), w_, x_, v_); }
     bool finite() const { return all_finite(w_, x_, v_) && all_finite(q_); }
     long rhs_evaluations() const { return steps_; }
 
@@ -162,23 +149,15 @@ constexpr Method each[] = {
          "alone, then q = exp(h w) q. Of a body that is no ball it converges, with order 1, to I_W dw/dt = tau, which "
          "is another motion: free, it spins for ever about an axis that is fixed in body and world. Godot, cannon-es "
          "and Havok's web build have it so; so do Jolt, PhysX and Unity unless they are told otherwise.",
-     .source = "the sources of the engines named",
      .conserves = "|q|; w in world axes, not L, where no torque acts",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Term::none>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Term::none>},
     {.name = "gyroscopic_explicit",
      .documentation =
          "The gyroscopic term by an explicit Euler step in the body's axes, w -= h I^-1 (w x I w). Free, every step "
          "adds h^2/2 (dw/dt . I dw/dt) to the energy, so that a tumbling body spins up until it diverges. An option of "
          "Bullet; Chrono, DART and MuJoCo's Euler do the same. Order 1.",
      .source = "the sources of the engines named; D. Baraff & A. Witkin 1997 for the equation",
-     .conserves = "|q|",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Term::explicit_euler>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Term::explicit_euler>},
     {.name = "gyroscopic_implicit",
      .documentation =
          "The gyroscopic term by an implicit Euler step in the body's axes, I (w - w0) + h w x I w = 0, of which one "
@@ -186,11 +165,7 @@ constexpr Method each[] = {
          "largest moment, with less and less momentum. Bullet's default; Box3D and MuJoCo's implicit integrators do "
          "the same. Order 1.",
      .source = catto,
-     .conserves = "|q|",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Term::one_newton_step>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Term::one_newton_step>},
     {.name = "gyroscopic_rescaled_momentum",
      .documentation =
          "The angular momentum in the body's axes by an explicit Euler step, L + h L x w, brought back to the length "
@@ -199,10 +174,7 @@ constexpr Method each[] = {
          "gyroscopic forces are switched on. Order 1.",
      .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
      .conserves = "|q|; |L|, not L, where no torque acts",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Term::rescaled_momentum>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Term::rescaled_momentum>},
     {.name = "gyroscopic_substepped",
      .documentation =
          "`gyroscopic_rescaled_momentum` in four parts a step: torque and force are found once, at the step's begin, "
@@ -210,8 +182,6 @@ constexpr Method each[] = {
          "iterations go this way. Order 1.",
      .source = "Dimforge, Rapier",
      .conserves = "|q|; |L|, not L, where no torque acts",
-     .control = Control::fixed_step,
-     .order = 1,
      .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>,
      .pendulum_growth = substepped_pendulum_growth},
     {.name = "first_order_quaternion",
@@ -219,15 +189,17 @@ constexpr Method each[] = {
          "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) (0, "
          "w) q, normalised, which turns by 2 atan(h |w| / 2) in place of h |w|. ODE's default and cannon-es turn so "
          "(cannon-es without a gyroscopic term). Order 1.",
-     .source = "the sources of the engines named",
-     .conserves = "|q|",
-     .control = Control::fixed_step,
-     .order = 1,
-     .solve = solve<Term::explicit_euler, Turning::first_order>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve<Term::explicit_euler, Turning::first_order>},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::engine_update, .formulation = Formulation::full}, each);
+constexpr auto in_binary64 = sharing({.source = "the sources of the engines named",
+                                      .conserves = "|q|",
+                                      .control = Control::fixed_step,
+                                      .order = 1,
+                                      .pendulum_growth = semi_implicit_euler_pendulum_growth,
+                                      .family = Family::engine_update,
+                                      .formulation = Formulation::full},
+                                     each);
 
 constexpr auto family =
     with_binary32<in_binary64, refused_by_binary32, solve<Term::none, Turning::exponential, 1, float>,
@@ -239,7 +211,6 @@ constexpr auto family =
 
 }  // namespace
 
-extern const std::span<const Method> gyroscopic_methods;
-const std::span<const Method> gyroscopic_methods = family;
+extern const std::span<const Method> gyroscopic_methods{family};
 
 }  // namespace polhode

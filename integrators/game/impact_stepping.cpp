@@ -28,7 +28,7 @@ class ImpactStepper {
     }
     void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
     void step(double t, double h) {
-        if (!problem_->geometry->any()) return advance(t, h);
+        if (!problem_->body.geometry->any()) return advance(t, h);
         if constexpr (detection == Detection::after_the_step) {
             advance(t, h);
             strike(t + h, 0);
@@ -69,13 +69,13 @@ class ImpactStepper {
     void strike(double t, double tolerance) {
         if (strike_planes(*problem_, tolerance, y_.data()).struck) times_.push_back(t);
     }
-    double distance() const { return problem_->geometry->distance(placement_of(y_.data())); }
+    double distance() const { return problem_->body.geometry->distance(placement_of(y_.data())); }
 
     // A part of the step that ends too deep is taken again at half its length. The parts of one step are bounded: what
     // is left after so many, as at rest, is taken at once.
     void halve(double t, double h) {
         constexpr int most_parts = 1000;
-        const double deep = -allowed_depth * problem_->geometry->reach, shortest = std::ldexp(h, -48);
+        const double deep = -allowed_depth * problem_->body.geometry->reach, shortest = std::ldexp(h, -48);
         double left = h, part = h;
         for (int parts = 0; left > 0; ++parts) {
             const State before = y_;
@@ -115,34 +115,28 @@ constexpr Method each[] = {
      .source =
          "E. Catto 2005-2015, GDC talks on sequential impulses; C. Hecker 1997, Game Developer, \"Physics, Part 4\" "
          "(the impulse)",
-     .conserves = "|q|; at an impact what the impulse keeps",
-     .control = Control::fixed_step,
-     .planes = true,
-     .order = 1,
-     .solve = solve_steps<Detection::after_the_step>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve_steps<Detection::after_the_step>},
     {.name = "impact_halving",
      .documentation =
          "`impact_stepping` by the rule of game-physics lectures: a step that ends too deep in a plane is taken again "
          "at half its length, and again, until the body is no deeper than 10^-6 of its size; then the impulse is "
-         "applied "
-         "and the rest of the step taken. The impact's time is then that of the step's own motion.",
+         "applied and the rest of the step taken. The impact's time is then that of the step's own motion.",
      .source =
          "C. Hecker 1997, Game Developer, \"Physics, Part 3: Collision Response\"; lecture slides on game physics "
          "after it",
-     .conserves = "|q|; at an impact what the impulse keeps",
-     .control = Control::fixed_step,
-     .planes = true,
-     .order = 1,
-     .solve = solve_steps<Detection::by_halving>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .solve = solve_steps<Detection::by_halving>},
 };
 
-constexpr auto list = sharing({.family = Family::published_update}, each);
+constexpr auto list = sharing({.conserves = "|q|; at an impact what the impulse keeps",
+                               .control = Control::fixed_step,
+                               .planes = true,
+                               .order = 1,
+                               .pendulum_growth = semi_implicit_euler_pendulum_growth,
+                               .family = Family::published_update},
+                              each);
 
 }  // namespace
 
-extern const std::span<const Method> impact_stepping_methods;
-const std::span<const Method> impact_stepping_methods{list};
+extern const std::span<const Method> impact_stepping_methods{list};
 
 }  // namespace polhode

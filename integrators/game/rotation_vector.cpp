@@ -104,7 +104,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, s
 
 }  // namespace
 
-extern const std::span<const Method> rotation_vector_methods;
-const std::span<const Method> rotation_vector_methods = family;
+extern const std::span<const Method> rotation_vector_methods{family};
 
 }  // namespace polhode

@@ -74,7 +74,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_mo
 
 }  // namespace
 
-extern const std::span<const Method> buss_methods;
-const std::span<const Method> buss_methods = family;
+extern const std::span<const Method> buss_methods{family};
 
 }  // namespace polhode

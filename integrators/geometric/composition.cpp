@@ -21,18 +21,8 @@ constexpr double order_8[] = {eight[0], eight[1], eight[2], eight[3], eight[4], 
 }  // namespace
 
 std::span<const double> composition(int order) {
-    switch (order) {
-        case 2:
-            return order_2;
-        case 4:
-            return order_4;
-        case 6:
-            return order_6;
-        case 8:
-            return order_8;
-        default:
-            return {};
-    }
+    constexpr std::span<const double> all[] = {order_2, order_4, order_6, order_8};
+    return order < 2 || order > 8 || order % 2 != 0 ? std::span<const double>() : all[order / 2 - 1];
 }
 
 }  // namespace polhode

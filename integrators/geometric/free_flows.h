@@ -24,7 +24,7 @@ template <class S = double>
 class ThreeRotations {
   public:
     explicit ThreeRotations(const Problem& problem)
-        : inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {}
+        : inverse_moments_(cast<S>(problem.body.principal_inertia.inverse_moments)) {}
 
     void prepare(const Vector3<S>&) {}
     bool turn(const Vector3<S>& y, S h, TurnOf<S>& d) const {
@@ -72,8 +72,8 @@ class ThreeRotations {
 class ExactFreeMotion {
   public:
     explicit ExactFreeMotion(const Problem& problem)
-        : moments_(problem.principal.moments), inverse_moments_(problem.principal_inertia.inverse_moments) {
-        const Vector3<double>& g = problem.principal_inertia.gyroscopic;
+        : moments_(problem.body.principal.moments), inverse_moments_(problem.body.principal_inertia.inverse_moments) {
+        const Vector3<double>& g = problem.body.principal_inertia.gyroscopic;
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             if (moments_[j] == moments_[k]) axis_ = i;
@@ -182,7 +182,7 @@ template <int terms, class S = double>
 class DiscreteMoserVeselov {
   public:
     explicit DiscreteMoserVeselov(const Problem& problem)
-        : inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {}
+        : inverse_moments_(cast<S>(problem.body.principal_inertia.inverse_moments)) {}
 
     void prepare(const Vector3<S>& y) {
         if constexpr (terms > 1) modified_ = ModifiedMoments<terms>(inverse_moments_, y);

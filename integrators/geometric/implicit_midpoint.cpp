@@ -169,7 +169,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, s
 
 }  // namespace
 
-extern const std::span<const Method> implicit_midpoint_methods;
-const std::span<const Method> implicit_midpoint_methods = family;
+extern const std::span<const Method> implicit_midpoint_methods{family};
 
 }  // namespace polhode

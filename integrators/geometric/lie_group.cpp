@@ -1,5 +1,4 @@
 // Runge-Kutta methods of order 4 on the rotation group: q by exponentials of body rates, L_W (and p, v) as vectors.
-#include <cmath>
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
@@ -101,29 +100,25 @@ constexpr Method each[] = {
          "start, their rates pulled back by the inverse differential of exp. The momentum is carried in world axes, so "
          "that it is constant without torque. All loads. Order 4.",
      .source = "H. Munthe-Kaas 1998, BIT 38, 92; H. Munthe-Kaas & B. Owren 1999, Phil. Trans. R. Soc. A 357, 957",
-     .conserves = kept,
-     .control = Control::fixed_step,
-     .order = 4,
-     .solve = solve<MuntheKaas>,
-     .growth = classical_growth},
+     .solve = solve<MuntheKaas>},
     {.name = "commutator_free4",
      .documentation =
          "A Runge-Kutta method on the rotation group by products of exponentials alone, five a step, without "
          "commutators. The momentum is carried in world axes, so that it is constant without torque. All loads. "
          "Order 4.",
      .source = "E. Celledoni, A. Marthinsen & B. Owren 2003, Future Gener. Comput. Syst. 19, 341",
-     .conserves = kept,
-     .control = Control::fixed_step,
-     .order = 4,
-     .solve = solve<CommutatorFree>,
-     .growth = classical_growth},
+     .solve = solve<CommutatorFree>},
 };
 
-constexpr auto family = sharing({.family = Family::rotation_group}, each);
+constexpr auto family = sharing({.conserves = kept,
+                                 .control = Control::fixed_step,
+                                 .order = 4,
+                                 .growth = classical_growth,
+                                 .family = Family::rotation_group},
+                                each);
 
 }  // namespace
 
-extern const std::span<const Method> lie_group_methods;
-const std::span<const Method> lie_group_methods = family;
+extern const std::span<const Method> lie_group_methods{family};
 
 }  // namespace polhode

@@ -17,7 +17,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "body/algebra.h"

@@ -5,8 +5,6 @@
 // L_W changes by the loads alone: without them it is constant to the last bit, whatever the method does to q.
 #pragma once
 
-#include <cmath>
-
 #include "body/orientation.h"
 #include "integrators/closed_form/turn.h"
 #include "integrators/run/march.h"
@@ -23,13 +21,13 @@ class MomentumStateOf {
         : problem_(&problem),
           loads_(problem),
           translates_(problem.needs.translation == Translation::integrated && !problem.body.pivoted),
-          moments_(cast<S>(problem.principal.moments)),
-          inverse_moments_(cast<S>(problem.principal_inertia.inverse_moments)) {
+          moments_(cast<S>(problem.body.principal.moments)),
+          inverse_moments_(cast<S>(problem.body.principal_inertia.inverse_moments)) {
         restart();
     }
     void restart() {
-        attitude_ = TurnedAttitudeOf<S>(cast<S>(problem_->initial_q));
-        set_angular_velocity(problem_->initial_angular_velocity);
+        attitude_ = TurnedAttitudeOf<S>(cast<S>(problem_->body.initial_q));
+        set_angular_velocity(problem_->body.initial_angular_velocity);
         position_ = CompensatedVectorOf<S>(cast<S>(problem_->body.position_W));
         velocity_ = CompensatedVectorOf<S>(cast<S>(problem_->body.velocity_W));
         evaluations_ = 0;
@@ -97,13 +95,13 @@ class MomentumStateOf {
   private:
     void set_angular_velocity(const Vector3<double>& w) {
         const Quaternion<double> q = cast<double>(attitude_.value());
-        const Vector3<double>& moments = problem_->principal.moments;
+        const Vector3<double>& moments = problem_->body.principal.moments;
         const Vector3<double> y_B(moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]);
         momentum_ = CompensatedVectorOf<S>(cast<S>((1 / squared_norm(q)) * rotate(q, y_B)));
     }
     void write(double* y) const {
         const Quaternion<double> q = cast<double>(attitude_.value());
-        const Vector3<double>& inverse = problem_->principal_inertia.inverse_moments;
+        const Vector3<double>& inverse = problem_->body.principal_inertia.inverse_moments;
         const Vector3<double> y_B = rotate_back(q, cast<double>(momentum_.value()));
         LoadedMotion::set_rotation(y, Vector3<double>(inverse[0] * y_B[0], inverse[1] * y_B[1], inverse[2] * y_B[2]),
                                    q);

@@ -67,7 +67,6 @@ constexpr auto family =
 
 }  // namespace
 
-extern const std::span<const Method> moser_veselov_methods;
-const std::span<const Method> moser_veselov_methods = family;
+extern const std::span<const Method> moser_veselov_methods{family};
 
 }  // namespace polhode

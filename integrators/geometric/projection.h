@@ -107,7 +107,7 @@ class Projection {
                     break;
                 case ConservedKind::spin:
                     spin_ = true;
-                    spin_axis_ = full ? rotate(reduced.q_BP, one.direction) : one.direction;
+                    spin_axis_ = full ? rotate(reduced.body.q_BP, one.direction) : one.direction;
                     break;
                 case ConservedKind::integral_of_a_special_top:
                     break;

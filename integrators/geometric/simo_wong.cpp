@@ -3,7 +3,6 @@
 //   L+ = L + h (tau + tau+)/2,   q+ = q exp(theta),   theta = h (w + w+)/2,   w+ = I^-1 R(q+)^T L+
 //
 // Free, L is constant and theta . (y+ - y) = 0, since exp(theta) leaves theta as it is: that is the energy's balance.
-#include <cmath>
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
@@ -105,7 +104,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_mo
 
 }  // namespace
 
-extern const std::span<const Method> simo_wong_methods;
-const std::span<const Method> simo_wong_methods = family;
+extern const std::span<const Method> simo_wong_methods{family};
 
 }  // namespace polhode

@@ -34,7 +34,7 @@ class Splitting : public MomentumStateOf<S> {
         flow_.prepare(transposed(R_) * momentum_.value());
         if (!loaded()) return;
         if (forcing().has_damping)
-            damping_ = RotationalDampingOf<S>(this->problem_->principal.moments, segment.forcing.damping);
+            damping_ = RotationalDampingOf<S>(this->problem_->body.principal.moments, segment.forcing.damping);
         find_forces();
     }
     void step(double t, double step) {

@@ -87,7 +87,6 @@ constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Th
 
 }  // namespace
 
-extern const std::span<const Method> splitting_methods;
-const std::span<const Method> splitting_methods = family;
+extern const std::span<const Method> splitting_methods{family};
 
 }  // namespace polhode

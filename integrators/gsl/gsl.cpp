@@ -31,11 +31,6 @@ struct Scheme {
     int order;  ///< of its first step
 };
 
-struct Failure {
-    Status status;
-    std::string message;
-};
-
 /// The problem must outlive the session. Not to be moved: the library points into it.
 template <class SystemType>
 class GslSession {
@@ -108,7 +103,7 @@ class GslSession {
     int inside_flag() const { return flag_of(status_); }
 
     /// What a flag below zero means.
-    Failure failure(int) const {
+    SolverFailure failure(int) const {
         if (main_.not_finite || side_.not_finite)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
                                                   moment(t_), last_state(sample()))};
@@ -234,15 +229,12 @@ constexpr std::string_view source =
 constexpr Method each[] = {
     {.name = "gsl_rk8pd",
      .documentation =
-         "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R "
-         "times the "
+         "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R times the "
          "component's scale, by GSL's own step control (`control_scaled`). Steps stop exactly at events and at the end "
-         "alone; a sample inside a step is reached sideways, by steps of its own from the step's start that are "
-         "not counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
+         "alone; a sample inside a step is reached sideways, by steps of its own from the step's start that are not "
+         "counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
      .source = "Prince & Dormand 1981, High order embedded Runge-Kutta formulae, J. Comput. Appl. Math. 7, 67-75; "
                "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .solve = solve_by<rk8pd>,
      .family = Family::runge_kutta},
     {.name = "gsl_msadams",
@@ -251,8 +243,6 @@ constexpr Method each[] = {
          "functional iteration; for non-stiff motion. Otherwise as `gsl_rk8pd`, which also goes to the samples; the "
          "history is dropped at events.",
      .source = source,
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .solve = solve_by<msadams>,
      .family = Family::multistep},
     {.name = "gsl_bsimp",
@@ -261,8 +251,6 @@ constexpr Method each[] = {
      .source = "Bader & Deuflhard 1983, A semi-implicit mid-point rule for stiff systems of ordinary differential "
                "equations, Numer. Math. 41, 373-398; Galassi et al. 2009, GNU Scientific Library Reference Manual, "
                "3rd ed.",
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .solve = solve_by<bsimp>,
      .family = Family::extrapolation,
      .refuses = no_jacobian_of_user_torque},
@@ -272,14 +260,12 @@ constexpr Method each[] = {
          "solved by a modified Newton iteration with the exact Jacobian; for stiff motion. Otherwise as `gsl_bsimp`, "
          "which also goes to the samples; the history is dropped at events.",
      .source = source,
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .solve = solve_by<msbdf>,
      .family = Family::multistep,
      .refuses = no_jacobian_of_user_torque},
 };
 
-constexpr auto list = sharing({.library = gsl_library}, each);
+constexpr auto list = sharing({.conserves = "nothing", .control = Control::tolerance, .library = gsl_library}, each);
 
 }  // namespace
 

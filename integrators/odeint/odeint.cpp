@@ -4,14 +4,11 @@
 // so every attempt is looked at, and undone where it is not finite.
 #include "integrators/odeint/odeint.h"
 
-#include <fmt/format.h>
-
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
 #include <boost/numeric/odeint/stepper/euler.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
-#include <limits>
 
 #include "integrators/odeint/odeint_pair.h"
 #include "integrators/run/linear_growth.h"
@@ -112,9 +109,7 @@ constexpr Method each[] = {
     {.name = "odeint_euler",
      .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
      .control = Control::fixed_step,
-     .own_systems = true,
      .order = 1,
      .solve = march_odeint<Euler>,
      .growth = stepper_growth<Euler>},
@@ -122,9 +117,7 @@ constexpr Method each[] = {
      .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
                       "right-hand sides a step.",
      .source = "Kutta 1901; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
      .control = Control::fixed_step,
-     .own_systems = true,
      .order = 4,
      .solve = solve_rk4,
      .growth = classical_growth},
@@ -134,9 +127,6 @@ constexpr Method each[] = {
          "Six right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
          "largest error over the components.",
      .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
      .order = 5,
      .solve = fixed_or_controlled<CashKarp54>,
      .growth = stepper_growth<CashKarp54>},
@@ -146,9 +136,6 @@ constexpr Method each[] = {
          "Six right-hand sides a step, for the last stage is the next step's first. Controlled by Odeint's own rule, "
          "each component held to R (scale + |y|), largest error over the components.",
      .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
      .order = 5,
      .solve = fixed_or_controlled<Dopri5>,
      .growth = stepper_growth<Dopri5>},
@@ -158,26 +145,19 @@ constexpr Method each[] = {
          "Thirteen right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
          "largest error over the components.",
      .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
      .order = 8,
      .solve = fixed_or_controlled<Fehlberg78>,
      .growth = stepper_growth<Fehlberg78>},
     {.name = "odeint_adams_bashforth_moulton",
      .documentation =
          "Adams-Bashforth's formula of six steps as predictor, Adams-Moulton's of order 6 as corrector, each followed "
-         "by "
-         "an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides a step. Odeint "
-         "has up to eight steps, but with seven or eight the predictor's share of the error falls behind the "
+         "by an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides a step. "
+         "Odeint has up to eight steps, but with seven or eight the predictor's share of the error falls behind the "
          "corrector's only at steps so short that round-off hides both. The first five steps are Fehlberg's of order "
-         "8, "
-         "not the Runge-Kutta steps of order 4 that Odeint starts with, which would leave order 5. An event, or a step "
-         "of another length, drops the history and starts it again.",
+         "8, not the Runge-Kutta steps of order 4 that Odeint starts with, which would leave order 5. An event, or a "
+         "step of another length, drops the history and starts it again.",
      .source = "Bashforth & Adams 1883; Moulton 1926; Hairer, Norsett & Wanner 1993, III.1; Boost.Odeint 1.74",
-     .conserves = "nothing",
      .control = Control::fixed_step,
-     .own_systems = true,
      .order = 6,
      .solve = solve_adams_bashforth_moulton,
      .growth = adams_bashforth_moulton_growth,
@@ -188,10 +168,7 @@ constexpr Method each[] = {
          "eight columns). Its controller takes one absolute tolerance for all components: R times the smallest of "
          "their scales, and it weighs the step's change h |f| beside |y|.",
      .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
-     .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
-     .order = 0,
      .solve = extrapolate,
      .family = Family::extrapolation},
     {.name = "odeint_rosenbrock4",
@@ -202,23 +179,24 @@ constexpr Method each[] = {
          "controller takes one absolute tolerance for all components: R times the smallest of their scales. No "
          "user torques, for they have no derivative.",
      .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
      .order = 4,
      .solve = solve_rosenbrock4,
      .growth = rosenbrock4_growth,
      .refuses = no_derivative_of_user_torque},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::runge_kutta, .library = odeint_library}, each);
+constexpr auto in_binary64 = sharing({.conserves = "nothing",
+                                      .control = Control::fixed_step_or_tolerance,
+                                      .own_systems = true,
+                                      .family = Family::runge_kutta,
+                                      .library = odeint_library},
+                                     each);
 
 constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve_euler_float32, solve_rk4_float32,
                                       nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 
-extern const std::span<const Method> odeint_methods;
-const std::span<const Method> odeint_methods = family;
+extern const std::span<const Method> odeint_methods{family};
 
 }  // namespace polhode

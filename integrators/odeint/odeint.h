@@ -2,10 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 
 #include "integrators/odeint/odeint_algebra.h"
 #include "integrators/run/binary32.h"
@@ -18,8 +16,13 @@ namespace polhode {
 /// An attempt that is not finite is tried again with this fraction of the step.
 inline constexpr double not_finite_shrinkage = 0.1;
 
-/// The state on one segment, and the count of right-hand sides since restart(). In the scalar of the system.
-template <class SystemType>
+/// No stepper: what stands in OdeintState for one that needs more than it gives.
+struct NoStepper {};
+
+/// The state on one segment in the scalar of the system, the count of right-hand sides since restart(), and one of
+/// Odeint's steppers. An event makes it forget the derivative kept from the last step's end (first same as last), or
+/// those of a multistep method.
+template <class SystemType, class Scheme = NoStepper>
 class OdeintState {
   public:
     static constexpr std::size_t dimension = static_cast<std::size_t>(SystemType::dimension);
@@ -29,17 +32,26 @@ class OdeintState {
     void restart() {
         system_.initial(y_.data());
         evaluations_ = 0;
+        forget();
     }
-    void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
+    void enter(const Segment& segment) {
+        system_.enter(segment, y_.data());
+        forget();
+    }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:
+    void forget() {
+        if constexpr (requires { scheme_.reset(); }) scheme_.reset();
+    }
+
     const Problem* problem_;
     SystemType system_;
     OdeintArray<dimension, Scalar> y_{system_.size()};
     long evaluations_ = 0;
+    Scheme scheme_{};
 };
 
 /// The signature that Odeint calls; counts.
@@ -57,34 +69,16 @@ struct OdeintRightHandSide {
 
 /// Any stepper of Odeint with do_step(), as a Stepper.
 template <class SystemType, template <std::size_t> class Scheme>
-class OdeintFixedStepper : public OdeintState<SystemType> {
-    using Base = OdeintState<SystemType>;
-    static constexpr std::size_t N = Base::dimension;
+class OdeintFixedStepper : public OdeintState<SystemType, Scheme<static_cast<std::size_t>(SystemType::dimension)>> {
+    using Base = OdeintState<SystemType, Scheme<static_cast<std::size_t>(SystemType::dimension)>>;
     using Scalar = typename Base::Scalar;
 
   public:
-    explicit OdeintFixedStepper(const Problem& problem) : Base(problem) { restart(); }
-    void restart() {
-        Base::restart();
-        forget();
-    }
-    void enter(const Segment& segment) {
-        Base::enter(segment);
-        forget();
-    }
+    using Base::Base;
     void step(double t, double h) {
-        scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
-                        Scalar(h));
+        this->scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
+                              Scalar(h));
     }
-
-  protected:
-    // the derivative kept from the last step's end (first same as last), or those of a multistep method
-    void forget() {
-        if constexpr (requires { scheme_.reset(); }) scheme_.reset();
-    }
-
-  private:
-    Scheme<N> scheme_;
 };
 
 /// march() of one of Odeint's steppers, whose state is OdeintArray<N, S>.
@@ -95,13 +89,13 @@ Trajectory march_odeint(const Problem& problem, const Settings& settings) {
 }
 
 /// The same state with a tolerance R: component i is held to R (scale_i + |y_i|).
-template <class SystemType>
-class ControlledOdeintState : public OdeintState<SystemType> {
+template <class SystemType, class Scheme = NoStepper>
+class ControlledOdeintState : public OdeintState<SystemType, Scheme> {
   public:
     static constexpr std::size_t N = OdeintState<SystemType>::dimension;
 
     ControlledOdeintState(const Problem& problem, double tolerance, int order)
-        : OdeintState<SystemType>(problem), tolerance_(tolerance), order_(order) {
+        : OdeintState<SystemType, Scheme>(problem), tolerance_(tolerance), order_(order) {
         this->system_.scales(scales_.data());
     }
 

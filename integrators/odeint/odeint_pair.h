@@ -38,46 +38,35 @@ struct StepRule : boost::numeric::odeint::default_step_adjuster<double, double> 
     }
 };
 
-/// A Runge-Kutta pair with Odeint's step control.
+/// A Runge-Kutta pair of N components with Odeint's step control.
+template <std::size_t N, template <std::size_t> class Scheme>
+using Controlled = boost::numeric::odeint::controlled_runge_kutta<Scheme<N>, ComponentError<N>, StepRule>;
+
+/// The same on a system.
 template <class SystemType, template <std::size_t> class Scheme>
-class ControlledPair : public ControlledOdeintState<SystemType> {
-    using Base = ControlledOdeintState<SystemType>;
-    static constexpr std::size_t N = Base::N;
-    using Error = ComponentError<N>;
-    using Controlled = boost::numeric::odeint::controlled_runge_kutta<Scheme<N>, Error, StepRule>;
+class ControlledPair
+    : public ControlledOdeintState<SystemType, Controlled<OdeintState<SystemType>::dimension, Scheme>> {
+    static constexpr std::size_t N = OdeintState<SystemType>::dimension;
+    using Base = ControlledOdeintState<SystemType, Controlled<N, Scheme>>;
 
   public:
     static constexpr int order = Scheme<N>::stepper_order_value;
 
-    ControlledPair(const Problem& problem, double tolerance)
-        : Base(problem, tolerance, order), controlled_(Error(tolerance, this->scales_), StepRule()) {}
+    ControlledPair(const Problem& problem, double tolerance) : Base(problem, tolerance, order) {
+        this->scheme_ = Controlled<N, Scheme>(ComponentError<N>(tolerance, this->scales_));
+    }
 
-    void restart() {
-        Base::restart();
-        forget();
-    }
-    void enter(const Segment& segment) {
-        Base::enter(segment);
-        forget();
-    }
     Attempt attempt(double& t, double& h) {
         const OdeintArray<N> before = this->y_;
         const double begin = t, tried = h;
         const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
-        const bool accepted = controlled_.try_step(f, this->y_, t, h) == boost::numeric::odeint::success;
+        const bool accepted = this->scheme_.try_step(f, this->y_, t, h) == boost::numeric::odeint::success;
         if (accepted && this->finite()) return Attempt::accepted;
         if (!accepted && h < tried) return Attempt::rejected;
         this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
-        forget();
+        this->forget();
         return Attempt::not_finite;
     }
-
-  private:
-    void forget() {
-        if constexpr (requires { controlled_.reset(); }) controlled_.reset();
-    }
-
-    Controlled controlled_;
 };
 
 /// The pair on the problem, by steps or by a tolerance.

@@ -71,24 +71,21 @@ constexpr Method each[] = {
          "along the manifold, which is most of the attitude's: those columns say nothing about it. What an event ends "
          "is not kept, from the start on.",
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Kutta 1901",
-     .conserves = kept,
      .control = Control::fixed_step,
      .order = 4,
      .solve = projected_rk4},
     {.name = "odeint_fehlberg78_projected",
      .documentation = "`odeint_fehlberg78` with a projection after each accepted step, as in `odeint_rk4_projected`.",
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Fehlberg 1968, NASA TR R-287",
-     .conserves = kept,
      .control = Control::fixed_step_or_tolerance,
      .order = 8,
      .solve = projected_fehlberg78},
 };
 
-constexpr auto family = sharing({.family = Family::runge_kutta, .library = odeint_library}, each);
+constexpr auto family = sharing({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
 
 }  // namespace
 
-extern const std::span<const Method> odeint_projected_methods;
-const std::span<const Method> odeint_projected_methods = family;
+extern const std::span<const Method> odeint_projected_methods{family};
 
 }  // namespace polhode

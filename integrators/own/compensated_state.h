@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "integrators/lanes/rotation_lanes.h"
 #include "integrators/run/march.h"
@@ -78,7 +77,7 @@ class RotationLanes {
   public:
     static bool serves(const Problem& problem) {
         return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
-            return rotation_coefficients(problem.principal_inertia, forcing_of(segment)).has_value();
+            return rotation_coefficients(problem.body.principal_inertia, forcing_of(segment)).has_value();
         });
     }
     RotationLanes(const Problem& problem, double tolerance, double rounding) : problem_(&problem), system_(problem) {
@@ -95,7 +94,7 @@ class RotationLanes {
     }
     void enter(const Segment& segment) {
         if (system_.enter(segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
-        coefficients_ = *rotation_coefficients(problem_->principal_inertia, forcing_of(segment));
+        coefficients_ = *rotation_coefficients(problem_->body.principal_inertia, forcing_of(segment));
     }
     double first_step(double t, double longest) { return first_step_of(system_, t, state_.y, scales_, longest); }
     void accept() { state_ = next_.state; }

@@ -1,6 +1,5 @@
 // DOP853 by the tolerance, on registers for rotations and on any right-hand side.
 #include <algorithm>
-#include <limits>
 
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/dormand_prince.h"
@@ -157,7 +156,6 @@ constexpr auto family = sharing({.family = Family::runge_kutta}, each);
 
 }  // namespace
 
-extern const std::span<const Method> dop853_methods;
-const std::span<const Method> dop853_methods = family;
+extern const std::span<const Method> dop853_methods{family};
 
 }  // namespace polhode

@@ -33,15 +33,8 @@ POLHODE_TARGET_AVX512 void dop853_step_avx512(const RotationCoefficients& coeffi
 }
 
 Dop853Step* dop853_step(InstructionSet set) {
-    switch (set) {
-        case InstructionSet::avx512:
-            return dop853_step_avx512;
-        case InstructionSet::avx2:
-            return dop853_step_avx2;
-        case InstructionSet::plain:
-            break;
-    }
-    return dop853_step_plain;
+    constexpr Dop853Step* all[] = {dop853_step_plain, dop853_step_avx2, dop853_step_avx512};
+    return all[static_cast<std::size_t>(set)];
 }
 
 }  // namespace polhode

@@ -1,13 +1,13 @@
 // The closed form of a motion, where it has one: no steps, no error but round-off.
 #include "integrators/own/exact.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <span>
 
 #include "integrators/closed_form/closed_form.h"
 #include "integrators/method.h"
 #include "integrators/run/watch.h"
+#include "motion/finite.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -18,7 +18,7 @@ using Form = ClosedForm<double>;
 // Axes that had to be computed, and moments that were shifted there, are known to a rounding: what is within two units
 // of the last place of being equal, or along an axis, is taken for it, since the rounding cannot tell.
 double rounding_of(const Problem& problem) {
-    const bool as_given = problem.q_BP == Quaternion<double>{} && problem.body.arm == Vector3<double>();
+    const bool as_given = problem.body.q_BP == Quaternion<double>{} && problem.body.arm == Vector3<double>();
     return as_given ? 0 : 0x1p-51;
 }
 
@@ -28,7 +28,7 @@ bool starts_next_to_separatrix(const Problem& problem) {
     constexpr double next_to = 1e-3;
     const Segment& segment = problem.segments.front();
     if (!segment.impulses.empty() || segment.forcing.any_torque()) return false;
-    const Vector3<double>&I = problem.principal.moments, &w = problem.initial_angular_velocity;
+    const Vector3<double>&I = problem.body.principal.moments, &w = problem.body.initial_angular_velocity;
     const double middle = std::max(std::min(I[0], I[1]), std::min(std::max(I[0], I[1]), I[2]));
     double a = 0, b = 0;
     for (int i = 0; i < 3; ++i) (I[i] < middle ? a : b) += I[i] * std::abs(middle - I[i]) * w[i] * w[i];
@@ -37,11 +37,12 @@ bool starts_next_to_separatrix(const Problem& problem) {
 
 std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
     if (segment.begin == 0 && starts_next_to_separatrix(problem)) {
-        const FreeAsymmetricBody<Wide> form(problem.wide_principal.moments, problem.wide_initial_angular_velocity,
+        const FreeAsymmetricBody<Wide> form(problem.body.wide_principal.moments,
+                                            problem.body.wide_initial_angular_velocity,
                                             cast<Wide>(FreeRotation::attitude(y)));
         return std::optional<Form>(std::in_place, std::in_place_type<FreeAsymmetricBody<double>>, form);
     }
-    return Form::find(problem.principal.moments, segment.forcing, FreeRotation::angular_velocity(y),
+    return Form::find(problem.body.principal.moments, segment.forcing, FreeRotation::angular_velocity(y),
                       FreeRotation::attitude(y), rounding_of(problem));
 }
 
@@ -50,19 +51,30 @@ void advance(const Form& form, double t, double* y) {
     FreeRotation::set_rotation(y, rotation.w, rotation.q);
 }
 
-// Every piece's form, from the state that the one before leads to; false where one has none.
+// How far one came through the pieces.
+enum class Passed {
+    all,
+    stopped,     // by the visitor
+    no_form,     // a piece has no closed form
+    not_finite,  // an impulse left a state that is none
+};
+
+// Every piece's form, from the state that the one before leads to. `at`: where it ended, s.
 template <class Visit>
-bool through_pieces(const Problem& problem, Visit&& visit) {
+Passed through_pieces(const Problem& problem, double& at, Visit&& visit) {
     double y[FreeRotation::dimension];
     FreeRotation system(problem);
     system.initial(y);
     for (const Segment& segment : problem.segments) {
         system.enter(segment, y);
+        at = segment.begin;
+        if (!all_finite(std::span<const double>(y))) return Passed::not_finite;
         const std::optional<Form> form = form_of(problem, segment, y);
-        if (!form || !visit(segment, *form)) return false;
+        if (!form) return Passed::no_form;
+        if (!visit(segment, *form)) return Passed::stopped;
         if (!segment.last) advance(*form, segment.end - segment.begin, y);
     }
-    return true;
+    return Passed::all;
 }
 
 // Why the scene has no closed form here; empty where it may have one.
@@ -72,7 +84,9 @@ std::string refused(const Problem& problem) {
     if (problem.needs.user_torque) return "a user's torque has no closed form";
     if (problem.needs.translation == Translation::integrated)
         return "the forces tie translation and rotation together: no closed form";
-    if (!through_pieces(problem, [](const Segment&, const Form&) { return true; }))
+    double at = 0;
+    // a state that is not finite is the run's to tell
+    if (through_pieces(problem, at, [](const Segment&, const Form&) { return true; }) == Passed::no_form)
         return "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque "
                "and drag";
     return "";
@@ -94,11 +108,17 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     const auto run = [&] {
         trajectory.samples.clear();
         SampleQueue samples = settings.record ? SampleQueue(duration, settings.samples) : SampleQueue({&duration, 1});
-        return through_pieces(problem, [&](const Segment& segment, const Form& form) {
+        double at = 0;
+        const Passed passed = through_pieces(problem, at, [&](const Segment& segment, const Form& form) {
             for (; samples.in(segment); samples.pop())
                 if (!sample(segment, form, samples.front())) return false;
             return true;
         });
+        if (passed == Passed::not_finite) {
+            trajectory.status = Status::diverged;
+            trajectory.message = "not finite at " + moment(at);
+        }
+        return passed == Passed::all;
     };
     if (settings.record) trajectory.samples.reserve(static_cast<std::size_t>(settings.samples) + 1);
     repeat(settings, trajectory, [&](bool) { return run(); });
@@ -127,7 +147,6 @@ constexpr auto exact_table = sharing({.family = Family::closed_form, .refuses = 
 
 bool has_closed_form(const Problem& problem) { return refused(problem).empty(); }
 
-extern const std::span<const Method> exact_methods;
-const std::span<const Method> exact_methods{exact_table};
+extern const std::span<const Method> exact_methods{exact_table};
 
 }  // namespace polhode

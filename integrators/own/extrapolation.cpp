@@ -267,7 +267,6 @@ constexpr auto family = sharing({.family = Family::extrapolation}, each);
 
 }  // namespace
 
-extern const std::span<const Method> extrapolation_methods;
-const std::span<const Method> extrapolation_methods = family;
+extern const std::span<const Method> extrapolation_methods{family};
 
 }  // namespace polhode

@@ -22,16 +22,14 @@ inline Complex4 reciprocal(const Complex4& z) {
     return {z.re * scale, -(z.im * scale)};
 }
 
-/// J is that of a body's motion (motion/systems.h): its first component or three are rates, the rest is where the body
+/// J is that of a body's motion (motion/systems.h): its first components are the rates, the rest is where the body
 /// is. Eliminated from the last component to the first, no pivot of the rest can vanish while Re mu > 0: those of v and
 /// p are mu + k and mu; those of q are ratios of minors of mu - Omega / 2 with a skew Omega, whose eigenvalues are mu
 /// and mu +- i |w| / 2. So no rows are exchanged, and all four go the same way. Rounding grows with |w| / |mu|, which
 /// is small for steps of less than a turn. What is left for the rates is inverted by cofactors.
-template <int N>
+template <int N, int rates>
 class FourSystems {
   public:
-    static constexpr int rates = N == 3 ? 1 : 3;
-
     /// mu: Re mu > 0. J row by row.
     [[gnu::always_inline]] inline void factor(const Complex4& mu, const double* J) {
         for (int i = 0; i < N; ++i)

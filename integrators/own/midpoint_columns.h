@@ -1,7 +1,6 @@
 // One extrapolated step of a rotation on registers of eight lanes, all columns side by side.
 #pragma once
 
-#include <array>
 #include <type_traits>
 
 #include "integrators/lanes/rotation_lanes.h"

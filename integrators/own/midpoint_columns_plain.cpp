@@ -45,11 +45,8 @@ void columns_in_turn(const RotationCoefficients& coefficients, const RotationAll
 template <RotationTerms terms>
 void columns_in_turn(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                      const RotationState& from, double H, int row, RotationStep& to) {
-    if (row == careful_row) {
-        columns_in_turn<terms, true>(coefficients, allowance, from, H, row, to);
-    } else {
-        columns_in_turn<terms, false>(coefficients, allowance, from, H, row, to);
-    }
+    const auto step = row == careful_row ? columns_in_turn<terms, true> : columns_in_turn<terms, false>;
+    step(coefficients, allowance, from, H, row, to);
 }
 
 }  // namespace
@@ -67,15 +64,8 @@ void midpoint_step_plain(const RotationCoefficients& coefficients, const Rotatio
 }
 
 MidpointStep* midpoint_step(InstructionSet set) {
-    switch (set) {
-        case InstructionSet::avx512:
-            return midpoint_step_avx512;
-        case InstructionSet::avx2:
-            return midpoint_step_avx2;
-        case InstructionSet::plain:
-            break;
-    }
-    return midpoint_step_plain;
+    constexpr MidpointStep* all[] = {midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512};
+    return all[static_cast<std::size_t>(set)];
 }
 
 }  // namespace polhode

@@ -23,13 +23,20 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-template <int N>
-using Systems = std::conditional_t<N == run_time, DenseSystems, FourSystems<N == run_time ? 3 : N>>;
+template <class SystemType>
+struct LinearSystems {
+    using Type = FourSystems<SystemType::dimension, SystemType::rates>;
+};
+template <>
+struct LinearSystems<OwnSystem> {
+    using Type = DenseSystems;
+};
 
 /// One step's equations Z = h (A x I) f(y + Z).
 template <class SystemType>
 struct Equations {
     static constexpr int N = SystemType::dimension;
+    using Systems = typename LinearSystems<SystemType>::Type;
     static constexpr int squared = N == run_time ? run_time : N * N;
 
     explicit Equations(int n) : y(n), weight(n), J(n * n), matrix(matrix_of(n)), Z(n) {}
@@ -37,13 +44,13 @@ struct Equations {
     Numbers<N> y;          ///< at the step's start
     Numbers<N> weight;     ///< of each component in norms
     Numbers<squared> J;    ///< df/dy, row by row
-    Systems<N> matrix;     ///< eigenvalue / h - J
+    Systems matrix;        ///< eigenvalue / h - J
     Numbers<N, Stages> Z;  ///< y at the stages less y at the start
 
   private:
-    static Systems<N> matrix_of([[maybe_unused]] int n) {
+    static Systems matrix_of([[maybe_unused]] int n) {
         if constexpr (N == run_time)
-            return Systems<N>(n);
+            return Systems(n);
         else
             return {};
     }
@@ -143,15 +150,9 @@ POLHODE_RADAU_KERNEL(Avx512Kernel, POLHODE_TARGET_AVX512)
 
 template <class SystemType>
 const Kernel<SystemType>& kernel_for(InstructionSet set) {
-    switch (set) {
-        case InstructionSet::avx2:
-            return Avx2Kernel<SystemType>::kernel;
-        case InstructionSet::avx512:
-            return Avx512Kernel<SystemType>::kernel;
-        case InstructionSet::plain:
-            break;
-    }
-    return PlainKernel<SystemType>::kernel;
+    constexpr const Kernel<SystemType>* all[] = {&PlainKernel<SystemType>::kernel, &Avx2Kernel<SystemType>::kernel,
+                                                 &Avx512Kernel<SystemType>::kernel};
+    return *all[static_cast<std::size_t>(set)];
 }
 
 /// The state on one segment, and what one step needs. Steppers of one run share the equations, in which nothing
@@ -495,45 +496,23 @@ constexpr Method each[] = {
          "their own; the sum over steps is compensated. |q| is not projected: it stays 1 as exactly as the tolerance "
          "holds. A torque of the user's own is `unsupported`: it has no Jacobian. Right-hand sides are counted, "
          "Jacobians (one an attempt) are not.",
-     .source = source,
-     .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
      .solve = solve_any_order},
-    {.name = "radau5",
-     .documentation = of_one_order,
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
-     .order = 5,
-     .solve = solve_radau<3>,
-     .growth = radau_growth<3>},
-    {.name = "radau9",
-     .documentation = of_one_order,
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
-     .order = 9,
-     .solve = solve_radau<5>,
-     .growth = radau_growth<5>},
-    {.name = "radau13",
-     .documentation = of_one_order,
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::fixed_step_or_tolerance,
-     .own_systems = true,
-     .order = 13,
-     .solve = solve_radau<7>,
-     .growth = radau_growth<7>},
+    {.name = "radau5", .documentation = of_one_order, .order = 5, .solve = solve_radau<3>, .growth = radau_growth<3>},
+    {.name = "radau9", .documentation = of_one_order, .order = 9, .solve = solve_radau<5>, .growth = radau_growth<5>},
+    {.name = "radau13", .documentation = of_one_order, .order = 13, .solve = solve_radau<7>, .growth = radau_growth<7>},
 };
 
-constexpr auto list = sharing({.family = Family::runge_kutta, .refuses = no_jacobian_of_user_torque}, each);
+constexpr auto list = sharing({.source = source,
+                               .conserves = "nothing",
+                               .control = Control::fixed_step_or_tolerance,
+                               .own_systems = true,
+                               .family = Family::runge_kutta,
+                               .refuses = no_jacobian_of_user_torque},
+                              each);
 
 }  // namespace
 
-extern const std::span<const Method> radau_methods;
-const std::span<const Method> radau_methods{list};
+extern const std::span<const Method> radau_methods{list};
 
 }  // namespace polhode

@@ -14,7 +14,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
 #include "integrators/lanes/lanes.h"
 #include "motion/equations.h"

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -80,7 +79,7 @@ class UnrolledCoefficients {
   public:
     template <class SystemType>
     UnrolledCoefficients(const Problem& problem, const Segment& segment, const SystemType&)
-        : series_(problem.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
+        : series_(problem.body.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
             expand_ = &expand_avx512, move_ = &move_avx512;
@@ -232,8 +231,8 @@ class RecordedSeries {
 
 /// I^-1 in posed axes, 1/(kg m^2).
 Matrix3<double> inverse_inertia(const Problem& problem) {
-    return problem.formulation == Formulation::full ? problem.full_inertia.inverse
-                                                    : diagonal(problem.principal_inertia.inverse_moments);
+    return problem.formulation == Formulation::full ? problem.body.full_inertia.inverse
+                                                    : diagonal(problem.body.principal_inertia.inverse_moments);
 }
 
 /// A bound on sqrt(tau / I), 1/s, from bounds on a torque's components in posed axes.
@@ -330,7 +329,7 @@ class ExtendedSeries {
 int exponent_of_rate(const Problem& problem) {
     if (problem.own) return 0;
     double rate = problem.scales.angular_velocity;
-    for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(problem.initial_angular_velocity[i]));
+    for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(problem.body.initial_angular_velocity[i]));
     for (const Segment& segment : problem.segments) {
         rate = std::max(rate, response_rate(problem, segment));
         if (segment.forcing.has_torque) rate = std::max(rate, torque_rate(problem, segment.forcing.torque));
@@ -430,11 +429,7 @@ class TaylorSession {
     }
     int inside_flag() const { return 0; }
 
-    struct Failure {
-        Status status = Status::ok;
-        std::string message;
-    };
-    Failure failure(int flag) const {
+    SolverFailure failure(int flag) const {
         if (flag == not_finite) return {Status::diverged, fmt::format("not finite at t = {:g} s", time())};
         return {Status::tolerance_not_met, fmt::format("step size below the spacing of numbers at t = {:g} s", time())};
     }
@@ -504,16 +499,18 @@ Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
 template <int order>
 Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
+        // without a load there is none that the unrolled series do not know
+        constexpr bool free = std::is_same_v<SystemType, FreeRotation>;
         if constexpr (is_rotation<SystemType>)
-            if (is_unrolled(problem)) {
+            if (free || is_unrolled(problem)) {
                 if (instruction_set() == InstructionSet::avx512)
                     return solve_unrolled<order, SystemType, Lanes8>(problem, settings);
                 return solve_unrolled<order, SystemType, LanePair>(problem, settings);
             }
-        if constexpr (order == careful_order && has_extended) {
+        if constexpr (!free && order == careful_order && has_extended) {
             using Coefficients = RecordedCoefficients<order, SystemType>;
             return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
-        } else {
+        } else if constexpr (!free) {
             return solve_by<RecordedSeries<order, SystemType>, SystemType>(problem, settings);
         }
     });
@@ -554,7 +551,6 @@ constexpr auto list = sharing({.family = Family::series, .refuses = refused_user
 
 }  // namespace
 
-extern const std::span<const Method> taylor_methods;
-constinit const std::span<const Method> taylor_methods{list};
+extern const std::span<const Method> taylor_methods{list};
 
 }  // namespace polhode

@@ -13,8 +13,6 @@ namespace {
 
 constexpr double flat_ratio = 1e-6;
 
-double length_of(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
-
 using Unscaled = std::vector<Vector3<double>>;
 
 // coordinates of unit mean square along each axis
@@ -81,11 +79,11 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     const Quaternion<double> q_BP = rounded(frame).q_BP;
     for (const Vector3<double>& u : unit)
         body.rest_B.push_back(rotate(q_BP, Vector3<double>(a[0] * u[0], a[1] * u[1], a[2] * u[2])));
-    body.extent = length_of(a);
+    body.extent = length(a);
     for (int i = 0; i < count; ++i)
         for (int j = i + 1; j < count; ++j)
             if (!box || arrangement.n == 2 || neighbours(i, j, arrangement.n))
-                body.links.push_back({i, j, length_of(body.rest_B[i] - body.rest_B[j])});
+                body.links.push_back({i, j, length(body.rest_B[i] - body.rest_B[j])});
 
     if (body.pivoted) {
         // c_i = (1 + sum_k s_k u_ik / a_k) / N, with sum_i u_ik u_il = N delta_kl: then sum c_i a_k u_ik = s_k
@@ -147,8 +145,8 @@ Quaternion<double> best_rotation(const std::vector<Vector3<double>>& rest_B, con
 double largest_stretch(const PointBody& body, const double* r) {
     double worst = 0;
     for (const Link& link : body.links) {
-        const double length = length_of(vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j));
-        worst = std::max(worst, std::abs(length - link.length) / link.length);
+        const double distance = length(vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j));
+        worst = std::max(worst, std::abs(distance - link.length) / link.length);
     }
     return worst;
 }

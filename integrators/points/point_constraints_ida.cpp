@@ -142,7 +142,7 @@ class ConstraintSession : public PointSession {
         return sample_of(t, N_VGetArrayPointer(inside_.get()));
     }
     int inside_flag() const { return IDA_SUCCESS; }
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
         return explained("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed, IDAGetReturnFlagName(flag));
     }
@@ -271,12 +271,11 @@ PointRun point_constraints_ida(const Problem& problem, const Settings& settings,
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     ConstraintSession session(problem, body, *settings.tolerance);
     PointRun run;
-    run.trajectory = SundialsRun(problem, settings, session).solve();
+    run.trajectory = run_sundials(problem, settings, session);
     run.largest_stretch = session.largest_stretch();
     return run;
 }
 
-extern const std::span<const Method> point_constraints_ida_methods;
-const std::span<const Method> point_constraints_ida_methods{list};
+extern const std::span<const Method> point_constraints_ida_methods{list};
 
 }  // namespace polhode

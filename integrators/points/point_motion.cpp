@@ -44,14 +44,14 @@ std::optional<Vector3<double>> PointMotion::enter(const Segment& segment, double
         (!f.pivoted && (f.has_body_force || f.has_translational_drag || !(f.acceleration_W == Vector3<double>())));
     if (segment.impulses.empty()) return {};
     const Reading now = read(y, true);
-    const Quaternion<double> q = now.q * problem_->q_BP;
+    const Quaternion<double> q = now.q * problem_->body.q_BP;
     Vector3<double> w = rotate_back(q, now.angular_velocity_W), p = now.cloud.center, v = now.velocity_W;
     const ExactBody<double>& body = problem_->body;
     for (const PosedImpulse<double>& impulse : segment.impulses)
         if (problem_->formulation == Formulation::full)
-            apply(impulse, problem_->full_inertia, body.mass, body.pivoted, w, q, p, v);
+            apply(impulse, problem_->body.full_inertia, body.mass, body.pivoted, w, q, p, v);
         else
-            apply(impulse, problem_->principal_inertia, body.mass, body.pivoted, w, q, p, v);
+            apply(impulse, problem_->body.principal_inertia, body.mass, body.pivoted, w, q, p, v);
     if (body.pivoted) pivoted_center(q, w, f.arm, p, v);
     const Vector3<double> w_W = rotate(q, w);
     place(now.q, w_W, p, v, y);
@@ -66,7 +66,7 @@ void PointMotion::add_loads(double t, const double* y, double* a) const {
     Vector3<double> linear, angular, origin;
     if (attitude || f.has_translational_drag) {
         const Reading now = read(y, attitude);
-        const Quaternion<double> q = now.q * problem_->q_BP;
+        const Quaternion<double> q = now.q * problem_->body.q_BP;
         if (turned) {
             const Vector3<double> w = rotate_back(q, now.angular_velocity_W);
             const Vector3<double> tau = rotate(q, torque(f, t, w, q, now.cloud.center, now.velocity_W));

@@ -96,7 +96,7 @@ class PointSession {
     void rethrow() {
         if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
     }
-    SundialsFailure explained(const char* library, Status status, char* flag_name) {
+    SolverFailure explained(const char* library, Status status, char* flag_name) {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)

@@ -179,7 +179,6 @@ constexpr Method each[] = {
      .source = source,
      .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum, angular momentum of a free body to the scheme's order",
-     .control = Control::fixed_step,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; },
      .growth = classical_growth},
     {.name = "point_springs_verlet",
@@ -190,12 +189,12 @@ constexpr Method each[] = {
      .source = "L. Verlet 1967, Phys. Rev. 159, 98-103; the body as in the article on rotational dynamics",
      .described_as = "article: point masses at a distance from each other that is kept, by springs",
      .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
-     .control = Control::fixed_step,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; },
      .pendulum_growth = verlet_pendulum_growth},
 };
 
-constexpr auto list = sharing({.family = Family::points, .refuses = cannot_be_made_of_points}, each);
+constexpr auto list =
+    sharing({.control = Control::fixed_step, .family = Family::points, .refuses = cannot_be_made_of_points}, each);
 
 }  // namespace
 
@@ -206,7 +205,6 @@ PointRun point_springs_verlet(const Problem& problem, const Settings& settings, 
     return run<Verlet>(problem, settings, options);
 }
 
-extern const std::span<const Method> point_springs_methods;
-const std::span<const Method> point_springs_methods{list};
+extern const std::span<const Method> point_springs_methods{list};
 
 }  // namespace polhode

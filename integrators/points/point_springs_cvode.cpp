@@ -63,7 +63,7 @@ class SpringSession : public PointSession {
         return sample_of(t, N_VGetArrayPointer(inside_.get()));
     }
     int inside_flag() const { return CV_SUCCESS; }
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
         return explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
                          CVodeGetReturnFlagName(flag));
@@ -161,12 +161,11 @@ PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& setting
     const double damping = damping_of_ratio(body, stiffness, options.damping_ratio.value_or(1));
     SpringSession session(problem, body, SpringNetwork(body, stiffness, damping), *settings.tolerance);
     PointRun run;
-    run.trajectory = SundialsRun(problem, settings, session).solve();
+    run.trajectory = run_sundials(problem, settings, session);
     run.largest_stretch = session.largest_stretch();
     return run;
 }
 
-extern const std::span<const Method> point_springs_cvode_methods;
-const std::span<const Method> point_springs_cvode_methods{list};
+extern const std::span<const Method> point_springs_cvode_methods{list};
 
 }  // namespace polhode

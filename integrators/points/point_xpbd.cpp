@@ -117,7 +117,6 @@ PointRun point_xpbd(const Problem& problem, const Settings& settings, const Poin
     return run;
 }
 
-extern const std::span<const Method> point_xpbd_methods;
-const std::span<const Method> point_xpbd_methods{list};
+extern const std::span<const Method> point_xpbd_methods{list};
 
 }  // namespace polhode

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace polhode {
 namespace {
 
@@ -22,7 +20,8 @@ std::string not_held(const char* what, double value) {
 std::string refused_by_binary32(const Problem& problem) {
     const ExactBody<double>& body = problem.body;
     for (int i = 0; i < 3; ++i) {
-        const double moment = problem.principal.moments[i], inverse = problem.principal_inertia.inverse_moments[i];
+        const double moment = problem.body.principal.moments[i],
+                     inverse = problem.body.principal_inertia.inverse_moments[i];
         if (!holds_not_zero(moment) || !holds_not_zero(inverse)) return not_held("a moment of inertia of", moment);
     }
     if (!holds_not_zero(body.mass)) return not_held("a mass of", body.mass);

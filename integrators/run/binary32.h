@@ -6,10 +6,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -17,7 +15,6 @@
 
 #include "integrators/run/march.h"
 #include "motion/rounded.h"
-#include "motion/segment_forcing.h"
 
 namespace polhode {
 

@@ -1,7 +1,6 @@
 #include "integrators/run/linear_growth.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

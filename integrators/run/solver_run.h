@@ -12,6 +12,12 @@
 
 namespace polhode {
 
+/// How a run ended early, and why.
+struct SolverFailure {
+    Status status;
+    std::string message;
+};
+
 /// A solver with its state, on one problem. Flags below zero say that it can go on no further, and failure() what they
 /// mean. One that can tell of its troubles has `SolverCounts counts()`; one whose sample() leaves a trace in what it
 /// tells at the end has `look()`, which does not.
@@ -24,8 +30,7 @@ concept SolverSession = requires(S s, const Segment& segment, double t, int flag
     { s.sample() } -> std::convertible_to<Bodies>;  // the motion there
     { *s.sample_inside(t) } -> std::convertible_to<Bodies>;  // at a time within the last step
     { s.inside_flag() } -> std::same_as<int>;                // why there was none
-    { s.failure(flag).status } -> std::convertible_to<Status>;
-    { s.failure(flag).message } -> std::convertible_to<std::string>;
+    { s.failure(flag) } -> std::same_as<SolverFailure>;
     { s.steps() } -> std::convertible_to<long>;  // since restart
     { s.rhs_evaluations() } -> std::convertible_to<long>;
 };
@@ -51,7 +56,7 @@ class SolverRun {
 
   private:
     bool fail(int flag) {
-        const auto failure = session_.failure(flag);
+        const SolverFailure failure = session_.failure(flag);
         return watch_.fail(failure.status, failure.message);
     }
     auto look() {

@@ -58,33 +58,6 @@ class Budget {
 /// A time (s) as messages tell it: "t = 0.125 s".
 std::string moment(double t);
 
-/// Tells when a run makes no progress: its steps are so short, accepted by round-off alone, that at their pace the rest
-/// would take ten times the limit of steps.
-class Pace {
-  public:
-    /// `duration` is the run's, in s; `steps` have been taken before t = 0.
-    Pace(const Settings& settings, double duration, long steps)
-        : most_(10 * static_cast<double>(settings.max_steps)), duration_(duration), marked_steps_(steps) {}
-
-    /// Whether the run, at t (s) after `steps` steps, can still end within ten times the limit.
-    bool keeps(long steps, double t) {
-        constexpr long span = 1 << 14;
-        if (steps - marked_steps_ < span) return true;
-        const double needed = static_cast<double>(span) * (duration_ - t) / (t - marked_time_);
-        marked_steps_ = steps, marked_time_ = t;
-        return needed <= most_;
-    }
-    /// What a run without progress at t (s) is told.
-    static std::string message(double t) {
-        return "no progress at " + moment(t) + ": the tolerance is too small for binary64";
-    }
-
-  private:
-    double most_, duration_;
-    long marked_steps_;
-    double marked_time_ = 0;
-};
-
 /// A clock that starts when it is made.
 class Stopwatch {
   public:
@@ -137,13 +110,12 @@ class Watch {
           settings_(&settings),
           trajectory_(&trajectory),
           bound_(energy_bound(problem)),
-          budget_(settings),
-          pace_(settings, problem.scene.duration, 0) {}
+          budget_(settings) {}
 
     /// To be called at t = 0, before each repetition.
     void restart() {
         until_look_ = between_looks;
-        pace_ = Pace(*settings_, problem_->scene.duration, budget_.steps());
+        marked_steps_ = budget_.steps(), marked_time_ = 0;
     }
     /// Over all repetitions.
     long steps() const { return budget_.steps(); }
@@ -152,9 +124,16 @@ class Watch {
     bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
     /// Whether another attempt at a step, or a step aside, may be made; `evaluations` is as for may_step().
     bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }
-    /// To be called after an accepted step to t (s): whether the run makes progress.
+    /// To be called after an accepted step to t (s): whether the run makes progress. It makes none where its steps are
+    /// so short, accepted by round-off alone, that at their pace the rest would take ten times the limit of steps.
     bool gets_on(double t) {
-        return pace_.keeps(budget_.steps(), t) || fail(Status::tolerance_not_met, Pace::message(t));
+        constexpr long span = 1 << 14;
+        if (budget_.steps() - marked_steps_ < span) return true;
+        const double needed = static_cast<double>(span) * (problem_->scene.duration - t) / (t - marked_time_);
+        marked_steps_ = budget_.steps(), marked_time_ = t;
+        return needed <= 10 * static_cast<double>(settings_->max_steps) ||
+               fail(Status::tolerance_not_met,
+                    "no progress at " + moment(t) + ": the tolerance is too small for binary64");
     }
     /// To be called after the samples of an accepted step: whether the motion has not diverged. sample() gives the
     /// motion as it is now.
@@ -190,7 +169,8 @@ class Watch {
     Trajectory* trajectory_;
     double bound_;
     Budget budget_;
-    Pace pace_;
+    long marked_steps_ = 0;
+    double marked_time_ = 0;  // s
     int until_look_ = between_looks;
 };
 

@@ -28,7 +28,7 @@ class ArkodeFixedStepper {
     long rhs_evaluations() const { return session_.rhs_evaluations(); }
     bool failed() const { return flag_ < 0; }
     void explain(Trajectory& trajectory) {
-        SundialsFailure failure = session_.failure(flag_);
+        SolverFailure failure = session_.failure(flag_);
         trajectory.status = failure.status, trajectory.message = std::move(failure.message);
     }
 
@@ -50,7 +50,7 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
             return trajectory;
         }
         ArkodeSession<SystemType> session(problem, table, settings.tolerance);
-        return SundialsRun(problem, settings, session).solve();
+        return run_sundials(problem, settings, session);
     });
 }
 
@@ -151,10 +151,9 @@ constexpr Method each[] = {
                     "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
     {.name = "arkode",
      .documentation = "`arkode_dirk5` where the motion is stiff, else `arkode_erk8`, by a tolerance; the message says "
-                      "which. Stiff is "
-                      "what damps far faster than the body turns, along the motion that `radau` finds to three digits "
-                      "first, which is "
-                      "not in the time shown. With a torque of the user's own it is always `arkode_erk8`.",
+                      "which. Stiff is what damps far faster than the body turns, along the motion that `radau` finds "
+                      "to three digits first, which is not in the time shown. With a torque of the user's own it is "
+                      "always `arkode_erk8`.",
      .source = arkode_source,
      .conserves = "nothing",
      .control = Control::tolerance,
@@ -165,7 +164,6 @@ constexpr auto list = sharing({.family = Family::runge_kutta, .library = sundial
 
 }  // namespace
 
-extern const std::span<const Method> arkode_methods;
-const std::span<const Method> arkode_methods{list};
+extern const std::span<const Method> arkode_methods{list};
 
 }  // namespace polhode

@@ -103,7 +103,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
 
   private:
     double kinetic_scale() const {
-        const Vector3<double>& I = this->problem_->principal.moments;
+        const Vector3<double>& I = this->problem_->body.principal.moments;
         const double w = this->problem_->scales.angular_velocity;
         return std::max({I[0], I[1], I[2]}) * w * w / 2;
     }
@@ -186,46 +186,38 @@ Trajectory relaxed(const Problem& problem, const Settings& settings) {
 
 constexpr std::string_view relaxation_source =
     "Ketcheson 2019, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. "
-    "Numer. "
-    "Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
+    "Numer. Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
 constexpr std::string_view energy_kept = "E (with q as it stands, not normalised), where the motion keeps it";
 
 constexpr Method each[] = {
     {.name = "arkode_erk4_relaxed",
      .documentation =
          "The table of `arkode_erk4` (Zonneveld's of order 4), each step relaxed: y + gamma h sum b_i k_i with the "
-         "gamma "
-         "near 1 that gives the energy at the start, and time goes on by gamma h. The energy is quadratic in the "
-         "state, "
-         "so gamma is the root of a quadratic equation. The next step makes good the lag of O(h^4) in time; samples "
-         "and "
-         "events are met by a plain step over the lag. |q| and L are not kept, and where forces act the E of the "
-         "tables, "
-         "formed with q normalised, errs by the drift of |q|. Step control, where a tolerance is given: root mean "
-         "square "
-         "over the components, each against R (scale + |y|). `unsupported` where the motion does not keep its energy. "
-         "(SUNDIALS has relaxation from 6.6 on; this is on its tables alone.)",
-     .source = relaxation_source,
-     .conserves = energy_kept,
-     .control = Control::fixed_step_or_tolerance,
+         "gamma near 1 that gives the energy at the start, and time goes on by gamma h. The energy is quadratic in the "
+         "state, so gamma is the root of a quadratic equation. The next step makes good the lag of O(h^4) in time; "
+         "samples and events are met by a plain step over the lag. |q| and L are not kept, and where forces act the E "
+         "of the tables, formed with q normalised, errs by the drift of |q|. Step control, where a tolerance is given: "
+         "root mean square over the components, each against R (scale + |y|). `unsupported` where the motion does not "
+         "keep its energy. (SUNDIALS has relaxation from 6.6 on; this is on its tables alone.)",
      .order = 4,
      .solve = relaxed<ARKODE_ZONNEVELD_5_3_4>},
     {.name = "arkode_erk8_relaxed",
      .documentation =
          "The table of `arkode_erk8` (Fehlberg's of order 8), each step relaxed as in `arkode_erk4_relaxed`.",
-     .source = relaxation_source,
-     .conserves = energy_kept,
-     .control = Control::fixed_step_or_tolerance,
      .order = 8,
      .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
 };
 
-constexpr auto list =
-    sharing({.family = Family::runge_kutta, .library = sundials_library, .refuses = energy_is_not_kept}, each);
+constexpr auto list = sharing({.source = relaxation_source,
+                               .conserves = energy_kept,
+                               .control = Control::fixed_step_or_tolerance,
+                               .family = Family::runge_kutta,
+                               .library = sundials_library,
+                               .refuses = energy_is_not_kept},
+                              each);
 
 }  // namespace
 
-extern const std::span<const Method> arkode_relaxed_methods;
-const std::span<const Method> arkode_relaxed_methods{list};
+extern const std::span<const Method> arkode_relaxed_methods{list};
 
 }  // namespace polhode

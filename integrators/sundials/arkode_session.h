@@ -2,7 +2,6 @@
 #pragma once
 
 #include <arkode/arkode_arkstep.h>
-#include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <algorithm>
 #include <memory>
@@ -26,7 +25,8 @@ struct ArkodeTable {
 template <class SystemType>
 class ArkodeSession : public SundialsSession<SystemType> {
     using Base = SundialsSession<SystemType>;
-    using Base::absolute_, Base::context_, Base::end_, Base::offset_, Base::state_, Base::t_;
+    using Base::absolute_, Base::context_, Base::end_, Base::linear_, Base::matrix_, Base::nonlinear_, Base::offset_,
+        Base::state_, Base::t_;
     using Base::demand;
 
   public:
@@ -50,9 +50,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         // steps that vanish against t are counted by the caller
         demand(ARKStepSetMaxHnilWarns(memory, -1));
         if (!table.implicit) return;
-        nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
-        matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
-        linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
+        Base::make_newton();
         demand(ARKStepSetNonlinearSolver(memory, nonlinear_.get()));
         demand(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
         demand(ARKStepSetJacFn(memory, Base::fill_jacobian));
@@ -136,7 +134,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     }
 
     /// What a flag below zero means.
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         const bool out_of_reach = flag == ARK_TOO_MUCH_ACC || flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE;
         return Base::explained("ARKODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
                                ARKStepGetReturnFlagName(flag));
@@ -185,9 +183,6 @@ class ArkodeSession : public SundialsSession<SystemType> {
     }
 
     ArkodeTable table_;
-    SundialsOwner<SUNNonlinearSolver> nonlinear_;
-    SundialsOwner<SUNMatrix> matrix_;
-    SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
     std::unique_ptr<ArkodeSession> aside_;
     double reached_ = 0;  // s, on ARKODE's clock

@@ -10,7 +10,7 @@ namespace {
 Trajectory solve_by(const Problem& problem, const Settings& settings, Multistep multistep, Iteration iteration) {
     return with_system(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, multistep, iteration, *settings.tolerance);
-        return SundialsRun(problem, settings, session).solve();
+        return run_sundials(problem, settings, session);
     });
 }
 
@@ -35,7 +35,7 @@ Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
     return with_one_body(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, Multistep::bdf, Iteration::newton, *settings.tolerance);
         session.project_onto(Projection<SystemType>(problem));
-        return SundialsRun(problem, settings, session).solve();
+        return run_sundials(problem, settings, session);
     });
 }
 
@@ -48,14 +48,10 @@ constexpr Method each[] = {
      .documentation =
          "CVODE's Adams-Moulton formulas of order 1 to 12 in Nordsieck form, for non-stiff motion. The implicit "
          "equation is solved by functional iteration, which needs no Jacobian, to a thousandth of what the error test "
-         "allows. "
-         "Relative tolerance R, absolute tolerance R times the component's scale. Steps are CVODE's own and "
-         "stop exactly at every event, where the history is dropped; samples between come from the dense output of "
-         "the step they fall in (the interpolating polynomial of the step's own order), so the steps do not depend "
-         "on the sampling.",
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::tolerance,
+         "allows. Relative tolerance R, absolute tolerance R times the component's scale. Steps are CVODE's own and "
+         "stop exactly at every event, where the history is dropped; samples between come from the dense output of the "
+         "step they fall in (the interpolating polynomial of the step's own order), so the steps do not depend on the "
+         "sampling.",
      .own_systems = true,
      .solve = adams},
     {.name = "cvode_bdf",
@@ -63,12 +59,8 @@ constexpr Method each[] = {
          "CVODE's backward differentiation formulas of order 1 to 5 in fixed-leading-coefficient Nordsieck form, for "
          "stiff motion. The implicit equation is solved by a modified Newton iteration with the exact Jacobian and a "
          "dense LU factorisation. Stability-limit detection is on: where vibration damps so little that the formulas "
-         "of "
-         "orders 3 to 5 would be unstable the order is lowered, and the reductions counted. Tolerances, events and "
+         "of orders 3 to 5 would be unstable the order is lowered, and the reductions counted. Tolerances, events and "
          "samples as for `cvode_adams`. A torque of the user's own is `unsupported`: it has no Jacobian.",
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .own_systems = true,
      .solve = bdf,
      .refuses = no_jacobian_of_user_torque},
@@ -76,9 +68,7 @@ constexpr Method each[] = {
      .documentation =
          "`cvode_bdf` with CVODE's projection of each step's end onto |q| = 1 and what the motion keeps, as in "
          "`odeint_rk4_projected`. The error estimate that governs step and order is not projected.",
-     .source = source,
      .conserves = "|q| and, where the motion keeps them, E, momenta and spin, to round-off",
-     .control = Control::tolerance,
      .solve = projected_bdf,
      .refuses = no_jacobian_of_user_torque},
     {.name = "cvode",
@@ -86,17 +76,18 @@ constexpr Method each[] = {
          "`cvode_bdf` where the motion is stiff, else `cvode_adams`; the message says which. Stiff is what damps far "
          "faster than the body turns, along the motion that `radau` finds to three digits first, which is not in the "
          "time shown. With a torque of the user's own it is always `cvode_adams`.",
-     .source = source,
-     .conserves = "nothing",
-     .control = Control::tolerance,
      .solve = by_stiffness},
 };
 
-constexpr auto list = sharing({.family = Family::multistep, .library = sundials_library}, each);
+constexpr auto list = sharing({.source = source,
+                               .conserves = "nothing",
+                               .control = Control::tolerance,
+                               .family = Family::multistep,
+                               .library = sundials_library},
+                              each);
 
 }  // namespace
 
-extern const std::span<const Method> cvode_methods;
-const std::span<const Method> cvode_methods{list};
+extern const std::span<const Method> cvode_methods{list};
 
 }  // namespace polhode

@@ -15,9 +15,9 @@ class ImpactSession : public CvodeSession<SystemType> {
   public:
     ImpactSession(const Problem& problem, double tolerance)
         : Base(problem, Multistep::adams, Iteration::functional, tolerance),
-          planes_(static_cast<int>(problem.geometry->planes.size())),
-          touching_(std::max(tolerance, 1e-14) * problem.geometry->reach),
-          speed_scale_(problem.scales.velocity + problem.geometry->reach * problem.scales.angular_velocity) {
+          planes_(static_cast<int>(problem.body.geometry->planes.size())),
+          touching_(std::max(tolerance, 1e-14) * problem.body.geometry->reach),
+          speed_scale_(problem.scales.velocity + problem.body.geometry->reach * problem.scales.angular_velocity) {
         if (planes_ == 0) return;
         this->demand(CVodeRootInit(this->memory(), planes_, distances));
         std::vector<int> falling(planes_, -1);
@@ -49,7 +49,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         const double reached = this->time();
         const Placement<double> end = placement_of(this->y());
         const auto at = [&](double t) { return placement_of(t < reached ? this->state_inside(t) : this->y()); };
-        const ContactGeometry<double>& geometry = *this->problem_->geometry;
+        const ContactGeometry<double>& geometry = *this->problem_->body.geometry;
         std::optional<double> impact =
             first_contact(geometry, at, before, reached, 1.5 * std::max(speed_of(start), speed_of(end)));
         // the solver's own root, where rounding put it just before the gap closes
@@ -60,7 +60,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         return CV_SUCCESS;
     }
 
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         if (flag == stopped) return {Status::failed, fault_};
         return Base::failure(flag);
     }
@@ -71,8 +71,7 @@ class ImpactSession : public CvodeSession<SystemType> {
     static constexpr std::size_t most_impacts = 1'000'000;
 
     double speed_of(const Placement<double>& at) const {
-        const auto length = [](const Vector3<double>& v) { return std::sqrt(dot(v, v)); };
-        return length(at.velocity_W) + this->problem_->geometry->reach * length(at.angular_velocity_W);
+        return length(at.velocity_W) + this->problem_->body.geometry->reach * length(at.angular_velocity_W);
     }
 
     // false where the motion cannot be followed beyond the impact
@@ -97,7 +96,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         auto* session = static_cast<ImpactSession*>(static_cast<SundialsSession<SystemType>*>(user_data));
         const Placement<double> at = placement_of(N_VGetArrayPointer(y));
         for (int i = 0; i < session->planes_; ++i) {
-            distance[i] = session->problem_->geometry->distance(static_cast<std::size_t>(i), at);
+            distance[i] = session->problem_->body.geometry->distance(static_cast<std::size_t>(i), at);
             if (!std::isfinite(distance[i])) return -1;  // a NaN would be looked into for ever
         }
         return 0;
@@ -114,7 +113,7 @@ class ImpactSession : public CvodeSession<SystemType> {
 template <class SystemType>
 Trajectory run(const Problem& problem, const Settings& settings) {
     ImpactSession<SystemType> session(problem, *settings.tolerance);
-    Trajectory trajectory = SundialsRun(problem, settings, session).solve();
+    Trajectory trajectory = run_sundials(problem, settings, session);
     trajectory.impact_times = session.impact_times();
     if (const std::size_t n = trajectory.impact_times.size(); n > 0 && trajectory.status == Status::ok) {
         const std::string remark =
@@ -133,16 +132,12 @@ constexpr Method each[] = {{
     .name = "cvode_impacts",
     .documentation =
         "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. "
-        "Distances "
-        "to the planes are CVODE's root functions; dips below a plane within one step, which change no sign at its "
-        "ends, "
-        "are found in the step's own interpolating polynomial. The impact is located to rounding of that polynomial, "
-        "the "
-        "impulse applied, and the solver started again. Gaps below the tolerance times the body's size close together: "
-        "Moreau's law without friction, one contact after the other with it. A body that comes to rest, or whose "
-        "impacts "
-        "accumulate at a time (Zeno), ends in `failed` with time and number of the impacts. Without planes it is "
-        "`cvode_adams` on all 13 variables.",
+        "Distances to the planes are CVODE's root functions; dips below a plane within one step, which change no sign "
+        "at its ends, are found in the step's own interpolating polynomial. The impact is located to rounding of that "
+        "polynomial, the impulse applied, and the solver started again. Gaps below the tolerance times the body's size "
+        "close together: Moreau's law without friction, one contact after the other with it. A body that comes to "
+        "rest, or whose impacts accumulate at a time (Zeno), ends in `failed` with time and number of the impacts. "
+        "Without planes it is `cvode_adams` on all 13 variables.",
     .source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, ACM Trans. Math. Softw. 31, 363-396; "
               "K. L. Hiebert and L. F. Shampine 1980, Sandia report SAND80-0180 (root finding); J. J. Moreau 1988",
     .conserves = "nothing; at an impact what the impulse keeps",
@@ -155,7 +150,6 @@ constexpr auto list = sharing({.family = Family::multistep, .library = sundials_
 
 }  // namespace
 
-extern const std::span<const Method> cvode_impacts_methods;
-const std::span<const Method> cvode_impacts_methods{list};
+extern const std::span<const Method> cvode_impacts_methods{list};
 
 }  // namespace polhode

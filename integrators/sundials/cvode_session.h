@@ -12,7 +12,6 @@
 #include <cvodes/cvodes_ls.h>
 #include <cvodes/cvodes_proj.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-#include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <algorithm>
 #include <memory>
@@ -51,7 +50,10 @@ struct CvodeCounts {
 template <class SystemType, class Vector = typename VectorFor<SystemType::dimension>::type>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base = SundialsSession<SystemType, Vector>;
-    using Base::absolute_, Base::context_, Base::end_, Base::state_, Base::t_;
+
+  protected:
+    using Base::absolute_, Base::context_, Base::end_, Base::linear_, Base::matrix_, Base::nonlinear_, Base::state_,
+        Base::t_;
 
   public:
     using Base::dimension, Base::y;
@@ -76,10 +78,8 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
             demand(CVodeSetNonlinConvCoef(memory, functional_coefficient));
             demand(CVodeSetMaxNonlinIters(memory, functional_iterations));
         } else if constexpr (std::is_same_v<Vector, typename VectorFor<dimension>::type>) {
-            nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
+            Base::make_newton();
             demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
-            linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
             demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
             demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
@@ -147,7 +147,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     int inside_flag() const { return CV_SUCCESS; }
 
     /// What a flag below zero means.
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
         return Base::explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
                                CVodeGetReturnFlagName(flag));
@@ -179,13 +179,13 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         t_ = t;
     }
 
-  private:
     // By default the iteration stops at a tenth of what the error test allows, and what is left of it is noise that
     // the step control takes for error: at R = 1e-12 a damped spin takes 5640 steps to 9.8e-10 rad, and with these 2940
     // to 2.0e-10; a Lagrange top 10592 to 6.9e-8, and with these 7121 to 5.6e-9.
     static constexpr double functional_coefficient = 1e-3;
     static constexpr int functional_iterations = 4;
 
+  private:
     struct FreeMemory {
         void operator()(void* memory) const { CVodeFree(&memory); }
     };
@@ -211,9 +211,6 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     }
 
     SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
-    SundialsOwner<SUNNonlinearSolver> nonlinear_;
-    SundialsOwner<SUNMatrix> matrix_;
-    SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
     // what the motion keeps is known of the systems of one body
     static constexpr bool projects = requires { SystemType::rates; };

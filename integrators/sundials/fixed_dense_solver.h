@@ -33,7 +33,6 @@ class FixedMatrix {
         Storage() : _generic_SUNMatrix{}, value(Entries::Zero()) {}
         Entries value;
     };
-    using Column = Eigen::Map<Eigen::Matrix<double, N, 1>>;
 
     static SUNMatrix_ID id(SUNMatrix) { return SUNMATRIX_CUSTOM; }
     static SUNMatrix clone(SUNMatrix m) { return make(m->sunctx); }
@@ -46,22 +45,9 @@ class FixedMatrix {
         entries(to) = entries(from);
         return SUNMAT_SUCCESS;
     }
-    // A = c A + B
-    static int scale_add(double c, SUNMatrix a, SUNMatrix b) {
-        entries(a) = c * entries(a) + entries(b);
-        return SUNMAT_SUCCESS;
-    }
     // A = c A + 1
     static int scale_add_identity(double c, SUNMatrix a) {
         entries(a) = c * entries(a) + Entries::Identity();
-        return SUNMAT_SUCCESS;
-    }
-    static int times(SUNMatrix a, N_Vector x, N_Vector y) {
-        Column(FixedVector<N>::data(y)) = entries(a) * Column(FixedVector<N>::data(x));
-        return SUNMAT_SUCCESS;
-    }
-    static int space(SUNMatrix, long* reals, long* integers) {
-        *reals = N * N, *integers = 0;
         return SUNMAT_SUCCESS;
     }
 
@@ -73,10 +59,7 @@ class FixedMatrix {
             o.destroy = destroy;
             o.zero = zero;
             o.copy = copy;
-            o.scaleadd = scale_add;
             o.scaleaddi = scale_add_identity;
-            o.matvec = times;
-            o.space = space;
             return o;
         }();
         return table;
@@ -118,10 +101,6 @@ class FixedDenseSolver {
         return SUNLS_SUCCESS;
     }
     static sunindextype last_flag(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    static int space(SUNLinearSolver, long* reals, long* integers) {
-        *reals = N * N, *integers = N;
-        return SUNLS_SUCCESS;
-    }
     static int destroy(SUNLinearSolver s) {
         delete static_cast<Storage*>(s);
         return SUNLS_SUCCESS;
@@ -136,7 +115,6 @@ class FixedDenseSolver {
             o.setup = setup;
             o.solve = solve;
             o.lastflag = last_flag;
-            o.space = space;
             o.free = destroy;
             return o;
         }();

@@ -1,5 +1,6 @@
 // A SUNDIALS vector of a length known at compile time: header and numbers in one allocation, every operation a short
-// loop that the compiler unrolls, and the sums that a linear multistep method takes over its history fused.
+// loop that the compiler unrolls, and the sums that a linear multistep method takes over its history fused. It has the
+// operations that CVODE and ARKODE call with the nonlinear and linear solvers that are used here.
 //
 // The array is padded to whole registers. Element-wise operations run over the padding too, which always holds zeros;
 // operations that would make anything else of a zero (a quotient, a constant) leave it out. Sums are taken in the
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <new>
 
 namespace polhode {
@@ -52,9 +52,7 @@ class FixedVector {
     static N_Vector clone(N_Vector v) { return make(v->sunctx); }
     static void destroy(N_Vector v) { delete static_cast<Storage*>(v); }
     static N_Vector_ID id(N_Vector) { return SUNDIALS_NVEC_CUSTOM; }
-    static void space(N_Vector, sunindextype* reals, sunindextype* integers) { *reals = padded, *integers = 0; }
     static sunindextype count(N_Vector) { return N; }
-    static void* communicator(N_Vector) { return nullptr; }
 
     static void linear_sum(double a, N_Vector x, double b, N_Vector y, N_Vector z) {
         const double *p = data(x), *q = data(y);
@@ -106,63 +104,11 @@ class FixedVector {
         for (int i = 1; i < N; ++i) least = std::min(least, p[i]);
         return least;
     }
-    static double absolute_sum(N_Vector x) {
-        const double* p = data(x);
-        double sum = 0;
-        for (int i = 0; i < N; ++i) sum += std::abs(p[i]);
-        return sum;
-    }
-    static double weighted_square_sum(N_Vector x, N_Vector w) {
+    static double weighted_rms_norm(N_Vector x, N_Vector w) {
         const double *p = data(x), *q = data(w);
         double sum = 0;
         for (int i = 0; i < N; ++i) sum += (p[i] * q[i]) * (p[i] * q[i]);
-        return sum;
-    }
-    static double weighted_norm(N_Vector x, N_Vector w) { return std::sqrt(weighted_square_sum(x, w)); }
-    static double weighted_rms_norm(N_Vector x, N_Vector w) { return std::sqrt(weighted_square_sum(x, w) / N); }
-    static double masked_weighted_rms_norm(N_Vector x, N_Vector w, N_Vector mask) {
-        const double *p = data(x), *q = data(w), *m = data(mask);
-        double sum = 0;
-        for (int i = 0; i < N; ++i)
-            if (m[i] > 0) sum += (p[i] * q[i]) * (p[i] * q[i]);
         return std::sqrt(sum / N);
-    }
-
-    static void compare(double c, N_Vector x, N_Vector z) {
-        const double* p = data(x);
-        each_real(z, [&](int i) { return std::abs(p[i]) >= c ? 1.0 : 0.0; });
-    }
-    static booleantype tested_inverse(N_Vector x, N_Vector z) {
-        const double* p = data(x);
-        bool all = true;
-        double* out = data(z);
-        for (int i = 0; i < N; ++i) {
-            if (p[i] == 0)
-                all = false;
-            else
-                out[i] = 1 / p[i];
-        }
-        return all;
-    }
-    // m_i = 1 where x_i breaks the constraint c_i: 2 is x > 0, 1 is x >= 0, -1 is x <= 0, -2 is x < 0
-    static booleantype constraint_mask(N_Vector c, N_Vector x, N_Vector m) {
-        const double *kind = data(c), *p = data(x);
-        double* out = data(m);
-        bool all = true;
-        for (int i = 0; i < N; ++i) {
-            const bool strict = std::abs(kind[i]) > 1.5, loose = std::abs(kind[i]) > 0.5;
-            const bool broken = (strict && p[i] * kind[i] <= 0) || (loose && p[i] * kind[i] < 0);
-            out[i] = broken ? 1 : 0;
-            all = all && !broken;
-        }
-        return all;
-    }
-    static double smallest_quotient(N_Vector numerator, N_Vector denominator) {
-        const double *p = data(numerator), *q = data(denominator);
-        double least = std::numeric_limits<double>::max();
-        for (int i = 0; i < N; ++i)
-            if (q[i] != 0) least = std::min(least, p[i] / q[i]);
-        return least;
     }
 
     // z = sum of c_k x_k; z may be any of the x
@@ -188,10 +134,6 @@ class FixedVector {
         }
         return 0;
     }
-    static int dot_products(int n, N_Vector x, N_Vector* y, double* products) {
-        for (int k = 0; k < n; ++k) products[k] = dot_product(x, y[k]);
-        return 0;
-    }
     static int scale_each(int n, double* c, N_Vector* x, N_Vector* z) {
         for (int k = 0; k < n; ++k) scale(c[k], x[k], z[k]);
         return 0;
@@ -203,11 +145,8 @@ class FixedVector {
             _generic_N_Vector_Ops o{};
             o.nvgetvectorid = id;
             o.nvclone = clone;
-            o.nvcloneempty = clone;
             o.nvdestroy = destroy;
-            o.nvspace = space;
             o.nvgetarraypointer = data;
-            o.nvgetcommunicator = communicator;
             o.nvgetlength = count;
             o.nvlinearsum = linear_sum;
             o.nvconst = constant;
@@ -220,17 +159,9 @@ class FixedVector {
             o.nvdotprod = dot_product;
             o.nvmaxnorm = largest;
             o.nvwrmsnorm = weighted_rms_norm;
-            o.nvwrmsnormmask = masked_weighted_rms_norm;
             o.nvmin = smallest;
-            o.nvwl2norm = weighted_norm;
-            o.nvl1norm = absolute_sum;
-            o.nvcompare = compare;
-            o.nvinvtest = tested_inverse;
-            o.nvconstrmask = constraint_mask;
-            o.nvminquotient = smallest_quotient;
             o.nvlinearcombination = linear_combination;
             o.nvscaleaddmulti = scale_add_multi;
-            o.nvdotprodmulti = dot_products;
             o.nvscalevectorarray = scale_each;
             return o;
         }();

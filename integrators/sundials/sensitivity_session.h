@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cvodes/cvodes.h>
-#include <cvodes/cvodes_ls.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
@@ -14,7 +13,6 @@
 #include <new>
 
 #include "integrators/sundials/cvode_session.h"
-#include "integrators/sundials/sundials_session.h"
 #include "motion/dual.h"
 
 namespace polhode {
@@ -26,10 +24,11 @@ using Sensitivity = Eigen::Matrix<double, SystemType::dimension - 1, SystemType:
 
 /// SystemType: a system with w and q, and p, v or none. Sensitivities are under error control like the state.
 template <class SystemType>
-class SensitivitySession : public SundialsSession<SystemType> {
-    using Base = SundialsSession<SystemType>;
+class SensitivitySession : public CvodeSession<SystemType> {
+    using Base = CvodeSession<SystemType>;
+    using Handed = SundialsSession<SystemType>;  // as what the callbacks are handed the session
     using Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
-    using Base::demand;
+    using Base::demand, Base::memory;
     using Vector = FixedVector<SystemType::dimension>;
 
   public:
@@ -39,93 +38,58 @@ class SensitivitySession : public SundialsSession<SystemType> {
     /// Relative tolerance R of the state, and of every column of its derivative against the column's own size, but no
     /// finer than against 1. The problem must outlive the session.
     SensitivitySession(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
-        : Base(problem, tolerance) {
+        : Base(problem, multistep, iteration, tolerance) {
         system_.scales(scale_.data());
-        memory_.reset(CVodeCreate(multistep == Multistep::adams ? CV_ADAMS : CV_BDF, context_));
         columns_.reset(N_VCloneVectorArray(directions, state_.get()));
         inside_columns_.reset(N_VCloneVectorArray(directions, state_.get()));
-        if (!memory_ || !columns_ || !inside_columns_) throw std::bad_alloc();
+        if (!columns_ || !inside_columns_) throw std::bad_alloc();
         start();
-        void* memory = memory_.get();
-        Base* base = this;  // what the callbacks are handed
-        demand(CVodeSetErrHandlerFn(memory, Base::note_message, base));
-        demand(CVodeInit(memory, Base::right_hand_side, 0, state_.get()));
-        demand(CVodeWFtolerances(memory, weigh));
-        demand(CVodeSetUserData(memory, base));
-        demand(CVodeSetMaxHnilWarns(memory, -1));
-        demand(CVodeSensInit(memory, directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
+        demand(CVodeSetStabLimDet(memory(), SUNFALSE));
+        demand(CVodeWFtolerances(memory(), weigh));
+        demand(CVodeSensInit(memory(), directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
         // the state's weights, by weigh(), for each column
-        demand(CVodeSensEEtolerances(memory));
-        demand(CVodeSetSensErrCon(memory, SUNTRUE));
+        demand(CVodeSensEEtolerances(memory()));
+        demand(CVodeSetSensErrCon(memory(), SUNTRUE));
         if (iteration == Iteration::functional) {
-            nonlinear_ = owned(SUNNonlinSol_FixedPoint(state_.get(), 0, context_));
             nonlinear_columns_ = owned(SUNNonlinSol_FixedPointSens(directions, state_.get(), 0, context_));
-            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            demand(CVodeSetNonlinearSolverSensStg(memory, nonlinear_columns_.get()));
-            demand(CVodeSetNonlinConvCoef(memory, functional_coefficient));
-            demand(CVodeSetMaxNonlinIters(memory, functional_iterations));
-            demand(CVodeSetSensMaxNonlinIters(memory, functional_iterations));
+            demand(CVodeSetSensMaxNonlinIters(memory(), Base::functional_iterations));
         } else {
-            nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
             nonlinear_columns_ = owned(SUNNonlinSol_NewtonSens(directions, state_.get(), context_));
-            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            demand(CVodeSetNonlinearSolverSensStg(memory, nonlinear_columns_.get()));
-            matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
-            linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
-            demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
-            demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
+        demand(CVodeSetNonlinearSolverSensStg(memory(), nonlinear_columns_.get()));
     }
 
     /// An event: impulses with their derivative, then the loads of this segment.
     int enter(const Segment& segment) {
         for (const PosedImpulse<double>& impulse : segment.impulses) jump(impulse);
-        Base::pass(segment);
-        if (!(end_ > t_)) return CV_SUCCESS;
-        if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
-        if (const int flag = CVodeSensReInit(memory_.get(), CV_STAGGERED, columns_.get()); flag != CV_SUCCESS)
-            return flag;
-        return CVodeSetStopTime(memory_.get(), end_);
+        if (const int flag = Base::enter(segment); flag != CV_SUCCESS || !(end_ > t_)) return flag;
+        return CVodeSensReInit(memory(), CV_STAGGERED, columns_.get());
     }
 
     /// One internal step, cut at the segment's end; CVODES' flag.
     int step() {
-        double reached = t_;
-        const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
-        Base::rethrow();
-        if (flag == CV_TOO_CLOSE) {  // a segment of a rounding error's length: the derivative does not move
-            Base::leap();
-            return CV_TSTOP_RETURN;
-        }
-        t_ = flag == CV_TSTOP_RETURN ? end_ : reached;
-        if (flag >= 0) {
-            double at = 0;
-            CVodeGetSens(memory_.get(), &at, columns_.get());
-        }
+        const int flag = Base::step();
+        // none in a segment of a rounding error's length, where the derivative does not move
+        long taken = 0;
+        CVodeGetNumSteps(memory(), &taken);
+        double at = 0;
+        if (flag >= 0 && taken > 0) CVodeGetSens(memory(), &at, columns_.get());
         return flag;
     }
 
     /// At time(), or at a time within the last step.
     Sensitivity<SystemType> sensitivity() { return minimal(y(), columns_.get()); }
     Sensitivity<SystemType> sensitivity_inside(double t) {
-        CVodeGetDky(memory_.get(), t, 0, inside_.get());
-        CVodeGetSensDky(memory_.get(), t, 0, inside_columns_.get());
-        return minimal(Vector::data(inside_.get()), inside_columns_.get());
+        CVodeGetSensDky(memory(), t, 0, inside_columns_.get());
+        return minimal(this->state_inside(t), inside_columns_.get());
     }
 
     /// What a flag below zero means.
-    SundialsFailure failure(int flag) {
+    SolverFailure failure(int flag) {
         return Base::explained("CVODES", Status::tolerance_not_met, CVodeGetReturnFlagName(flag));
     }
 
   private:
-    // as in CvodeSession
-    static constexpr double functional_coefficient = 1e-3;
-    static constexpr int functional_iterations = 4;
-
-    struct FreeMemory {
-        void operator()(void* memory) const { CVodeFree(&memory); }
-    };
     struct FreeColumns {
         void operator()(N_Vector* columns) const { N_VDestroyVectorArray(columns, directions); }
     };
@@ -186,8 +150,8 @@ class SensitivitySession : public SundialsSession<SystemType> {
         if constexpr (SystemType::has_translation)
             p = SystemType::position(state.data()), v = SystemType::velocity(state.data());
         const Problem& problem = *this->problem_;
-        const PrincipalInertia<Tangent> inertia{cast<Tangent>(problem.principal_inertia.gyroscopic),
-                                                cast<Tangent>(problem.principal_inertia.inverse_moments), false};
+        const PrincipalInertia<Tangent> inertia{cast<Tangent>(problem.body.principal_inertia.gyroscopic),
+                                                cast<Tangent>(problem.body.principal_inertia.inverse_moments), false};
         apply<Tangent>(
             {cast<Tangent>(impulse.vector), impulse.frame, cast<Tangent>(impulse.point), impulse.point_frame}, inertia,
             Tangent(problem.body.mass), problem.body.pivoted, w, q, p, v);
@@ -205,7 +169,7 @@ class SensitivitySession : public SundialsSession<SystemType> {
     // Of a state or of a column of its derivative: each component by its scale, against the whole's length where that
     // is beyond 1. So a growing column is held to its own size, and no component to its chance zeros.
     static int weigh(N_Vector vector, N_Vector weight, void* session) {
-        const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Base*>(session));
+        const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
         const double* value = Vector::data(vector);
         double squares = 0;
         for (int i = 0; i < dimension; ++i) squares += (value[i] / self->scale_[i]) * (value[i] / self->scale_[i]);
@@ -217,7 +181,7 @@ class SensitivitySession : public SundialsSession<SystemType> {
 
     static int sensitivity_rates(int, double t, N_Vector y, N_Vector, N_Vector* columns, N_Vector* rates, void* session,
                                  N_Vector, N_Vector) {
-        SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Base*>(session));
+        SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
         if (self->thrown_) return -1;
         if (self->problem_->needs.user_torque) return self->differences(t, Vector::data(y), columns, rates);
         const std::array<Tangent, dimension> state = self->tangents(Vector::data(y), columns);
@@ -252,12 +216,8 @@ class SensitivitySession : public SundialsSession<SystemType> {
     }
 
     std::array<double, dimension> scale_{};
-    SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
     std::unique_ptr<N_Vector, FreeColumns> columns_, inside_columns_;
-    SundialsOwner<SUNNonlinearSolver> nonlinear_, nonlinear_columns_;
-    SundialsOwner<SUNMatrix> matrix_;
-    SundialsOwner<SUNLinearSolver> linear_;
-    std::unique_ptr<void, FreeMemory> memory_;
+    SundialsOwner<SUNNonlinearSolver> nonlinear_columns_;
 };
 
 }  // namespace polhode

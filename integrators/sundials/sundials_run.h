@@ -18,18 +18,12 @@ inline Trajectory remarked(Trajectory trajectory, const char* remark) {
     return trajectory;
 }
 
+/// One run of a session.
 template <SolverSession Session>
-class SundialsRun : private SolverRun<Session> {
-  public:
-    using SolverRun<Session>::SolverRun;
-
-    Trajectory solve() {
-        Trajectory trajectory = SolverRun<Session>::solve();
-        name_unoptimised_sundials(trajectory);
-        return trajectory;
-    }
-};
-template <SolverSession Session>
-SundialsRun(const Problem&, const Settings&, Session&) -> SundialsRun<Session>;
+Trajectory run_sundials(const Problem& problem, const Settings& settings, Session& session) {
+    Trajectory trajectory = SolverRun(problem, settings, session).solve();
+    name_unoptimised_sundials(trajectory);
+    return trajectory;
+}
 
 }  // namespace polhode

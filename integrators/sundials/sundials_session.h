@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <sundials/sundials_nvector.h>
+#include <sunnonlinsol/sunnonlinsol_newton.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/run/watch.h"
+#include "integrators/run/solver_run.h"
 #include "integrators/sundials/serial_vector.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "motion/dual.h"
@@ -24,12 +25,6 @@
 #include "motion/systems.h"
 
 namespace polhode {
-
-/// How a run ended early, and why.
-struct SundialsFailure {
-    Status status;
-    std::string message;
-};
 
 /// Vector: FixedVector<N>, or a type with the same make() and data(). The problem must outlive the session. Not to be
 /// moved: the library points into it.
@@ -73,6 +68,12 @@ class SundialsSession {
         if (flag != 0) throw std::bad_alloc();
     }
 
+    // Newton's method, the matrix of its linear systems and their solver
+    void make_newton() {
+        nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
+        matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
+        linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
+    }
     void begin() {
         system_.initial(y());
         evaluations_ = 0;
@@ -83,7 +84,7 @@ class SundialsSession {
         t_ = segment.begin, end_ = segment.end;
     }
     // `status` is what the flag means; its name serves where the library said nothing
-    SundialsFailure explained(const char* library, Status status, char* flag_name) {
+    SolverFailure explained(const char* library, Status status, char* flag_name) {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
@@ -156,6 +157,9 @@ class SundialsSession {
     SundialsContext context_;  // before all that lives in it
     SundialsOwner<N_Vector> state_ = owned(made<Vector>(context_, system_.size()));
     SundialsOwner<N_Vector> absolute_ = owned(made<Vector>(context_, system_.size()));
+    SundialsOwner<SUNNonlinearSolver> nonlinear_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
     double t_ = 0, end_ = 0;
     double offset_ = 0;  // s, from the solver's clock to the motion's
     long evaluations_ = 0;

@@ -80,7 +80,7 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     beginning.duration = std::min(problem.scene.duration, 100 / rate);
     const std::vector<double> early = polhode::sample_times(beginning.duration, 4);
     const Run<P> series =
-        taylor<P, EulerForm<P>>(beginning, early, problem.scales, problem.principal.moments,
+        taylor<P, EulerForm<P>>(beginning, early, problem.scales, problem.body.principal.moments,
                                 {static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, 400'000});
     if (!series.fault.empty()) {
         attempt.fault = series.fault;
@@ -112,7 +112,7 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
         return run;
     });
     const Run<P> series =
-        taylor<P, EulerForm<P>>(problem.scene, sample_times, problem.scales, problem.principal.moments, settings);
+        taylor<P, EulerForm<P>>(problem.scene, sample_times, problem.scales, problem.body.principal.moments, settings);
     return compared(
         problem, sample_times, series, formed.get(),
         fmt::format("Taylor series in 100 digits: {} at order {} in {} steps, and closed form in 100 digits",

@@ -17,7 +17,7 @@ Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>
     const CollocationSettings coarse{stages, local_digits, max_steps};
     const CollocationSettings fine{stages + 4, local_digits + 2, max_steps};
     const Scene& scene = problem.scene;
-    const Vector3<double>& moments = problem.principal.moments;
+    const Vector3<double>& moments = problem.body.principal.moments;
     auto second =
         in_thread([&] { return collocation<P, MomentumForm>(scene, sample_times, problem.scales, moments, coarse); });
     const Run<P> first = collocation<P, EulerForm>(scene, sample_times, problem.scales, moments, fine);

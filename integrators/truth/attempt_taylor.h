@@ -31,7 +31,7 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
     const TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, max_steps};
     const TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits + 2, 0.93, max_steps};
     const Scene& scene = problem.scene;
-    const Vector3<double>& moments = problem.principal.moments;
+    const Vector3<double>& moments = problem.body.principal.moments;
     auto second = in_thread(
         [&] { return taylor<P, MomentumFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, coarse); });
     const Run<P> first = taylor<P, EulerFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, fine);

@@ -167,7 +167,7 @@ std::string key_of(const Scene& scene, const std::string& samples, int digits, c
     Scene bare = scene;
     bare.name = "truth";
     bare.about.clear(), bare.source.clear();
-    bare.tolerated_attitude.reset();
+    bare.tolerated.clear();
     return content_hash(fmt::format("{}\n{}\n{}\n{}", by, samples, digits, write_scene(bare)));
 }
 

@@ -9,16 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "body/elementary.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/taylor.h"
 #include "motion/exact_body_of.h"
 
 namespace polhode::truth {
-
-template <class P>
-P length(const Vector3<P>& v) {
-    return square_root(dot(v, v));
-}
 
 /// The largest difference between two runs: the attitude's angle in rad, and each other block relative to its largest
 /// length over the run (absolute where that is zero).

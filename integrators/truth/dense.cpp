@@ -16,7 +16,7 @@ using P = truth::Real<50>;
 constexpr double negligible = 0x1p-60;
 constexpr long most_steps = 100'000;
 
-int padded(int n) { return n <= 7 ? 8 : 14; }
+int padded(int n) { return n <= BodyState::rotation ? 8 : 14; }
 
 }  // namespace
 
@@ -41,13 +41,13 @@ ReferenceSample DenseTruth::at(double t) const {
         evaluate<8>(piece, t, y);
     else
         evaluate<14>(piece, t, y);
-    const Quaternion<double> q = quaternion_at(y, 3);
-    const Vector3<double> w = vector_at(y, 0);
+    const Quaternion<double> q = BodyState::attitude(y);
+    const Vector3<double> w = BodyState::angular_velocity(y);
     Vector3<double> p, v;
     if (body_.pivoted)
         pivoted_center(q, w, body_.arm, p, v);
     else
-        p = vector_at(y, 7), v = vector_at(y, 10);
+        p = BodyState::position(y), v = BodyState::velocity(y);
     const Invariants<double> kept = invariants(scene_, body_, t, q, w, p, v);
     const auto pairs = [](const Vector3<double>& a) { return Vector3<Pair>{a[0], a[1], a[2]}; };
     ReferenceSample sample;
@@ -79,7 +79,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     const truth::EulerForm<P> form(dense.scene_);
     const int n = form.dimension(), width = padded(n);
     dense.width_ = width;
-    const std::vector<truth::Block> blocks = form.blocks(problem.scales, problem.principal.moments);
+    const std::vector<truth::Block> blocks = form.blocks(problem.scales, problem.body.principal.moments);
     // scaled(i, k): the coefficient of ((t - begin) / h)^k in the i-th variable
     const auto keep = [&](const P& t, const P& h, int order, const auto& scaled) {
         DenseTruth::Piece piece;
@@ -143,7 +143,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     std::string fault;
     for (int attempts = 0; attempts < 2 && local <= 44; ++attempts) {
         dense.pieces_.clear(), dense.coefficients_.clear();
-        const Vector3<double>& moments = problem.principal.moments;
+        const Vector3<double>& moments = problem.body.principal.moments;
         std::string how;
         // orders and steps as in attempt_by_taylor and attempt_by_collocation
         truth::Run<P> first, other;

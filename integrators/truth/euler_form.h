@@ -12,40 +12,40 @@
 namespace polhode::truth {
 
 template <class P>
-class EulerForm {
+class EulerForm : public BodyState {
   public:
     static constexpr const char* name = "Euler form";
 
     explicit EulerForm(const Scene& scene)
         : scene_(&scene), body_(exact_body<P>(scene)), inertia_{body_.inertia_B, inverse(body_.inertia_B)} {}
 
-    int dimension() const { return body_.pivoted ? 7 : 13; }
+    int dimension() const { return body_.pivoted ? BodyState::rotation : BodyState::motion; }
     const ExactBody<P>& body() const { return body_; }
     const Forcing<P>& forcing() const { return forcing_; }  ///< of the piece last entered
 
-    std::vector<Block> blocks(const Scales& scales, const Vector3<double>&) const {
-        std::vector<Block> blocks{{0, 3, scales.angular_velocity}, {3, 4, 1}};
-        if (!body_.pivoted) blocks.insert(blocks.end(), {{7, 3, scales.position}, {10, 3, scales.velocity}});
-        return blocks;
+    std::vector<truth::Block> blocks(const Scales& scales, const Vector3<double>&) const {
+        const double size[] = {scales.angular_velocity, 1, scales.position, scales.velocity};
+        std::vector<truth::Block> all;
+        for (std::size_t b = 0; b < (body_.pivoted ? 2 : BodyState::blocks.size()); ++b)
+            all.push_back({BodyState::blocks[b].first, BodyState::blocks[b].size, size[b]});
+        return all;
     }
 
     void initial(P* y) const {
-        put(y, 0, body_.angular_velocity_B);
-        put(y, 3, body_.q);
-        if (body_.pivoted) return;
-        put(y, 7, body_.position_W);
-        put(y, 10, body_.velocity_W);
+        set_rotation(y, body_.angular_velocity_B, body_.q);
+        if (!body_.pivoted) set_translation(y, body_.position_W, body_.velocity_W);
     }
 
     /// Takes up the loads that act from `begin` on, and applies the impulses at that time to y.
     void enter(double begin, P* y) {
         forcing_ = forcing_at<P>(*scene_, body_, begin, Quaternion<P>{});
         for (const PosedImpulse<P>& impulse : impulses_at<P>(*scene_, body_, begin, Quaternion<P>{})) {
-            Vector3<P> w = vector_at(y, 0), p, v;
-            if (!body_.pivoted) p = vector_at(y, 7), v = vector_at(y, 10);
-            apply(impulse, inertia_, body_.mass, body_.pivoted, w, quaternion_at(y, 3), p, v);
-            put(y, 0, w);
-            if (!body_.pivoted) put(y, 10, v);
+            Vector3<P> w = angular_velocity(y), p, v;
+            const Quaternion<P> q = attitude(y);
+            if (!body_.pivoted) p = position(y), v = velocity(y);
+            apply(impulse, inertia_, body_.mass, body_.pivoted, w, q, p, v);
+            set_rotation(y, w, q);
+            if (!body_.pivoted) set_translation(y, p, v);
         }
     }
 
@@ -64,12 +64,12 @@ class EulerForm {
 
     Motion<P> motion(const P* y) const {
         Motion<P> m;
-        m.q = normalized(quaternion_at(y, 3));
-        m.angular_velocity_B = vector_at(y, 0);
+        m.q = normalized(attitude(y));
+        m.angular_velocity_B = angular_velocity(y);
         if (body_.pivoted)
             pivoted_center(m.q, m.angular_velocity_B, body_.arm, m.position_W, m.velocity_W);
         else
-            m.position_W = vector_at(y, 7), m.velocity_W = vector_at(y, 10);
+            m.position_W = position(y), m.velocity_W = velocity(y);
         return m;
     }
 

@@ -21,8 +21,8 @@ class EulerFormWithPlanes : public EulerForm<P> {
 
     const ContactGeometry<P>& geometry() const { return geometry_; }
     Placement<P> placement(const P* y) const {
-        const Quaternion<P> q = normalized(quaternion_at(y, 3));
-        return {q, vector_at(y, 7), vector_at(y, 10), rotate(q, vector_at(y, 0))};
+        const Quaternion<P> q = normalized(this->attitude(y));
+        return {q, this->position(y), this->velocity(y), rotate(q, this->angular_velocity(y))};
     }
     P fastest(const P& w, const P& v) const { return v + geometry_.reach * w; }
     ImpactOutcome meet(const P& tolerance, P* y) const {
@@ -30,8 +30,9 @@ class EulerFormWithPlanes : public EulerForm<P> {
         StruckBody<P> body{P(1) / this->body().mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
                            at.angular_velocity_W};
         const ImpactOutcome outcome = resolve_impact(body, geometry_.contacts(at, tolerance));
-        put(y, 0, vector_at(y, 0) + rotate_back(at.q, Vector3<P>(body.angular_velocity_W - at.angular_velocity_W)));
-        put(y, 10, body.velocity_W);
+        const Vector3<P> jump_W = body.angular_velocity_W - at.angular_velocity_W;
+        this->set_rotation(y, Vector3<P>(this->angular_velocity(y) + rotate_back(at.q, jump_W)), this->attitude(y));
+        this->set_translation(y, this->position(y), body.velocity_W);
         return outcome;
     }
 
@@ -71,7 +72,7 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
             const Vector3<P> r = contact.point_W - at.position_W;
             const P before = speed(y, r, n);
             if (!(before < P(0))) return {};
-            std::vector<P> pushed(y, y + 13);
+            std::vector<P> pushed(y, y + this->dimension());
             push(pushed.data(), r, n, P(1));
             const P response = speed(pushed.data(), r, n) - before;
             push(y, r, n, -(P(1) + contact.restitution) * before / response);
@@ -80,16 +81,15 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
         StruckBody<P> body{P(1) / body_.mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
                            at.angular_velocity_W};
         const ImpactOutcome outcome = resolve_impact(body, touching);
-        put(y, 10, body_.mass * body.velocity_W);
         const Vector3<P> w_B = rotate_back(at.q, body.angular_velocity_W);
-        put(y, 0, rotate(at.q, Vector3<P>(body_.inertia * w_B)));
+        this->set_momenta(y, rotate(at.q, Vector3<P>(body_.inertia * w_B)), Vector3<P>(body_.mass * body.velocity_W));
         return outcome;
     }
 
   private:
-    static void push(P* y, const Vector3<P>& r, const Vector3<P>& n, const P& j) {
-        put(y, 10, vector_at(y, 10) + j * n);
-        put(y, 0, vector_at(y, 0) + j * cross(r, n));
+    void push(P* y, const Vector3<P>& r, const Vector3<P>& n, const P& j) const {
+        this->set_momenta(y, Vector3<P>(this->angular_momentum(y) + j * cross(r, n)),
+                          Vector3<P>(this->linear_momentum(y) + j * n));
     }
     // along n of the body's point at r from the centre of mass, world axes
     P speed(const P* y, const Vector3<P>& r, const Vector3<P>& n) const {

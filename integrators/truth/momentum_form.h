@@ -140,6 +140,20 @@ class MomentumForm {
         return m;
     }
 
+  protected:
+    // the state: L about the pivot or the centre of mass and q, and in flight the position and the momentum
+    template <class S>
+    static Vector3<S> angular_momentum(const S* y) {
+        return vector_at(y, 0);
+    }
+    template <class S>
+    static Vector3<S> linear_momentum(const S* y) {
+        return vector_at(y, 10);
+    }
+    static void set_momenta(P* y, const Vector3<P>& angular, const Vector3<P>& linear) {
+        put(y, 0, angular), put(y, 10, linear);
+    }
+
   private:
     const Scene* scene_;
     MassProperties<P> body_;

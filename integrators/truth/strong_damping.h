@@ -12,7 +12,8 @@ inline double damping_number(const Problem& problem, const Segment& segment) {
     const Forcing<double>& f = segment.forcing;
     const double rate = f.has_translational_drag && !problem.body.pivoted ? f.specific_drag : 0;
     double trace = 0;
-    for (int i = 0; i < 3; ++i) trace += f.has_damping ? problem.principal.inverse_moments[i] * f.damping[i][i] : 0;
+    for (int i = 0; i < 3; ++i)
+        trace += f.has_damping ? problem.body.principal.inverse_moments[i] * f.damping[i][i] : 0;
     return std::max(rate, trace) * (segment.end - segment.begin);
 }
 

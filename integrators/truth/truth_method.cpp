@@ -51,7 +51,6 @@ constexpr auto truth_methods = sharing({.family = Family::reference, .precision 
 
 }  // namespace
 
-extern const std::span<const Method> truth_method_methods;
-const std::span<const Method> truth_method_methods{truth_methods};
+extern const std::span<const Method> truth_method_methods{truth_methods};
 
 }  // namespace polhode

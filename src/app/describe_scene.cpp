@@ -88,10 +88,10 @@ void mass_properties(Report& report, const Problem& problem) {
     const char* symmetry = problem.needs.symmetry == Symmetry::spherical   ? "spherical: all three equal"
                            : problem.needs.symmetry == Symmetry::symmetric ? "symmetric: two are equal"
                                                                            : "asymmetric: all three differ";
-    report.line("principal moments", text(problem.principal.moments) + " kg m^2; " + symmetry);
-    report.line("principal axes", problem.principal.q_BP == Quaternion<double>{}
+    report.line("principal moments", text(problem.body.principal.moments) + " kg m^2; " + symmetry);
+    report.line("principal axes", problem.body.principal.q_BP == Quaternion<double>{}
                                       ? "the body's own"
-                                      : "q " + text(problem.principal.q_BP) + ", principal to body");
+                                      : "q " + text(problem.body.principal.q_BP) + ", principal to body");
     momentum_direction(report, problem);
 }
 
@@ -138,9 +138,9 @@ void planes(Report& report, const Problem& problem) {
         report.line(fmt::format(
             "{} . x > {} m, restitution {}, {}", text(plane.normal_W), number(plane.offset), number(plane.restitution),
             plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction"));
-    const std::size_t pieces = problem.geometry->pieces.size();
+    const std::size_t pieces = problem.body.geometry->pieces.size();
     report.line("hull", fmt::format("of {} point{}, balls or discs, none further than {} m from the centre of mass",
-                                    pieces, pieces == 1 ? "" : "s", number(problem.geometry->reach)));
+                                    pieces, pieces == 1 ? "" : "s", number(problem.body.geometry->reach)));
 }
 
 std::string equations(SystemKind system) {
@@ -178,14 +178,14 @@ void system_posed(Report& report, const Problem& problem) {
     report.title("System posed");
     report.line("system", fmt::format("{}, {} variables", name_of(needs.system), needs.dimension));
     report.line("equations", equations(needs.system));
-    report.line("axes", problem.q_BP == Quaternion<double>{} ? "the body's own" : "the principal ones");
+    report.line("axes", problem.body.q_BP == Quaternion<double>{} ? "the body's own" : "the principal ones");
     report.line("about", problem.body.pivoted ? "the pivot" : "the centre of mass");
     const char* translation = needs.translation == Translation::fixed         ? "none of its own"
                               : needs.translation == Translation::closed_form ? "closed form"
                                                                               : "integrated";
     report.line("translation", translation);
     if (problem.needs.system == SystemKind::principal_axis_rotation)
-        report.line("axis e", text(problem.axis) + ", in these axes");
+        report.line("axis e", text(problem.body.axis) + ", in these axes");
     for (const Segment& segment : problem.segments) {
         std::string acts = torque_terms(segment.forcing);
         if (!segment.impulses.empty())
@@ -255,7 +255,8 @@ void conditioning(Report& report, const Problem& problem) {
          {std::pair("floor in binary64", float64_roundoff), std::pair("floor in binary32", float32_roundoff)})
         report.line(name, fmt::format("{:.2g} rad at {}, {:.2g} rad at worst: by rounding the start alone",
                                       found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
-    const double tolerated = problem.scene.tolerated_attitude.value_or(default_tolerated_attitude);
+    const std::optional<double> given = tolerated_error(problem.scene, "attitude");
+    const double tolerated = given.value_or(default_tolerated_attitude);
     std::size_t k = 0;
     while (k <= last && !(found.floor(k, float32_roundoff) > tolerated)) ++k;
     const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
@@ -263,7 +264,7 @@ void conditioning(Report& report, const Problem& problem) {
                                                 : "at least until " + end;
     report.line("a float engine",
                 fmt::format("can be judged {}: so long its floor is within {} rad ({})", until, number(tolerated),
-                            problem.scene.tolerated_attitude ? "the scene's tolerated attitude error" : "by default"));
+                            given ? "the scene's tolerated attitude error" : "by default"));
     if (found.available) report.line("by", found.message);
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr long most_threads = 4096, most_steps = 1'000'000'000;
 
-struct Options {
+struct EnsembleOptions {
     std::string scene, initial, output;
     std::optional<double> tolerance, duration;
     std::optional<long> threads;
@@ -102,7 +102,7 @@ std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, co
     return text;
 }
 
-int run(const Options& options) {
+int ensemble_command(const EnsembleOptions& options) {
     if (options.tolerance) require_positive("--tolerance", *options.tolerance);
     if (options.duration) require_positive("--duration", *options.duration);
     if (options.threads) require_count("--threads", *options.threads, most_threads);
@@ -132,7 +132,7 @@ int run(const Options& options) {
 void add_ensemble(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "ensemble", "Solves a scene for many bodies, each with its own inertia and start: a row (CSV) each.");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<EnsembleOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--initial", options->initial,
@@ -151,7 +151,7 @@ void add_ensemble(CLI::App& program, int& exit_code) {
                      "Likewise, of its thread's time, for a body that is solved by itself")
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
-    command->callback([options, &exit_code] { exit_code = run(*options); });
+    command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }
 
 }  // namespace polhode

@@ -14,16 +14,16 @@
 namespace polhode {
 namespace {
 
-constexpr long most_samples = 100'000;
+constexpr long most_golden_samples = 100'000;
 
-struct Options {
+struct ExportOptions {
     std::string scene, format = "csv", output, convention;
     std::optional<double> duration;
     long samples = 100;
 };
 
-int run(const Options& options) {
-    require_count("--samples", options.samples, most_samples);
+int export_command(const ExportOptions& options) {
+    require_count("--samples", options.samples, most_golden_samples);
     if (options.duration) require_positive("--duration", *options.duration);
     const Convention convention = convention_option(options.convention);
     require_output(options.output);
@@ -54,7 +54,7 @@ void add_export(CLI::App& program, int& exit_code) {
         "its "
         "bound, and how far off an attitude may be (what the scene tolerates, else 1e-3 rad or ten times what rounding "
         "the start to binary32 leads to, whichever is more).");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<ExportOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
     command->add_option("--format", options->format, "csv, json, or c: a header of arrays for C99 and C++")
@@ -64,7 +64,7 @@ void add_export(CLI::App& program, int& exit_code) {
     command->add_option("--convention", options->convention,
                         "What to write it in, words as for polhode check: body, start and motion are converted");
     command->add_option("--output", options->output, "File to write, in place of stdout");
-    command->callback([options, &exit_code] { exit_code = run(*options); });
+    command->callback([options, &exit_code] { exit_code = export_command(*options); });
 }
 
 }  // namespace polhode

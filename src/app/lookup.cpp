@@ -2,10 +2,46 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+#include <utility>
+
 #include "app/commands.h"
 #include "text/message.h"
 
 namespace polhode {
+namespace {
+
+// Names that other libraries have for schemes, and what is like them here.
+constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
+    {"rk45", "odeint_dopri5, or dop853 of higher order"},
+    {"RK45", "odeint_dopri5, or dop853 of higher order"},
+    {"ode45", "odeint_dopri5, or dop853 of higher order"},
+    {"dopri", "odeint_dopri5, or dop853 of higher order"},
+    {"dopri5", "odeint_dopri5, or dop853 of higher order"},
+    {"dop", "dop853"},
+    {"DOP853", "dop853"},
+    {"rk23", "arkode_erk3"},
+    {"rk4", "odeint_rk4"},
+    {"RK4", "odeint_rk4"},
+    {"runge_kutta", "odeint_rk4, or dop853 with a tolerance"},
+    {"rkf45", "odeint_cash_karp54"},
+    {"rkf78", "odeint_fehlberg78"},
+    {"euler", "odeint_euler, or gyroscopic_explicit as engines have it"},
+    {"semi_implicit_euler", "gyroscopic_explicit, or article_mended"},
+    {"symplectic_euler", "gyroscopic_explicit, or article_mended"},
+    {"verlet", "splitting2"},
+    {"leapfrog", "splitting2"},
+    {"midpoint", "implicit_midpoint"},
+    {"bdf", "cvode_bdf"},
+    {"BDF", "cvode_bdf"},
+    {"adams", "cvode_adams"},
+    {"lsoda", "cvode, which takes BDF where the motion is stiff and Adams' methods elsewhere"},
+    {"LSODA", "cvode, which takes BDF where the motion is stiff and Adams' methods elsewhere"},
+    {"radauIIA", "radau"},
+    {"Radau", "radau"},
+};
+
+}  // namespace
 
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
@@ -18,7 +54,10 @@ const Method& method_named(const std::string& name) {
     for (const MethodLeftOut& method : methods_left_out())
         if (method.name == name)
             throw UsageError(fmt::format("there is no method {0}; polhode describe {0} tells why", name));
-    const std::string meant = did_you_mean(name, method_names());
+    std::string meant = did_you_mean(name, method_names());
+    if (meant.empty())
+        for (const auto& [known_as, here] : elsewhere)
+            if (name == known_as) meant = fmt::format("what comes nearest here: {}", here);
     throw UsageError(
         fmt::format("there is no method {}; {}", name, meant.empty() ? "see polhode list methods" : meant));
 }

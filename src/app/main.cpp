@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
     // a file beyond the limit on its size is a failed write, not the end of the process
     std::signal(SIGXFSZ, SIG_IGN);
     const std::array commands{
-        add_solve, add_truth, add_check, add_describe, add_run, add_list, add_export, add_ensemble,
+        add_solve, add_truth, add_check, add_describe, add_show, add_run, add_list, add_export, add_ensemble,
     };
     return run_program(argc, argv, commands);
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "body/elementary.h"
 #include "integrators/method.h"
 
 namespace polhode {
@@ -17,7 +18,6 @@ constexpr long samples = 8192;
 // of the ellipsoid's size: what is closer than this looks the same
 constexpr double resolution = 1e-3;
 
-double length(const V& v) { return std::hypot(v[0], v[1], v[2]); }
 V quotient(const V& v, const V& scale) { return {v[0] / scale[0], v[1] / scale[1], v[2] / scale[2]}; }
 
 double rotational_energy(const V& moments, const V& w) {
@@ -44,8 +44,8 @@ std::size_t once_round(const Polyline& line, const V& scale) {
     double travelled = 0;
     bool away = false;
     for (std::size_t i = 1; i < line.size(); ++i) {
-        const double step = length(quotient(line[i] - line[i - 1], scale));
-        const double from_start = length(quotient(line[i] - line[0], scale));
+        const double step = hypotenuse(quotient(line[i] - line[i - 1], scale));
+        const double from_start = hypotenuse(quotient(line[i] - line[0], scale));
         travelled += step;
         away = away || from_start > std::max(3 * step, resolution);
         // within half a step of the start: the curve passes it here
@@ -85,7 +85,7 @@ void keep(const Polyline& line, const V& scale, double tolerance, std::size_t fi
     for (std::size_t i = first + 1; i < last; ++i) {
         const V offset = quotient(line[i], scale) - start;
         const double share = squared > 0 ? std::clamp(dot(offset, along) / squared, 0.0, 1.0) : 0;
-        const double distance = length(offset - share * along);
+        const double distance = hypotenuse(offset - share * along);
         if (distance > farthest) farthest = distance, at = i;
     }
     if (farthest <= tolerance) return;
@@ -116,8 +116,8 @@ PolhodeCurve polhode_curve(const Problem& problem) {
         polhode.fault = "the motion could not be solved within 2 s";
         return polhode;
     }
-    const V& moments = polhode.moments = problem.principal.moments;
-    const Quaternion<double>& q_BP = problem.principal.q_BP;
+    const V& moments = polhode.moments = problem.body.principal.moments;
+    const Quaternion<double>& q_BP = problem.body.principal.q_BP;
     polhode.body_axes = q_BP == Quaternion<double>{};
     polhode.free = problem.needs.torque_free && !struck_later(problem);
 

@@ -27,7 +27,7 @@ struct Style {
     double width;
     int dash;  // gnuplot's dashtype
 };
-constexpr Style wire_behind{"#ececec", 0.4, 1}, wire_front{"#c4c4c4", 0.4, 1}, outline{"#909090", 0.6, 1},
+constexpr Style wire_behind{"#ececec", 0.4, 1}, wire_front{"#c4c4c4", 0.4, 1}, outline_style{"#909090", 0.6, 1},
     axis_line{"#404040", 0.6, 1}, separatrix_behind{"#f5c9a6", 0.5, 1}, separatrix_front{"#d95f02", 0.6, 1},
     curve_behind{"#9fc3e6", 0.9, 1}, curve_front{"#0b5394", 1.4, 1};
 
@@ -138,7 +138,7 @@ class Script {
         lines(separatrix.behind, separatrix_behind);
         lines(curve.behind, curve_behind);
         lines(wires.front, wire_front);
-        lines({view_.outline()}, outline);
+        lines({view_.outline()}, outline_style);
         lines(separatrix.front, separatrix_front);
         lines(curve.front, curve_front);
         const PagePoint start = on_page(view_.at(polhode_.curve.front().front()));

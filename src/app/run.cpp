@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-struct Options {
+struct RunCommandOptions {
     std::vector<std::string> experiments;
     std::string filter, output, shard = "1/1";
     int jobs = 0;
@@ -31,7 +31,7 @@ extern "C" void on_interrupt(int) {
     std::signal(SIGTERM, SIG_DFL);
 }
 
-RunOptions checked(const Options& options) {
+RunOptions checked(const RunCommandOptions& options) {
     RunOptions run;
     run.filter = options.filter;
     try {
@@ -55,7 +55,7 @@ RunOptions checked(const Options& options) {
     return run;
 }
 
-std::string command_line(const Options& options) {
+std::string command_line(const RunCommandOptions& options) {
     std::string line = "polhode run";
     for (const std::string& name : options.experiments) line += " " + name;
     if (!options.filter.empty()) line += " --filter '" + options.filter + "'";
@@ -81,7 +81,7 @@ void list_pending(const Plan& plan, const RunOptions& options) {
                    plan.experiment.name, pending.size(), known, total);
 }
 
-int run(const Options& options) {
+int run_command(const RunCommandOptions& options) {
     const RunOptions checked_options = checked(options);
     // all are read before any is run: a slip in the last must not cost the time of the first
     std::vector<Plan> plans;
@@ -103,7 +103,7 @@ int run(const Options& options) {
 void add_run(CLI::App& program, int& exit_code) {
     CLI::App* command =
         program.add_subcommand("run", "Runs experiments into tables and pictures; goes on where it was interrupted.");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<RunCommandOptions>();
     command->add_option("EXPERIMENT", options->experiments, "Experiments: names (polhode list experiments) or files")
         ->required();
     command->add_option("--filter", options->filter, "Only the cases whose SCENE/METHOD matches this expression");
@@ -115,7 +115,7 @@ void add_run(CLI::App& program, int& exit_code) {
     command->add_flag("--quick", options->quick, "Every third setting, short runs");
     command->add_flag("--dry-run", options->dry_run, "Only list what would run, and how long it took last time");
     command->add_flag("--quiet", options->quiet, "No progress, no summary");
-    command->callback([options, &exit_code] { exit_code = run(*options); });
+    command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }
 
 }  // namespace polhode

@@ -23,7 +23,7 @@ namespace {
 std::string short_number(double value) { return shortest_decimal(std::stod(fmt::format("{:.3e}", value))); }
 
 std::string body_of(const Problem& problem) {
-    const Vector3<double>& I = problem.principal.moments;
+    const Vector3<double>& I = problem.body.principal.moments;
     const char* symmetry = problem.needs.symmetry == Symmetry::spherical   ? "spherical"
                            : problem.needs.symmetry == Symmetry::symmetric ? "symmetric"
                                                                            : "asymmetric";

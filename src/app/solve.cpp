@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "integrators/method.h"
+#include "integrators/run/stiffness.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000, most_evaluations = 1'000'000'000'000'000;
 
-struct Options {
+struct SolveOptions {
     std::string scene, method = "auto", output;
     std::optional<double> step, tolerance, duration;
     std::optional<long> steps;
@@ -27,7 +28,7 @@ struct Options {
     bool full = false;
 };
 
-void check(const Options& options) {
+void require_sane(const SolveOptions& options) {
     if (options.step) require_positive("--step", *options.step);
     if (options.tolerance) require_positive("--tolerance", *options.tolerance);
     if (options.duration) require_positive("--duration", *options.duration);
@@ -39,8 +40,27 @@ void check(const Options& options) {
     require_output(options.output);
 }
 
-Choice chosen(const Options& options, const Problem& problem) {
-    const Choice choice = options.method == "auto" ? choose_method(problem) : Choice{&method_named(options.method), ""};
+// What auto takes: the most accurate method, of those that take a step or a tolerance where one is given.
+Choice automatic(const SolveOptions& options, const Problem& problem) {
+    const Choice best = choose_method(problem);
+    const bool step = options.step || options.steps;
+    if ((!step || takes_step(*best.method)) && (!options.tolerance || takes_tolerance(*best.method))) return best;
+    const auto first = [&](std::initializer_list<const char*> names, std::string_view why) -> Choice {
+        for (const char* name : names)
+            if (const Method* method = find_method(name); method && refusal(*method, problem).empty())
+                return {method, why};
+        return best;
+    };
+    if (step)
+        return first({"splitting8", "munthe_kaas4", "odeint_rk4", "impact_halving"},
+                     "the most accurate here that takes a step");
+    return is_stiff(problem) ? first({"radau"}, "the most accurate here that takes a tolerance: the motion is stiff")
+                             : first({"taylor", "dop853"}, "the most accurate here that takes a tolerance");
+}
+
+Choice chosen(const SolveOptions& options, const Problem& problem) {
+    const Choice choice =
+        options.method == "auto" ? automatic(options, problem) : Choice{&method_named(options.method), ""};
     const std::string name(choice.method->name);
     if ((options.step || options.steps) && !takes_step(*choice.method))
         throw UsageError(fmt::format("{} takes no step; leave out {}", name, options.step ? "--step" : "--steps"));
@@ -52,7 +72,7 @@ Choice chosen(const Options& options, const Problem& problem) {
 std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
 // What the run did, for people: a line each.
-std::string summary(const Options& options, const Problem& problem, const Choice& choice, const Settings& settings,
+std::string summary(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
                     const Trajectory& trajectory) {
     const double T = problem.scene.duration;
     std::string text = fmt::format("scene    {}: {}, {} variables, {} s\n", one_line(problem.scene.name, 100),
@@ -84,8 +104,8 @@ std::string summary(const Options& options, const Problem& problem, const Choice
     return text;
 }
 
-int run(const Options& options) {
-    check(options);
+int solve_command(const SolveOptions& options) {
+    require_sane(options);
     if (options.method != "auto") method_named(options.method);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
@@ -112,7 +132,7 @@ int run(const Options& options) {
 void add_solve(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "solve", "Solves a scene: one trajectory (CSV) to stdout or a file, a summary to stderr.");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<SolveOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--method", options->method,
@@ -135,7 +155,7 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
-    command->callback([options, &exit_code] { exit_code = run(*options); });
+    command->callback([options, &exit_code] { exit_code = solve_command(*options); });
 }
 
 }  // namespace polhode

@@ -17,10 +17,10 @@
 namespace polhode {
 namespace {
 
-constexpr long most_samples = 1'000'000;
+constexpr long most_true_samples = 1'000'000;
 constexpr const char* names[] = {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
 
-struct Options {
+struct TruthOptions {
     std::string scene, format = "csv", output;
     std::optional<double> duration;
     long samples = 100;
@@ -44,7 +44,7 @@ std::string csv(const Scene& scene, const DecimalReference& truth) {
     return text;
 }
 
-std::string json(const Scene& scene, const Options& options, const DecimalReference& truth) {
+std::string json(const Scene& scene, const TruthOptions& options, const DecimalReference& truth) {
     std::string text = fmt::format(
         "{{\"scene\": {}, \"scene_hash\": \"{}\", \"method\": {}, \"digits\": {}, \"bound\": {:.2e},\n \"columns\": "
         "[\"t\"",
@@ -99,7 +99,7 @@ std::string json(const Scene& scene, const CertifiedReference& truth) {
     return text + "\n]}\n";
 }
 
-int run_certified(const Options& options, const Scene& scene) {
+int run_certified(const TruthOptions& options, const Scene& scene) {
     const CertifiedReference truth = certified_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
@@ -115,8 +115,8 @@ int run_certified(const Options& options, const Scene& scene) {
     return 0;
 }
 
-int run(const Options& options) {
-    require_count("--samples", options.samples, most_samples);
+int truth_command(const TruthOptions& options) {
+    require_count("--samples", options.samples, most_true_samples);
     require_count("--digits", options.digits, 1'000'000);
     if (options.duration) require_positive("--duration", *options.duration);
     require_positive("--max-seconds", options.max_seconds);
@@ -142,7 +142,7 @@ int run(const Options& options) {
 void add_truth(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "truth", "The reference trajectory of a scene in decimals, with its bound and where it came from.");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<TruthOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
     command
@@ -164,7 +164,7 @@ void add_truth(CLI::App& program, int& exit_code) {
                      "A truth that takes its thread longer is given up (exit 1); what is cached takes none")
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
-    command->callback([options, &exit_code] { exit_code = run(*options); });
+    command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }
 
 }  // namespace polhode

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "body/algebra.h"
 #include "body/wide.h"
 
 /// @cond declarations of the C library
@@ -30,6 +31,17 @@ template <class S>
 S square_root(const S& x) {
     using std::sqrt;
     return sqrt(x);
+}
+
+/// |v|.
+template <class S>
+S length(const Vector3<S>& v) {
+    return square_root(dot(v, v));
+}
+/// |v|, also where its square is out of range.
+template <class S>
+S hypotenuse(const Vector3<S>& v) {
+    return std::hypot(v[0], v[1], v[2]);
 }
 
 /// The elementary functions and constants of a scalar whose library has them in its own namespace.

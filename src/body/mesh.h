@@ -59,11 +59,4 @@ Extent<S> mesh_extent(const Mesh& mesh) {
     return extent;
 }
 
-/// A uniform body of that density (kg/m^3).
-template <class S>
-MassProperties<S> of_mesh(const Mesh& mesh, const S& density) {
-    const Extent<S> extent = mesh_extent<S>(mesh);
-    return uniform_body(extent, S(density * extent.size));
-}
-
 }  // namespace polhode

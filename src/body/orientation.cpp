@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "body/elementary.h"
 #include "body/mass_properties.h"
 
 namespace polhode {
@@ -17,18 +18,13 @@ constexpr double pi = std::numbers::pi;
 constexpr double lock = 1e-15;  // rad: nearer to gimbal lock the rounding of q decides
 
 template <class S>
-S length(const Vector3<S>& v) {
-    return std::hypot(v[0], v[1], v[2]);
-}
-
-template <class S>
 Vector3<S> column(const Matrix3<S>& m, int j) {
     return {m[0][j], m[1][j], m[2][j]};
 }
 
 template <class S>
 Vector3<S> unit(const Vector3<S>& v) {
-    const S l = length(v);
+    const S l = hypotenuse(v);
     return {v[0] / l, v[1] / l, v[2] / l};
 }
 
@@ -79,7 +75,7 @@ double wrapped(double angle) {
 
 template <class S>
 Quaternion<S> quaternion_from_rotation_vector(const Vector3<S>& v) {
-    const S angle = length(v);
+    const S angle = hypotenuse(v);
     // sin(x/2)/x: 1/2 where x is so small that x^2/24 is nothing
     const S s = angle < S(1e-8) ? S(0.5) : std::sin(angle / 2) / angle;
     return {std::cos(angle / 2), s * v[0], s * v[1], s * v[2]};
@@ -89,7 +85,7 @@ template Quaternion<float> quaternion_from_rotation_vector(const Vector3<float>&
 
 Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q) {
     const Vector3<double> u = q.w < 0 ? -vector_part(q) : vector_part(q);
-    const double sine = length(u);
+    const double sine = hypotenuse(u);
     if (sine == 0) return {};
     const double half = std::atan2(sine, std::abs(q.w));
     return (2 * half) * Vector3<double>(u[0] / sine, u[1] / sine, u[2] / sine);
@@ -97,7 +93,7 @@ Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q) {
 
 Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn) {
     if (turn.angle == 0) return {};
-    if (length(turn.axis) == 0)
+    if (hypotenuse(turn.axis) == 0)
         throw std::invalid_argument("a turn by " + number(turn.angle) + " rad about an axis of length 0");
     const double s = std::sin(turn.angle / 2);
     const Vector3<double> n = unit(turn.axis);
@@ -106,7 +102,7 @@ Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn) {
 
 AxisAngle axis_angle_from_quaternion(const Quaternion<double>& q) {
     const Vector3<double> v = rotation_vector_from_quaternion(q);
-    const double angle = length(v);
+    const double angle = hypotenuse(v);
     if (angle == 0) return {};
     return {unit(v), angle};
 }
@@ -168,7 +164,9 @@ Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
     if (!finite(A)) throw std::invalid_argument("no rotation is nearest to a matrix that is not finite");
     const double det = determinant(A);
     if (!(det > 0)) throw std::invalid_argument("no rotation is near a matrix of determinant " + number(det));
-    const auto norm = [](const Matrix3<double>& m) { return std::hypot(length(m[0]), length(m[1]), length(m[2])); };
+    const auto norm = [](const Matrix3<double>& m) {
+        return std::hypot(hypotenuse(m[0]), hypotenuse(m[1]), hypotenuse(m[2]));
+    };
     Matrix3<double> X = A;
     // X <- (g X + X^-T / g) / 2: some ten iterations from any condition number that binary64 can hold
     constexpr int most = 60;
@@ -198,8 +196,7 @@ EulerSequence parse_euler_sequence(std::string_view name) {
         if (name_of(sequence) == name) return sequence;
     throw std::invalid_argument(
         "\"" + std::string(name) +
-        "\" is no sequence of Euler angles: one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, "
-        "yzy, zxz, zyz");
+        "\" is no sequence of Euler angles: one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz");
 }
 
 bool is_proper(EulerSequence sequence) {
@@ -248,12 +245,12 @@ Quaternion<double> slerp(const Quaternion<double>& a, const Quaternion<double>& 
 }
 
 double angle_between(const Vector3<double>& a, const Vector3<double>& b) {
-    return std::atan2(length(cross(a, b)), dot(a, b));
+    return std::atan2(hypotenuse(cross(a, b)), dot(a, b));
 }
 
 double rotation_angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
     const Quaternion<double> d = conjugate(b) * a;
-    return 2 * std::atan2(length(vector_part(d)), std::abs(d.w));
+    return 2 * std::atan2(hypotenuse(vector_part(d)), std::abs(d.w));
 }
 
 }  // namespace polhode

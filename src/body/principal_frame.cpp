@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 
 #include "body/rigid_body.h"
 #include "body/wide.h"

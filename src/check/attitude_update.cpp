@@ -5,23 +5,17 @@
 #include <cmath>
 #include <limits>
 
-#include "motion/equations.h"
+#include "body/elementary.h"
+#include "body/mass_properties.h"
 
 namespace polhode {
 namespace {
-
-double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
-
-Quaternion<double> unit(const Quaternion<double>& q) {
-    const double norm = std::sqrt(squared_norm(q));
-    return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-}
 
 // exp(h w / 2), or the unit quaternion along 1 + h w / 2
 Quaternion<double> turn(const Vector3<double>& w, double h, bool first_order) {
     const Vector3<double> half = (0.5 * h) * w;
     const double angle = length(half);
-    if (first_order) return unit({1, half[0], half[1], half[2]});
+    if (first_order) return normalized(Quaternion<double>{1, half[0], half[1], half[2]});
     const double scale = angle > 1e-8 ? std::sin(angle) / angle : 1;
     return {std::cos(angle), scale * half[0], scale * half[1], scale * half[2]};
 }
@@ -48,15 +42,15 @@ class Rate {
 };
 
 constexpr std::array steps_a_row{1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 16, 20};
-constexpr std::array places{0.0, 0.5, 1.0};  // old w, middle, new
+constexpr std::array places_of_rate{0.0, 0.5, 1.0};  // old w, middle, new
 
 }  // namespace
 
-std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file, std::size_t rows) {
-    const std::size_t count = std::min<std::size_t>({rows, file.rows.size(), 120});
+std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file) {
+    const std::size_t count = std::min<std::size_t>(file.rows.size(), 120);
     if (count < 8) return {};
     // the square of what each update leaves, summed over the rows
-    double left[2][steps_a_row.size()][places.size()] = {};
+    double left[2][steps_a_row.size()][places_of_rate.size()] = {};
     for (std::size_t k = 2; k + 3 < count; ++k) {
         const TrajectoryRow &a = file.rows[k], &b = file.rows[k + 1];
         const Rate rate(file.rows, k);
@@ -64,11 +58,11 @@ std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file, s
         if (!(length(a.angular_velocity_W) * dt < 1)) return {};
         for (const bool first_order : {false, true})
             for (std::size_t m = 0; m < steps_a_row.size(); ++m)
-                for (std::size_t place = 0; place < places.size(); ++place) {
+                for (std::size_t place = 0; place < places_of_rate.size(); ++place) {
                     const double h = dt / steps_a_row[m];
                     Quaternion<double> q = a.q;
                     for (int i = 0; i < steps_a_row[m]; ++i)
-                        q = turn(rate.at(a.t + (i + places[place]) * h), h, first_order) * q;
+                        q = turn(rate.at(a.t + (i + places_of_rate[place]) * h), h, first_order) * q;
                     const Quaternion<double> rest = conjugate(q) * b.q;
                     const double angle = 2 * std::atan2(length(vector_part(rest)), std::abs(rest.w));
                     left[first_order ? 1 : 0][m][place] += angle * angle;
@@ -78,7 +72,7 @@ std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file, s
     double exact = infinity, first = infinity;
     int steps = 1;
     for (std::size_t m = 0; m < steps_a_row.size(); ++m)
-        for (std::size_t place = 0; place < places.size(); ++place) {
+        for (std::size_t place = 0; place < places_of_rate.size(); ++place) {
             exact = std::min(exact, left[0][m][place]);
             if (left[1][m][place] < first) first = left[1][m][place], steps = steps_a_row[m];
         }
@@ -87,20 +81,6 @@ std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file, s
                                   std::sqrt(first / pairs)};
     if (!(update.error > 1e-6 && 10 * update.explained <= update.error)) return {};
     return update;
-}
-
-Quaternion<double> interpolated_attitude(const std::vector<Sample>& samples, double h, double t) {
-    const double place = std::clamp(t / h, 0.0, static_cast<double>(samples.size() - 1));
-    const std::size_t k = std::min(static_cast<std::size_t>(place), samples.size() - 2);
-    const double x = place - static_cast<double>(k);
-    const Sample &a = samples[k], &b = samples[k + 1];
-    const Quaternion<double> da = attitude_rate(0.5, a.q, a.angular_velocity_B),
-                             db = attitude_rate(0.5, b.q, b.angular_velocity_B);
-    const double h00 = (1 + 2 * x) * (1 - x) * (1 - x), h10 = h * x * (1 - x) * (1 - x), h01 = x * x * (3 - 2 * x),
-                 h11 = h * x * x * (x - 1);
-    const auto mix = [&](double p, double dp, double q, double dq) { return h00 * p + h10 * dp + h01 * q + h11 * dq; };
-    return {mix(a.q.w, da.w, b.q.w, db.w), mix(a.q.x, da.x, b.q.x, db.x), mix(a.q.y, da.y, b.q.y, db.y),
-            mix(a.q.z, da.z, b.q.z, db.z)};
 }
 
 }  // namespace polhode

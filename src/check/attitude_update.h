@@ -19,10 +19,6 @@ struct FirstOrderUpdate {
 /// Whether the attitudes of the file's first rows follow its w by first-order updates (old, middle or new w, a row a
 /// step or up to 20 steps a row) at least ten times better than by any exponential ones. Nothing where they do not,
 /// where less than 1e-6 rad a row is to be explained, or where rows are too far apart (more than a radian) to tell.
-std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file, std::size_t rows);
-
-/// The attitude at time t of samples at 0, h, 2 h, ..: Hermite's cubic with dq/dt = 1/2 q (0, w). Not normalised; t is
-/// clamped to their range.
-Quaternion<double> interpolated_attitude(const std::vector<Sample>& samples, double h, double t);
+std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file);
 
 }  // namespace polhode

@@ -6,13 +6,13 @@
 #include <optional>
 #include <thread>
 
-#include "check/altered_motion.h"
+#include "check/foreign_table.h"
 #include "check/sample_clock.h"
-#include "check/tolerated.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
 #include "text/decimal.h"
+#include "text/json_document.h"
 #include "text/message.h"
 #include "text/parallel.h"
 
@@ -20,8 +20,13 @@ namespace polhode {
 namespace {
 
 // A file in our conventions, with what had to be done to it.
-TrajectoryFile prepared(const Scene& scene, const Convention& convention, CheckedFile& checked) {
-    TrajectoryFile file = read_trajectory(checked.path, convention.quaternion);
+TrajectoryFile prepared(const Scene& scene, const Convention& convention, const ColumnNames& columns,
+                        CheckedFile& checked) {
+    constexpr std::size_t largest_file = std::size_t{1} << 30;
+    ForeignTable table =
+        own_columns(read_text(checked.path, largest_file, "a readable CSV file"), checked.path, columns);
+    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion);
+    checked.remarks = std::move(table.remarks);
     if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
     convert(file, convention);
     if (const std::optional<double> dt = restore_clock(file, scene.duration))
@@ -37,6 +42,15 @@ TrajectoryFile prepared(const Scene& scene, const Convention& convention, Checke
                          "give times in s within the scene's duration, or a scene that lasts longer");
     checked.samples = file.rows.size(), checked.from = file.rows.front().t, checked.until = last;
     return file;
+}
+
+// What a file of this scene could have and has not.
+std::string lacking(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<std::string> all;
+    if (!file.has_angular_velocity) all.emplace_back("the angular velocity, and with it energy and momentum");
+    if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("the position");
+    if (!scene.pivot && !file.has_velocity) all.emplace_back("the velocity");
+    return fmt::format("{}", fmt::join(all, "; "));
 }
 
 // Judges a file of many samples by polynomials, in binary64: a million take a second.
@@ -79,7 +93,7 @@ std::string judge_file(const Scene& scene, const TrajectoryFile& file, CheckedFi
 }
 
 // The floors at the ends of the file's spans and in between, and what they say of the file.
-void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, CheckedFile& checked) {
+void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedFile& checked) {
     if (!(checked.until > 0)) return;
     constexpr int between = 20;
     std::vector<double> times;
@@ -97,7 +111,7 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
                                                                     kappa.times.back(), kappa.message));
     if (kappa.times.empty()) return;
     RoundingFloor so_far;
-    const double allowed = limit.attitude.value_or(default_tolerated_attitude);
+    const double allowed = limits["attitude"].value;
     for (std::size_t k = 0; k < kappa.times.size(); ++k) {
         so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
         so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
@@ -109,10 +123,20 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
     const double error = checked.judgement["attitude"]->max;
     // rounding at each step comes on top of that of the start: a few times the floor is the floor
     constexpr double a_few = 4;
-    if (kappa.available && error <= a_few * so_far.float64)
-        checked.remarks.emplace_back("at the float64 floor: as good as binary64 can be on this scene");
-    else if (kappa.available && error <= a_few * so_far.float32)
-        checked.remarks.emplace_back("at the float32 floor: as good as a float engine can be on this scene");
+    // said of the attitude alone, and only where the rest of the file is no further off
+    const auto others_within = [&](double floor) {
+        const std::vector<BlockVerdict> all = limits.verdicts(checked.judgement);
+        return std::all_of(all.begin(), all.end(), [&](const BlockVerdict& v) {
+            return v.block->name == "attitude" || !v.relative || *v.relative <= 1e3 * std::max(floor, 1e-14);
+        });
+    };
+    // a floor far below what is written is none of the file's making
+    if (kappa.available && error <= a_few * so_far.float64 && others_within(so_far.float64))
+        checked.remarks.emplace_back("at the float64 floor: the attitude is as good as binary64 can be on this scene");
+    else if (kappa.available && error <= a_few * so_far.float32 && error >= so_far.float32 / 10 &&
+             others_within(so_far.float32))
+        checked.remarks.emplace_back(
+            "at the float32 floor: the attitude is as good as a float engine can be on this scene");
     if (checked.float_judged_until)
         checked.remarks.push_back(fmt::format(
             "beyond t = {:.4g} s no float engine can be judged: the rounding of the initial data to binary32 "
@@ -123,19 +147,21 @@ void compare_with_floors(const Scene& scene, const AttitudeLimit& limit, Checked
 }  // namespace
 
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
-                                     const Convention& convention, const AttitudeLimit& limit) {
+                                     const Convention& convention, const ColumnNames& columns,
+                                     const ErrorLimits& limits, bool explain) {
     std::vector<CheckedFile> all;
     std::vector<TrajectoryFile> files;
     for (const std::string& path : paths) {
         all.emplace_back().path = path;
-        files.push_back(prepared(scene, convention, all.back()));
+        files.push_back(prepared(scene, convention, columns, all.back()));
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
         CheckedFile& checked = all[i];
         if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty())
             throw NoTruth(checked.path + ": " + fault);
-        checked.diagnoses = diagnose(scene, files[i], altered_motion);
-        compare_with_floors(scene, limit, checked);
+        checked.diagnosed = diagnose(scene, files[i], explain);
+        checked.lacks = lacking(scene, files[i]);
+        compare_with_floors(scene, limits, checked);
         files[i] = {};
     }
     return all;

@@ -36,9 +36,21 @@ bool is_mirror(Axes axes) { return axes == Axes::z_up_left || axes == Axes::y_up
 
 Vector3<double> sensed(Axes axes, const Vector3<double>& v) { return is_mirror(axes) ? -v : v; }
 
+struct LengthUnit {
+    std::string_view name, short_name;
+    double metres;
+};
+constexpr LengthUnit length_units[] = {{"metres", "m", 1},
+                                       {"centimetres", "cm", 0.01},
+                                       {"millimetres", "mm", 0.001},
+                                       {"inches", "in", 0.0254},
+                                       {"feet", "ft", 0.3048}};
+
 const std::vector<std::string>& words() {
-    static const std::vector<std::string> list{"y-up",        "z-up",    "left-handed", "right-handed", "scalar-first",
-                                               "scalar-last", "degrees", "radians",     "unity",        "godot"};
+    static const std::vector<std::string> list{
+        "y-up",    "z-up",       "left-handed", "right-handed", "scalar-first", "scalar-last", "degrees",
+        "radians", "body-rates", "world-rates", "metres",       "centimetres",  "millimetres", "inches",
+        "feet",    "unity",      "unreal",      "godot",        "three",        "bullet"};
     return list;
 }
 
@@ -56,8 +68,21 @@ struct Choice {
 
 }  // namespace
 
+std::optional<double> length_unit(std::string_view name) {
+    for (const LengthUnit& unit : length_units)
+        if (name == unit.name || name == unit.short_name) return unit.metres;
+    return {};
+}
+
 Convention parse_convention(std::string_view text) {
-    Choice y_up, left, scalar_last, degrees;
+    Choice y_up, left, scalar_last, degrees, body_rates;
+    double unit = 1;
+    std::string unit_by;
+    const auto measure_in = [&](double metres, const std::string& by) {
+        if (!unit_by.empty() && metres != unit)
+            throw std::invalid_argument(fmt::format("{} contradicts {}; give one of them", by, unit_by));
+        unit = metres, unit_by = by;
+    };
     for (std::size_t begin = 0;;) {
         const std::size_t comma = text.find(',', begin);
         const std::string word(text.substr(begin, comma - begin));
@@ -69,8 +94,14 @@ Convention parse_convention(std::string_view text) {
             scalar_last.make(word == "scalar-last", word);
         else if (word == "degrees" || word == "radians")
             degrees.make(word == "degrees", word);
-        else if (word == "unity" || word == "godot")
+        else if (word == "body-rates" || word == "world-rates")
+            body_rates.make(word == "body-rates", word);
+        else if (word == "unity" || word == "godot" || word == "three" || word == "bullet")
             y_up.make(true, word), left.make(word == "unity", word);
+        else if (word == "unreal")
+            y_up.make(false, word), left.make(true, word), measure_in(0.01, word);
+        else if (word.size() > 2 && length_unit(word))
+            measure_in(*length_unit(word), word);
         else
             throw std::invalid_argument(fmt::format(
                 "there is no convention {}; {}known: {}", word.empty() ? "without a name" : one_line(word, 60),
@@ -87,6 +118,7 @@ Convention parse_convention(std::string_view text) {
     if (scalar_last.made)
         convention.quaternion = *scalar_last.made ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     convention.degrees = degrees.made.value_or(false);
+    convention.body_rates = body_rates.made.value_or(false), convention.length_unit = unit;
     return convention;
 }
 
@@ -97,6 +129,9 @@ std::string name_of(const Convention& convention) {
     if (convention.quaternion == QuaternionColumns::scalar_first) said.emplace_back("scalar-first");
     if (convention.quaternion == QuaternionColumns::scalar_last) said.emplace_back("scalar-last");
     if (convention.degrees) said.emplace_back("degrees");
+    if (convention.body_rates) said.emplace_back("body-rates");
+    for (const LengthUnit& unit : length_units)
+        if (unit.metres == convention.length_unit && unit.metres != 1) said.emplace_back(unit.name);
     return fmt::format("{}", fmt::join(said, ","));
 }
 
@@ -121,8 +156,10 @@ void convert(TrajectoryFile& file, const Convention& convention) {
         row.q = quaternion_from(axes, row.q);
         row.angular_velocity_W = pseudovector_from(axes, row.angular_velocity_W);
         if (convention.degrees) row.angular_velocity_W = (std::numbers::pi / 180) * row.angular_velocity_W;
-        row.position_W = vector_from(axes, row.position_W);
-        row.velocity_W = vector_from(axes, row.velocity_W);
+        if (convention.body_rates)
+            row.angular_velocity_W = (1 / squared_norm(row.q)) * rotate(row.q, row.angular_velocity_W);
+        row.position_W = convention.length_unit * vector_from(axes, row.position_W);
+        row.velocity_W = convention.length_unit * vector_from(axes, row.velocity_W);
     }
 }
 

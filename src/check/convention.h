@@ -1,6 +1,7 @@
 // What axes, units and orders other programs use, and the way from there to ours.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,15 +24,18 @@ enum class Axes {
 struct Convention {
     Axes axes = Axes::z_up_right;
     QuaternionColumns quaternion = QuaternionColumns::by_name;
-    bool degrees = false;  ///< w in degrees per second
+    bool degrees = false;     ///< w in degrees per second
+    bool body_rates = false;  ///< w in body axes
+    double length_unit = 1;   ///< m in the unit of positions and velocities
 
     bool operator==(const Convention&) const = default;
 };
 
 /// Words joined by commas: y-up or z-up, left-handed or right-handed, scalar-first or scalar-last, degrees or radians;
-/// or one program's name in their place: unity (y-up, left-handed), godot (y-up, right-handed). What is not said is
-/// ours. Throws std::invalid_argument, with a line that names the fault and the remedy, on a word that is unknown or
-/// contradicts another.
+/// body-rates (w in body axes); centimetres, millimetres, inches or feet; or one program's name in the place of
+/// several: unity (y-up, left-handed), unreal (z-up, left-handed, centimetres), godot, three and bullet (y-up,
+/// right-handed). What is not said is ours. Throws std::invalid_argument, with a line that names the fault and the
+/// remedy, on a word that is unknown or contradicts another.
 Convention parse_convention(std::string_view text);
 
 /// The words that parse_convention() reads back; empty for ours.
@@ -51,6 +55,10 @@ Vector3<double> vector_to(Axes axes, const Vector3<double>& v);
 Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v);
 /// The attitude in the other program that is q here.
 Quaternion<double> quaternion_to(Axes axes, const Quaternion<double>& q);
+
+/// The word of a unit of length that --convention takes, in m: 0.01 of "centimetres"; also its short name, "cm".
+/// Nothing where there is none.
+std::optional<double> length_unit(std::string_view name);
 
 /// Turns a file into polhode's conventions. The order of the quaternion's columns is the reader's matter:
 /// read_trajectory(path, convention.quaternion).

@@ -3,84 +3,113 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "check/compared_rows.h"
-#include "check/hypotheses.h"
+#include "check/attitude_update.h"
+#include "check/known_update.h"
+#include "check/search.h"
 
 namespace polhode {
 namespace {
 
-// a hypothesis this many times worse than the best says nothing more
-constexpr double dominated = 5;
-// A w that is further than this from the one predicted, and so many times further than from another, speaks against the
-// prediction. Steps, grids and a first row from before the fault leave less.
-constexpr double plain_rates = 0.05, rates_factor = 3;
+// a file this near to the scene's motion has no fault that could be told
+constexpr double plainly_wrong = 1e-4;
 
-struct Found {
-    const Hypothesis* hypothesis;
-    Diagnosis diagnosis;
-    std::optional<double> rates_left;  // how far the file's w is from the one predicted, relative
-};
-
-const char* unit_of(About about) {
-    return about == About::attitude ? " rad" : about == About::position ? " m" : " of the largest rate";
+const char* name_of(Question question) {
+    constexpr const char* names[question_count] = {"the start's attitude",
+                                                   "the start's angular velocity",
+                                                   "the start's position",
+                                                   "the start's velocity",
+                                                   "the first step",
+                                                   "each step of the attitude",
+                                                   "each step of w",
+                                                   "each step of the position",
+                                                   "each step of the velocity",
+                                                   "what happens at the events"};
+    return names[static_cast<std::size_t>(question)];
 }
 
-std::optional<Found> tried(const Hypothesis& hypothesis, const ComparedRows& rows) {
-    if (hypothesis.about == About::attitude && !(rows.error() > plain_error)) return {};
-    const std::optional<Explanation> e = hypothesis.explain(rows);
-    if (!e || !(hypothesis.factor * e->explained <= e->error)) return {};
-    const char* unit = unit_of(hypothesis.about);
-    const std::string compared =
-        e->compared.empty() ? fmt::format(" (root mean square up to t = {:.4g} s)", rows.times().back()) : e->compared;
-    return Found{&hypothesis,
-                 {hypothesis.fault,
-                  fmt::format("{}: {:.2g}{} is left of {:.2g}{}{}; {}", e->what, e->explained, unit, e->error, unit,
-                              compared, e->remedy),
-                  e->convention, e->error, e->explained},
-                 e->rates_left ? e->rates_left() : std::nullopt};
+// Which question the fault explains most of.
+std::size_t most_gained(const Residual& without, const Residual& with) {
+    std::size_t best = 0;
+    double gain = -1;
+    for (std::size_t i = 0; i < question_count; ++i)
+        if (without.decades[i] && with.decades[i] && *without.decades[i] - *with.decades[i] > gain)
+            best = i, gain = *without.decades[i] - *with.decades[i];
+    return best;
 }
 
-// The best first, without what is much worse than the best or told already.
-std::vector<Diagnosis> ranked(std::vector<Found> found) {
-    const auto left = [](const Found& f) {
-        return std::max(explained_wholly, f.diagnosis.explained / f.diagnosis.error);
-    };
-    std::stable_sort(found.begin(), found.end(), [&](const Found& a, const Found& b) { return left(a) < left(b); });
-    std::vector<const Found*> told;
-    for (const Found& f : found) {
-        const auto better = [&](const Found& g) {
-            if (g.hypothesis->about != f.hypothesis->about) return false;
-            if (dominated * left(g) < left(f)) return true;
-            // as good by the attitude: the file's own w, or that nothing had to be fitted, speaks for one of them
-            if (!(left(g) <= dominated * left(f))) return false;
-            const bool contradicted = f.rates_left && g.rates_left && *f.rates_left > plain_rates &&
-                                      *f.rates_left > rates_factor * *g.rates_left;
-            const bool supported = !f.rates_left || !g.rates_left || *g.rates_left <= rates_factor * *f.rates_left ||
-                                   *g.rates_left <= plain_rates;
-            return contradicted || (f.hypothesis->fitted && !g.hypothesis->fitted && supported);
-        };
-        // of two ways to the same fault the nearer
-        const auto is_told = [&](const Found* g) {
-            return g->hypothesis->about == f.hypothesis->about && g->diagnosis.fault == f.diagnosis.fault;
-        };
-        if (std::none_of(found.begin(), found.end(), better) && std::none_of(told.begin(), told.end(), is_told))
-            told.push_back(&f);
+std::string said(const Supposed& supposed) {
+    std::string what = supposed.hypothesis->what;
+    if (const std::size_t place = what.find("{}"); place != what.npos)
+        what.replace(place, 2, fmt::format("{:.4g}", supposed.x));
+    return what;
+}
+
+std::string named(const Explanation& e) {
+    std::string all;
+    for (const Supposed& s : e.faults) all += (all.empty() ? "" : ", and ") + said(s);
+    return all;
+}
+
+// Its faults, each with what it explains.
+void tell(const Explanation& e, const Search& search, const std::string& also, std::vector<Diagnosis>& told) {
+    const std::size_t question = most_gained(search.sound.residual, e.residual);
+    const double before = std::pow(10.0, search.sound.residual.decades[question].value_or(0)),
+                 after = std::pow(10.0, e.residual.decades[question].value_or(0));
+    for (const Supposed& s : e.faults) {
+        const Hypothesis& h = *s.hypothesis;
+        const auto same = [&](const Diagnosis& d) { return d.fault == h.fault; };
+        if (std::any_of(told.begin(), told.end(), same)) continue;
+        told.push_back(
+            {h.fault,
+             fmt::format("{}: {} is predicted to {:.2g} of what moves with {}, and to {:.2g} without; {}{}", said(s),
+                         name_of(static_cast<Question>(question)), after,
+                         e.faults.size() > 1 ? "this and the other fault told" : "this fault", before, h.remedy, also),
+             h.convention, before, after});
     }
-    std::vector<Diagnosis> result;
-    for (const Found* f : told) result.push_back(f->diagnosis);
-    return result;
 }
 
 }  // namespace
 
-std::vector<Diagnosis> diagnose(const Scene& scene, const TrajectoryFile& file, const AlteredMotion& motion) {
-    const ComparedRows rows(scene, file, motion);
-    if (rows.size() < 3) return {};
-    std::vector<Found> found;
-    for (const Hypothesis& hypothesis : hypotheses())
-        if (std::optional<Found> one = tried(hypothesis, rows)) found.push_back(std::move(*one));
-    return ranked(std::move(found));
+Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
+    Diagnosed result;
+    const FileEvidence evidence(scene, file);
+    if (const std::optional<double> still = evidence.still_from())
+        result.faults.push_back(
+            {"motion_stopped",
+             fmt::format("nothing moves any more from t = {:.6g} s on, where the scene's body does: "
+                         "the body fell asleep, or was never awake; turn sleeping off",
+                         *still),
+             "", 1, 0});
+    if (!evidence.enough() || (!all && evidence.plain_error() < plainly_wrong)) return result;
+    const Search search = search_faults(evidence, all);
+    result.sound = search.sound.residual.total;
+    const Explanation& best = search.best;
+    if (best.rule) result.rule = best.rule->name;
+    for (const Explanation& e : search.tried)
+        result.tried.push_back({e.faults.front().hypothesis->fault, named(e), e.residual.total});
+    if (!best.faults.empty()) {
+        std::string also;
+        for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + named(e);
+        tell(best, search, also.empty() ? "" : "; the file cannot tell it from this: " + also, result.faults);
+        for (const Explanation& e : search.alike)
+            tell(e, search, "; the file cannot tell it from the one before", result.faults);
+    }
+    const std::optional<FirstOrderUpdate> first_order =
+        file.has_angular_velocity ? first_order_update(file) : std::nullopt;
+    if (first_order)
+        result.faults.push_back(
+            {"first_order_quaternion_update",
+             fmt::format(
+                 "first-order quaternion update: the attitude goes on by q + (h/2) w q with h = {:.4g} s, a turn "
+                 "of 2 atan(|w| h/2) and not |w| h: {:.2g} rad a row is left of {:.2g} that the file's own w "
+                 "leaves; turn by the exponential of w h, or take smaller steps",
+                 first_order->step, first_order->explained, first_order->error),
+             "", first_order->error, first_order->explained});
+    if (best.faults.empty() && !evidence.still_from() && evidence.plain_error() >= plainly_wrong)
+        result.update = followed_update(scene, file, best.steps, evidence.in_binary32());
+    return result;
 }
 
 }  // namespace polhode

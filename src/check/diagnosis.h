@@ -1,12 +1,12 @@
-// Why a trajectory is wrong: known faults of engines, each tried as a hypothesis.
+// Why a trajectory is wrong: known faults of engines and their files, each tried as a hypothesis, and which known
+// update its engine steps by.
 //
-// A fault predicts a motion. It is named only where its prediction lies at least ten times nearer to the file than the
-// scene's own motion does: what a low order or a coarse step does to a sound method is no such fault, since none of
-// these describes it to a tenth.
+// A fault is named only where with it the file is predicted about ten times better than without, summed over the
+// questions of check/evidence.h, whatever the engine's update may be: what a low order or a coarse step does to a sound
+// method is no such fault, and is told as that.
 #pragma once
 
-#include <functional>
-#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,30 +15,41 @@
 
 namespace polhode {
 
-/// What an engine may do to Euler's equations: I dw/dt = tau - gyroscopic w x I w - damping I w, |w| <= speed_limit,
-/// dv/dt = .. - linear_damping v.
-struct Alteration {
-    double gyroscopic = 1;                                         ///< 0: the term is missing; -1: its sign is reversed
-    double damping = 0;                                            ///< 1/s
-    double linear_damping = 0;                                     ///< 1/s
-    double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
-};
-
-/// Solves an altered scene at times (s, increasing from 0 or later) to about six digits. Fewer samples than times where
-/// that takes too long.
-using AlteredMotion =
-    std::function<std::vector<Sample>(const Scene&, const Alteration&, const std::vector<double>& times)>;
-
+/// One fault that explains a file.
 struct Diagnosis {
     std::string fault;       ///< a word for programs: "gyroscopic_term_missing", ..
     std::string message;     ///< one line for people: what, on which evidence, what to do
     std::string convention;  ///< the --convention that would mend the file; empty where none does
-    double error = 0;        ///< the file's own, rad or relative: root mean square over the rows compared
-    double explained = 0;    ///< what is left of it under the hypothesis
+    double error = 0;        ///< how far the file is from what is predicted without it, relative to what moves
+    double explained = 0;    ///< the same with it
 };
 
-/// The faults that explain a file, the best first; none where the file is within 1e-4 of the scene's motion, or nothing
-/// known explains it. Looks at some hundreds of rows at most, from the first on, until the error has become plain.
-std::vector<Diagnosis> diagnose(const Scene& scene, const TrajectoryFile& file, const AlteredMotion& motion);
+/// A method of the catalogue that a file follows.
+struct FollowedUpdate {
+    std::string method;   ///< its name
+    std::string message;  ///< one line for people
+    double step = 0;      ///< s
+    double distance = 0;  ///< rad, the largest from the file to the method's motion
+    double error = 0;     ///< rad, the largest from the file to the scene's motion, over the same rows
+};
+
+/// What was tried, and how far the file is from what it predicts.
+struct Tried {
+    std::string fault, what;
+    double decades = 0;  ///< summed over the questions; lower is nearer
+};
+
+/// What is known of a file's errors.
+struct Diagnosed {
+    std::vector<Diagnosis> faults;         ///< what explains it; several that cannot be told apart say so
+    std::optional<FollowedUpdate> update;  ///< where no fault was found and one is followed
+    std::vector<Tried> tried;              ///< all hypotheses that mean anything in the scene, the best first
+    double sound = 0;                      ///< decades without any fault
+    std::string rule;                      ///< the kind of update that fits best, for people; empty: nothing was tried
+};
+
+/// The faults that explain a file; none where it is within 1e-4 of the scene's motion, or nothing known explains it.
+/// Looks at a few dozen steps of the file. `all` tries them on a sound file too. Throws InputError on an invalid scene.
+Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all = false);
 
 }  // namespace polhode

@@ -53,15 +53,16 @@ std::string loads_of(const Scene& scene) {
 void set_tolerance(const Scene& scene, Golden& g) {
     const double end = g.motion.rows.back().t;
     const std::vector<double> times = sample_times(end, 400);
-    g.tolerance = scene.tolerated_attitude.value_or(default_tolerated_attitude);
-    g.tolerance_from = scene.tolerated_attitude ? "what the scene tolerates" : "1/20 of a degree";
+    const std::optional<double> given = tolerated_error(scene, "attitude");
+    g.tolerance = given.value_or(default_tolerated_attitude);
+    g.tolerance_from = given ? "what the scene tolerates" : "1/20 of a degree";
     ConditioningSettings settings;
     settings.max_steps = prompt_conditioning_steps;
     const Conditioning kappa = conditioning(scene, times, settings);
     if (!kappa.available) return;
     g.float64_floor = kappa.floor_peak(float64_roundoff).value;
     g.float32_floor = kappa.floor_peak(float32_roundoff).value;
-    if (scene.tolerated_attitude || 10 * *g.float32_floor <= g.tolerance) return;
+    if (given || 10 * *g.float32_floor <= g.tolerance) return;
     g.tolerance = std::min(10 * *g.float32_floor, std::numbers::pi);
     g.tolerance_from = "ten times the float32 floor";
 }
@@ -124,11 +125,20 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
     Golden g;
     g.scene = scene.name, g.about = scene.about, g.scene_hash = content_hash(write_scene(scene));
     g.truth = truth.message, g.convention = name_of(convention);
-    g.scalar_last = convention.quaternion == QuaternionColumns::scalar_last, g.degrees = convention.degrees;
+    g.scalar_last = convention.quaternion == QuaternionColumns::scalar_last, g.degrees = convention.degrees,
+    g.body_rates = convention.body_rates;
     g.mass = scene.body.mass;
-    g.center_of_mass = vector_to(axes, scene.body.center_of_mass);
+    // lengths in the target's unit
+    const auto length_to = [&](const Vector3<double>& v) {
+        const Vector3<double> there = vector_to(axes, v);
+        return convention.length_unit == 1 ? there : (1 / convention.length_unit) * there;
+    };
+    g.length_unit = convention.length_unit;
+    g.center_of_mass = length_to(scene.body.center_of_mass);
     g.inertia = tensor_to(axes, scene.body.inertia_B);
-    if (scene.pivot) g.pivot = vector_to(axes, *scene.pivot);
+    if (convention.length_unit != 1)
+        for (Vector3<double>& row : g.inertia.row) row = (1 / (convention.length_unit * convention.length_unit)) * row;
+    if (scene.pivot) g.pivot = length_to(*scene.pivot);
     g.loads = loads_of(scene);
     // rounding to binary64 turns a quaternion by at most 4 2^-53 rad, and moves a vector by less
     g.bound = truth.bound + 0x1p-51;
@@ -141,9 +151,10 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
         Vector3<Wide> w;
         for (int i = 0; i < 3; ++i) w[i] = Wide(s.angular_velocity_B[i].high) + s.angular_velocity_B[i].low;
         const Wide unit = convention.degrees ? Wide(180) / Wide(std::numbers::pi) : Wide(1);
-        g.motion.rows.push_back({s.t, quaternion_to(axes, q),
-                                 pseudovector_to(axes, cast<double>(unit * rotate(exact, w))),
-                                 vector_to(axes, rounded(s.position_W)), vector_to(axes, rounded(s.velocity_W))});
+        g.motion.rows.push_back(
+            {s.t, quaternion_to(axes, q),
+             pseudovector_to(axes, cast<double>(unit * (convention.body_rates ? w : rotate(exact, w)))),
+             length_to(rounded(s.position_W)), length_to(rounded(s.velocity_W))});
     }
     set_tolerance(scene, g);
     return g;
@@ -196,6 +207,7 @@ std::string golden_json(const Golden& g) {
 std::string golden_c(const Golden& g) {
     const bool last = g.scalar_last;
     const std::string name = fmt::format("polhode_{}", identifier(g.scene));
+    const std::string length = g.length_unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(g.length_unit));
     std::string guard = fmt::format("{}_H", name);
     std::transform(guard.begin(), guard.end(), guard.begin(),
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -203,14 +215,16 @@ std::string golden_c(const Golden& g) {
     std::string text = fmt::format("/* {}: {}\n * Truth: {}; scene {}.\n", comment(g.scene), comment(g.about),
                                    comment(g.truth), g.scene_hash);
     text += fmt::format(
-        " * SI units{}. Axes: {}. q (order {}) maps body to world; w is in world axes;\n"
+        " * {} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;\n"
         " * p and v are of the centre of mass. Each number is right within the bound and its rounding to binary64.\n"
         " * A test sets a body up from mass, center_of_mass (from the body's origin), inertia (tensor about the centre "
         "of\n"
         " * mass, body axes) and the start q[0], w[0], p[0], v[0], lets the loads act, steps to each t and asks that "
         "the\n"
         " * angle 2 atan2(|vec(q* q_engine)|, |scal(q* q_engine)|) stay below the tolerance.\n",
-        g.degrees ? ", w in degrees/s" : "", axes_of(g), last ? "x, y, z, w" : "w, x, y, z");
+        g.length_unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(g.length_unit)),
+        g.degrees ? ", w in degrees/s" : "", axes_of(g), last ? "x, y, z, w" : "w, x, y, z",
+        g.body_rates ? "body" : "world");
     text += fmt::format(" * Loads, as the scene file has them{}: {} */\n",
                         g.convention.empty() ? "" : " (z up, right-handed)", comment(g.loads, 100'000));
     text += fmt::format("#ifndef {0}\n#define {0}\n\n", guard);
@@ -219,11 +233,12 @@ std::string golden_c(const Golden& g) {
         text += fmt::format("static const double {}_{} = {}; /* {} */\n", name, what, literal(value), remark);
     };
     scalar("mass", g.mass, "kg");
-    text += fmt::format("static const double {}_center_of_mass[3] = {}; /* m */\n", name, literals(g.center_of_mass));
-    text += fmt::format("static const double {}_inertia[3][3] = {{{}, {}, {}}}; /* kg m^2 */\n", name,
-                        literals(g.inertia[0]), literals(g.inertia[1]), literals(g.inertia[2]));
-    text += fmt::format("static const double {}_pivot[3] = {}; /* m, held at the world's origin where has_pivot */\n",
-                        name, literals(g.pivot.value_or(Vector3<double>())));
+    text += fmt::format("static const double {}_center_of_mass[3] = {}; /* {} */\n", name, literals(g.center_of_mass),
+                        length);
+    text += fmt::format("static const double {}_inertia[3][3] = {{{}, {}, {}}}; /* kg {}^2 */\n", name,
+                        literals(g.inertia[0]), literals(g.inertia[1]), literals(g.inertia[2]), length);
+    text += fmt::format("static const double {}_pivot[3] = {}; /* {}, held at the world's origin where has_pivot */\n",
+                        name, literals(g.pivot.value_or(Vector3<double>())), length);
     scalar("bound", g.bound, "rad for q, relative to the largest length for the others");
     scalar("tolerance", g.tolerance, fmt::format("rad: {}", g.tolerance_from));
     if (g.float32_floor && std::isfinite(*g.float32_floor))
@@ -243,8 +258,8 @@ std::string golden_c(const Golden& g) {
     });
     array("w", 3, g.degrees ? "degrees/s" : "rad/s",
           [](const TrajectoryRow& row) { return literals(row.angular_velocity_W); });
-    array("p", 3, "m", [](const TrajectoryRow& row) { return literals(row.position_W); });
-    array("v", 3, "m/s", [](const TrajectoryRow& row) { return literals(row.velocity_W); });
+    array("p", 3, length, [](const TrajectoryRow& row) { return literals(row.position_W); });
+    array("v", 3, length + "/s", [](const TrajectoryRow& row) { return literals(row.velocity_W); });
     return text + fmt::format("\n#endif /* {} */\n", guard);
 }
 

@@ -13,7 +13,8 @@ namespace polhode {
 /// All that an engine's test needs, in the axes and units of a convention.
 struct Golden {
     std::string scene, about, scene_hash, truth, convention;
-    bool scalar_last = false, degrees = false;
+    bool scalar_last = false, degrees = false, body_rates = false;
+    double length_unit = 1;  ///< m in the unit of all lengths
     double mass = 0;
     Vector3<double> center_of_mass;  ///< from the body's origin, body axes
     Matrix3<double> inertia;         ///< about the centre of mass, body axes

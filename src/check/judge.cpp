@@ -14,8 +14,10 @@ namespace {
 
 constexpr std::size_t most_spans = 10;
 
-// The largest errors so far, not yet relative to anything.
-struct Tally {
+}  // namespace
+
+/// The largest errors so far, not yet relative to anything.
+struct Judge::Tally {
     ErrorSummary all;
     std::array<double, most_spans> span{};
 
@@ -37,16 +39,21 @@ struct Tally {
     }
 };
 
-}  // namespace
-
 struct Judge::State {
     const Scene* scene;
     const TrajectoryFile* file;
     std::variant<ExactBody<Wide>, ExactBody<double>> body;
     PerMeasure<Tally> tallies = {};
     PerMeasure<double> scales = {};
+    PerMeasure<double> sizes = {};  // of what is not relative
     std::array<double, most_spans> until{};
+    std::size_t place = measure_index("position"), speed = measure_index("velocity");
 
+    // where the centre of mass starts
+    template <class S>
+    static Vector3<S> own_start(const ExactBody<S>& own) {
+        return own.pivoted ? rotate(own.q, own.arm) : own.position_W;
+    }
     bool has_position() const { return file->has_position || file->has_origin; }
 
     // whether the file's columns tell what a measure needs
@@ -88,6 +95,8 @@ struct Judge::State {
             tallies[m].note(double(all[m].error(c)), row.t, k);
             if (all[m].scale) scales[m] = std::max(scales[m], double(all[m].scale(c.truth)));
         }
+        sizes[place] = std::max(sizes[place], double(length(c.truth.position_W - own_start(own))));
+        sizes[speed] = std::max(sizes[speed], double(length(c.truth.velocity_W)));
     }
 };
 
@@ -113,6 +122,7 @@ void Judge::append(const Judge& later) {
     for (std::size_t m = 0; m < measures().size(); ++m) {
         state_->tallies[m].append(other.tallies[m]);
         state_->scales[m] = std::max(state_->scales[m], other.scales[m]);
+        state_->sizes[m] = std::max(state_->sizes[m], other.sizes[m]);
     }
     for (std::size_t k = 0; k < most_spans; ++k) state_->until[k] = std::max(state_->until[k], other.until[k]);
 }
@@ -124,6 +134,7 @@ Judgement Judge::result() const {
     Judgement result;
     for (std::size_t m = 0; m < measures().size(); ++m) {
         tallies[m].divide_by(state_->scales[m]);
+        result.size[m] = std::max(state_->scales[m], state_->sizes[m]);
         if (state_->knows(measures()[m])) result[m] = tallies[m].all;
     }
     for (std::size_t k = 0; k < most_spans; ++k) {

@@ -29,6 +29,9 @@ struct ErrorSpan {
 /// The errors of a file's samples, as measures() have them; those that its columns do not tell are empty.
 struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
     std::vector<ErrorSpan> over_time;  ///< at most ten, of about the same length in time
+    /// How large the motion is, by the truth: the largest value over the samples of what each measure is relative to
+    /// (SI), of the distance from the start (m) and of the speed (m/s). 0 for all other measures.
+    PerMeasure<double> size;
 };
 
 /// What the errors are formed in: 128 bits show what a binary64 file is wrong by to its last digit; binary64 takes a
@@ -56,6 +59,7 @@ class Judge {
     Judgement result() const;
 
     struct State;
+    struct Tally;
 
   private:
     std::unique_ptr<State> state_;

@@ -5,17 +5,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "text/decimal.h"
-#include "text/json_document.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-const char* verdict(const AttitudeLimit& limit, const CheckedFile& checked) {
-    return !limit.attitude ? "reported" : limit.exceeded_by(checked) ? "failed" : "passed";
+using nlohmann::ordered_json;
+
+const char* verdict(const ErrorLimits& limits, const CheckedFile& checked) {
+    return limits.report_only ? "reported" : limits.exceeded_by(checked.judgement) ? "failed" : "passed";
+}
+
+const char* verdict(const ErrorLimits& limits, const BlockVerdict& block) {
+    return !block.error ? "not in the file" : limits.report_only ? "reported" : block.failed ? "failed" : "passed";
 }
 
 // "angular velocity, relative"
@@ -31,12 +37,35 @@ std::vector<std::size_t> told_over_time(const Judgement& judgement) {
     return told;
 }
 
-std::string sentence(const AttitudeLimit& limit, const CheckedFile& c) {
-    std::string text = fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement["attitude"]->max,
-                                   shortest_decimal(c.judgement["attitude"]->max_time));
-    if (limit.attitude)
-        text += fmt::format("; {}{} rad allowed ({})", limit.exceeded_by(c) ? "more than the " : "",
-                            shortest_decimal(*limit.attitude), limit.from);
+// "0.05 rad" or "5 % of the motion's"
+std::string said(const BlockVerdict& v) {
+    if (v.limit.relative) return fmt::format("{} %", shortest_decimal(100 * v.limit.value));
+    return fmt::format("{} {}", shortest_decimal(v.limit.value), v.block->unit);
+}
+
+// The blocks that are beyond their limits, or the attitude.
+std::string sentence(const ErrorLimits& limits, const CheckedFile& c) {
+    std::string text;
+    for (const BlockVerdict& v : limits.verdicts(c.judgement)) {
+        if (!v.failed || limits.report_only) continue;
+        const ErrorSummary& error = *c.judgement[v.block->measure];
+        text +=
+            fmt::format("{}{} off by {:.3g}{}{} at t = {} s, {} allowed ({})", text.empty() ? "" : "; ", v.block->title,
+                        v.limit.relative && v.relative ? 100 * *v.relative : *v.error, v.limit.relative ? " %" : " ",
+                        v.limit.relative ? "" : v.block->unit, shortest_decimal(error.max_time), said(v), v.limit.from);
+    }
+    if (!text.empty()) return text;
+    return fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement["attitude"]->max,
+                       shortest_decimal(c.judgement["attitude"]->max_time));
+}
+
+std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
+    std::string text =
+        fmt::format("  {:<18}{:>11}{:>7}{:>11}{:>12}   {}\n", "block", "worst", "", "relative", "allowed", "verdict");
+    for (const BlockVerdict& v : limits.verdicts(c.judgement))
+        text += fmt::format("  {:<18}{:>11}{:>7}{:>11}{:>12}   {}\n", v.block->title,
+                            v.error ? fmt::format("{:.3e}", *v.error) : "-", v.error ? v.block->unit : "",
+                            v.relative ? fmt::format("{:.2e}", *v.relative) : "-", said(v), verdict(limits, v));
     return text;
 }
 
@@ -56,10 +85,11 @@ std::string over_time(const CheckedFile& c) {
     return text;
 }
 
-std::string text_of(const AttitudeLimit& limit, const CheckedFile& c) {
-    std::string report = fmt::format("{}: {}: {}\n", one_line(c.path, 300), verdict(limit, c), sentence(limit, c));
+std::string text_of(const ErrorLimits& limits, const CheckedFile& c) {
+    std::string report = fmt::format("{}: {}: {}\n", one_line(c.path, 300), verdict(limits, c), sentence(limits, c));
     report +=
         fmt::format("  {} samples, t = {} to {} s\n", c.samples, shortest_decimal(c.from), shortest_decimal(c.until));
+    report += verdicts(limits, c);
     report += fmt::format("  {:<28}{:>10}  {:>14}  {:>10}\n", "error", "worst", "at t, s", "final");
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::optional<ErrorSummary>& error = c.judgement[m];
@@ -74,12 +104,70 @@ std::string text_of(const AttitudeLimit& limit, const CheckedFile& c) {
     report += fmt::format("  {:<28}{:>10.2e}\n", "bound of the truth", c.truth_bound);
     if (c.judgement.over_time.size() > 1) report += over_time(c);
     for (const std::string& remark : c.remarks) report += fmt::format("  remark: {}\n", remark);
-    for (const Diagnosis& d : c.diagnoses) report += fmt::format("  diagnosis: {}\n", d.message);
+    if (!c.lacks.empty()) report += fmt::format("  not in the file, and not judged: {}\n", c.lacks);
+    for (const Diagnosis& d : c.diagnosed.faults) report += fmt::format("  diagnosis: {}\n", d.message);
+    if (c.diagnosed.update) report += fmt::format("  update: {}\n", c.diagnosed.update->message);
     return report;
 }
 
 // JSON has no word for what is not finite
-std::string number(double value) { return std::isfinite(value) ? shortest_decimal(value) : "null"; }
+ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+ordered_json number(const std::optional<double>& value) { return value ? number(*value) : ordered_json(nullptr); }
+
+ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
+    ordered_json file{{"file", one_line(c.path, 4096)}, {"verdict", verdict(limits, c)}, {"samples", c.samples}};
+    file["from"] = number(c.from), file["until"] = number(c.until);
+    for (std::size_t m = 0; m < measures().size(); ++m) {
+        const std::optional<ErrorSummary>& error = c.judgement[m];
+        const auto put = [&](const char* what, double ErrorSummary::*member) {
+            file[fmt::format("{}_error_{}", measures()[m].name, what)] =
+                error ? number((*error).*member) : ordered_json(nullptr);
+        };
+        put("max", &ErrorSummary::max), put("max_time", &ErrorSummary::max_time), put("final", &ErrorSummary::final);
+    }
+    for (const BlockVerdict& v : limits.verdicts(c.judgement))
+        file["blocks"][std::string(v.block->name)] = {
+            {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
+            {"limit", number(v.limit.value)}, {"limit_relative", v.limit.relative}, {"limit_from", v.limit.from}};
+    file["not_in_the_file"] = c.lacks;
+    file["truth_bound"] = number(c.truth_bound), file["truth"] = c.truth;
+    file["float64_floor"] = c.floor ? number(c.floor->float64) : nullptr;
+    file["float32_floor"] = c.floor ? number(c.floor->float32) : nullptr;
+    file["float_judged_until"] = number(c.float_judged_until);
+    file["over_time"] = ordered_json::array();
+    // what every file tells comes first
+    std::vector<std::size_t> told = told_over_time(c.judgement);
+    std::stable_partition(told.begin(), told.end(),
+                          [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
+    for (std::size_t k = 0; k < c.judgement.over_time.size(); ++k) {
+        const ErrorSpan& span = c.judgement.over_time[k];
+        ordered_json& row = file["over_time"].emplace_back(ordered_json{{"until", number(span.until)}});
+        for (const std::size_t m : told) row[fmt::format("{}_error", measures()[m].name)] = number(span.error[m]);
+        if (k < c.floor_over_time.size()) {
+            row["float64_floor"] = number(c.floor_over_time[k].float64);
+            row["float32_floor"] = number(c.floor_over_time[k].float32);
+        }
+    }
+    file["remarks"] = c.remarks;
+    file["diagnoses"] = ordered_json::array();
+    for (const Diagnosis& d : c.diagnosed.faults)
+        file["diagnoses"].push_back(
+            {{"fault", d.fault},
+             {"message", d.message},
+             {"convention", d.convention.empty() ? ordered_json(nullptr) : ordered_json(d.convention)},
+             {"error", number(d.error)},
+             {"explained", number(d.explained)}});
+    for (const Tried& t : c.diagnosed.tried)
+        file["tried"].push_back({{"fault", t.fault}, {"what", t.what}, {"decades", number(t.decades)}});
+    file["update"] = nullptr;
+    if (const std::optional<FollowedUpdate>& u = c.diagnosed.update)
+        file["update"] = {{"method", u->method},
+                          {"step", number(u->step)},
+                          {"distance", number(u->distance)},
+                          {"error", number(u->error)},
+                          {"message", u->message}};
+    return file;
+}
 
 // two blanks a level
 class Printer : public tinyxml2::XMLPrinter {
@@ -91,66 +179,40 @@ class Printer : public tinyxml2::XMLPrinter {
 
 }  // namespace
 
-std::string check_text(const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
+std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>& all) {
     std::string report;
-    for (const CheckedFile& c : all) report += text_of(limit, c);
+    for (const CheckedFile& c : all) report += text_of(limits, c);
     return report;
 }
 
-std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
-    std::string report = fmt::format("{{\"scene\": {}, \"max_attitude\": {}, \"trajectories\": [",
-                                     json_string(scene.name), limit.attitude ? number(*limit.attitude) : "null");
+std::string explanation_text(const std::vector<CheckedFile>& all) {
+    std::string text;
     for (const CheckedFile& c : all) {
-        report += fmt::format("{}\n  {{\"file\": {}, \"verdict\": \"{}\", \"samples\": {}, \"from\": {}, \"until\": {}",
-                              &c == &all.front() ? "" : ",", json_string(one_line(c.path, 4096)), verdict(limit, c),
-                              c.samples, number(c.from), number(c.until));
-        for (std::size_t m = 0; m < measures().size(); ++m) {
-            const std::optional<ErrorSummary>& error = c.judgement[m];
-            const auto put = [&](const char* what, double ErrorSummary::*member) {
-                report += fmt::format(", \"{}_error_{}\": {}", measures()[m].name, what,
-                                      error ? number((*error).*member) : "null");
-            };
-            put("max", &ErrorSummary::max), put("max_time", &ErrorSummary::max_time),
-                put("final", &ErrorSummary::final);
-        }
-        report += fmt::format(", \"truth_bound\": {}, \"truth\": {}", number(c.truth_bound), json_string(c.truth));
-        report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}, \"float_judged_until\": {}",
-                              c.floor ? number(c.floor->float64) : "null", c.floor ? number(c.floor->float32) : "null",
-                              c.float_judged_until ? number(*c.float_judged_until) : "null");
-        report += ",\n   \"over_time\": [";
-        // what every file tells comes first
-        std::vector<std::size_t> told = told_over_time(c.judgement);
-        std::stable_partition(told.begin(), told.end(),
-                              [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
-        for (std::size_t k = 0; k < c.judgement.over_time.size(); ++k) {
-            const ErrorSpan& span = c.judgement.over_time[k];
-            report += fmt::format("{}{{\"until\": {}", k == 0 ? "" : ", ", number(span.until));
-            for (const std::size_t m : told)
-                report += fmt::format(", \"{}_error\": {}", measures()[m].name, number(span.error[m]));
-            if (k < c.floor_over_time.size())
-                report += fmt::format(", \"float64_floor\": {}, \"float32_floor\": {}",
-                                      number(c.floor_over_time[k].float64), number(c.floor_over_time[k].float32));
-            report += '}';
-        }
-        report += "],\n   \"remarks\": [";
-        for (const std::string& remark : c.remarks)
-            report.append(&remark == &c.remarks.front() ? "" : ", ").append(json_string(remark));
-        report += "],\n   \"diagnoses\": [";
-        for (const Diagnosis& d : c.diagnoses)
-            report += fmt::format(
-                "{}\n    {{\"fault\": {}, \"message\": {}, \"convention\": {}, \"error\": {}, "
-                "\"explained\": {}}}",
-                &d == &c.diagnoses.front() ? "" : ",", json_string(d.fault), json_string(d.message),
-                d.convention.empty() ? "null" : json_string(d.convention), number(d.error), number(d.explained));
-        report += "]}";
+        text += fmt::format("{}: what was tried, in decades of what moves, summed over the questions\n",
+                            one_line(c.path, 300));
+        if (c.diagnosed.tried.empty())
+            text +=
+                "  nothing: the file is within 1e-4 of the motion, or as near as can be to what a known update "
+                "predicts\n";
+        else
+            text += fmt::format("  {:8.2f}  no fault; best by {}\n", c.diagnosed.sound, c.diagnosed.rule);
+        for (const Tried& t : c.diagnosed.tried) text += fmt::format("  {:8.2f}  {}: {}\n", t.decades, t.fault, t.what);
     }
-    return report + "\n]}\n";
+    return text;
 }
 
-std::string check_junit(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all) {
+std::string check_json(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all) {
+    ordered_json report{{"scene", scene.name}};
+    report["max_attitude"] = limits.report_only ? ordered_json(nullptr) : number(limits["attitude"].value);
+    report["trajectories"] = ordered_json::array();
+    for (const CheckedFile& c : all) report["trajectories"].push_back(json_of(limits, c));
+    return report.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string check_junit(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all) {
     const std::string suite = one_line("polhode check " + scene.name, 4096);
-    const auto failures =
-        std::count_if(all.begin(), all.end(), [&](const CheckedFile& c) { return limit.exceeded_by(c); });
+    const auto fails = [&](const CheckedFile& c) { return !limits.report_only && limits.exceeded_by(c.judgement); };
+    const auto failures = std::count_if(all.begin(), all.end(), fails);
     Printer xml;
     const auto open = [&](const char* element) {
         xml.OpenElement(element);
@@ -165,16 +227,16 @@ std::string check_junit(const Scene& scene, const AttitudeLimit& limit, const st
         xml.OpenElement("testcase");
         xml.PushAttribute("classname", suite.c_str());
         xml.PushAttribute("name", one_line(c.path, 4096).c_str());
-        if (limit.exceeded_by(c)) {
+        if (fails(c)) {
             std::string causes;
-            for (const Diagnosis& d : c.diagnoses) causes += d.message + '\n';
+            for (const Diagnosis& d : c.diagnosed.faults) causes += d.message + '\n';
             xml.OpenElement("failure");
-            xml.PushAttribute("message", one_line(sentence(limit, c), 4096).c_str());
+            xml.PushAttribute("message", one_line(sentence(limits, c), 4096).c_str());
             xml.PushText(causes.c_str());
             xml.CloseElement();
         }
         xml.OpenElement("system-out");
-        xml.PushText(text_of(limit, c).c_str());
+        xml.PushText(text_of(limits, c).c_str());
         xml.CloseElement();
         xml.CloseElement();
     }

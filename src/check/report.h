@@ -7,6 +7,7 @@
 
 #include "check/diagnosis.h"
 #include "check/judge.h"
+#include "check/limits.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -28,22 +29,15 @@ struct CheckedFile {
     std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of the judgement, or empty
     std::optional<double> float_judged_until;    ///< s: beyond it binary32 rounding alone exceeds what is allowed
     std::vector<std::string> remarks;            ///< whole sentences
-    std::vector<Diagnosis> diagnoses;
+    std::string lacks;                           ///< the columns that the file does not have: "w", "p and v", ..
+    Diagnosed diagnosed;
 };
 
-/// What a file is held to.
-struct AttitudeLimit {
-    std::optional<double> attitude;  ///< rad
-    std::string from;                ///< who set it
-
-    bool exceeded_by(const CheckedFile& checked) const {
-        return attitude && !(checked.judgement["attitude"]->max <= *attitude);
-    }
-};
-
-std::string check_text(const AttitudeLimit& limit, const std::vector<CheckedFile>& all);
-std::string check_json(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all);
+std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>& all);
+std::string check_json(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all);
+/// What was tried to explain each file and what it left, the nearest first (`check --explain`).
+std::string explanation_text(const std::vector<CheckedFile>& all);
 /// A test case for each file, as continuous integration reads them.
-std::string check_junit(const Scene& scene, const AttitudeLimit& limit, const std::vector<CheckedFile>& all);
+std::string check_junit(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all);
 
 }  // namespace polhode

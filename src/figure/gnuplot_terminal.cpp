@@ -42,18 +42,18 @@ std::string GnuplotTerminal::font(double points) const { return fmt::format("\",
 
 double GnuplotTerminal::line_width(double points) const { return svg_ ? points * 4 / 3 : points * 3; }
 
-std::string GnuplotTerminal::opening(double width, double height, double text_size, const std::string& path) const {
+std::string GnuplotTerminal::opening(double width, double height, double points, const std::string& path) const {
     std::string text = "set encoding utf8\n";
     if (svg_) {
         text += fmt::format(
             "set terminal svg size {:.0f},{:.0f} dynamic enhanced background \"white\" "
             "font \"DejaVu Sans,Verdana,sans-serif,{:g}\" linewidth 1\n",
-            width * 4 / 3, height * 4 / 3, font_size(text_size));
+            width * 4 / 3, height * 4 / 3, font_size(points));
     } else {
         text += fmt::format(
             "set terminal pdfcairo size {:.4f}in,{:.4f}in enhanced font \"DejaVu Sans,{:g}\" "
             "fontscale 1 linewidth 0.5 rounded\n",
-            width / 72, height / 72, font_size(text_size));
+            width / 72, height / 72, font_size(points));
     }
     // a leading | would be a command to gnuplot, a leading ~ the home directory
     if (!path.empty()) text += "set output " + gnuplot_quoted(path.front() == '/' ? path : "./" + path) + '\n';

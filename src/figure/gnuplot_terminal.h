@@ -22,7 +22,7 @@ class GnuplotTerminal {
     std::string font(double points) const;  ///< as in `set label .. font F`
     double line_width(double points) const;
     /// The commands before the first plot: encoding, terminal, output (standard output if `path` is empty).
-    std::string opening(double width, double height, double text_size, const std::string& path) const;
+    std::string opening(double width, double height, double points, const std::string& path) const;
 
   private:
     bool svg_;

@@ -6,13 +6,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "body/elementary.h"
+
 namespace polhode {
 namespace {
 
-template <class S>
-S length(const Vector3<S>& v) {
-    return square_root(dot(v, v));
-}
 template <class S>
 S magnitude(const S& x) {
     return x < 0 ? -x : x;

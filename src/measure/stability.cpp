@@ -1,43 +1,22 @@
 #include "measure/stability.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace polhode {
 namespace {
 
-// overflow-safe: rates up to 1e308
-double length(double x, double y, double z) { return std::hypot(x, y, z); }
-
+// lengths whose squares may be out of range: rates up to 1e308
 double true_rate(const ReferenceSample& sample) {
     const auto& w = sample.angular_velocity_B;
-    return length(w[0].high, w[1].high, w[2].high);
+    return hypotenuse(Vector3<double>{w[0].high, w[1].high, w[2].high});
 }
 
 }  // namespace
 
 const char* name_of(Outcome outcome) {
-    switch (outcome) {
-        case Outcome::accurate:
-            return "accurate";
-        case Outcome::close:
-            return "close";
-        case Outcome::wrong_but_bounded:
-            return "wrong but bounded";
-        case Outcome::damped_to_rest:
-            return "damped to rest";
-        case Outcome::diverged:
-            return "diverged";
-        case Outcome::tolerance_not_met:
-            return "tolerance_not_met";
-        case Outcome::failed:
-            return "failed";
-        case Outcome::unsupported:
-            return "unsupported";
-        case Outcome::no_truth:
-            break;
-    }
-    return "no truth";
+    constexpr const char* names[] = {"accurate",          "close",  "wrong but bounded", "damped to rest", "diverged",
+                                     "tolerance_not_met", "failed", "unsupported",       "no truth"};
+    return names[static_cast<std::size_t>(outcome)];
 }
 
 bool is_stable(const Errors& of_run) {
@@ -58,7 +37,7 @@ bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference)
     const std::size_t begin = count - std::max<std::size_t>(1, count / 4);
     for (std::size_t k = begin; k < count; ++k) {
         const Vector3<double>& w = trajectory.samples[k].angular_velocity_B;
-        const double rate = length(w[0], w[1], w[2]) / largest, true_one = true_rate(reference.samples[k]) / largest;
+        const double rate = hypotenuse(w) / largest, true_one = true_rate(reference.samples[k]) / largest;
         own += rate * rate, truth += true_one * true_one;
     }
     return truth >= moving * moving * static_cast<double>(count - begin) && own < rest * rest * truth;

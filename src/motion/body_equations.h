@@ -4,7 +4,7 @@
 // Which of them a scene is solved by, and everything else about its state, stands in motion/systems.h.
 #pragma once
 
-#include <cstddef>
+#include <array>
 
 #include "motion/equations.h"
 
@@ -30,6 +30,51 @@ template <class S>
 void put(S* y, int i, const Quaternion<S>& q) {
     y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
 }
+
+/// The state (w, q) or (w, q, p, v) of one body: what stands where.
+struct BodyState {
+    static constexpr int rotation = 7;  ///< components of (w, q)
+    static constexpr int motion = 13;   ///< components of (w, q, p, v)
+
+    /// A quantity's components: the first of them and how many they are.
+    struct Block {
+        int first;  ///< the index of the first component
+        int size;   ///< how many components
+    };
+    /// w, q, p, v.
+    static constexpr std::array<Block, 4> blocks{{{0, 3}, {3, 4}, {7, 3}, {10, 3}}};
+
+    /// w in posed axes, rad/s.
+    template <class S>
+    static Vector3<S> angular_velocity(const S* y) {
+        return vector_at(y, 0);
+    }
+    /// q, posed axes to world axes.
+    template <class S>
+    static Quaternion<S> attitude(const S* y) {
+        return quaternion_at(y, 3);
+    }
+    /// p of the centre of mass, world axes, m.
+    template <class S>
+    static Vector3<S> position(const S* y) {
+        return vector_at(y, 7);
+    }
+    /// v of the centre of mass, world axes, m/s.
+    template <class S>
+    static Vector3<S> velocity(const S* y) {
+        return vector_at(y, 10);
+    }
+    /// Writes w and q to y.
+    template <class S>
+    static void set_rotation(S* y, const Vector3<S>& w, const Quaternion<S>& q) {
+        put(y, 0, w), put(y, 3, q);
+    }
+    /// Writes p and v to y.
+    template <class S>
+    static void set_translation(S* y, const Vector3<S>& p, const Vector3<S>& v) {
+        put(y, 7, p), put(y, 10, v);
+    }
+};
 
 /// Rotation about one principal axis e, q = q0 (c, s e): the state is w along e, c and s.
 template <class P>

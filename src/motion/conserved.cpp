@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "body/elementary.h"
 #include "motion/contact.h"
 #include "motion/systems.h"
 
@@ -14,8 +15,9 @@ using VectorD = Vector3<double>;
 
 constexpr double tolerance = 1e-12;
 
-double length(const VectorD& v) { return std::hypot(v[0], v[1], v[2]); }
-bool parallel(const VectorD& a, const VectorD& b) { return length(cross(a, b)) <= tolerance * length(a) * length(b); }
+bool parallel(const VectorD& a, const VectorD& b) {
+    return hypotenuse(cross(a, b)) <= tolerance * hypotenuse(a) * hypotenuse(b);
+}
 std::vector<double> listed(const VectorD& v) { return {v[0], v[1], v[2]}; }
 
 // World directions u for which u . X stays: every kick to X must be across u.
@@ -29,21 +31,21 @@ struct Kicks {
     std::vector<VectorD> kept_directions() const {
         if (anything) return {};
         if (!along.empty()) {
-            const VectorD u = (1 / length(along.front())) * along.front();
+            const VectorD u = (1 / hypotenuse(along.front())) * along.front();
             for (const VectorD& v : along)
                 if (!parallel(u, v)) return {};
             for (const VectorD& v : across)
-                if (std::abs(dot(u, v)) > tolerance * length(v)) return {};
+                if (std::abs(dot(u, v)) > tolerance * hypotenuse(v)) return {};
             return {u};
         }
         // across one direction there are two, across two there is one, across three none
-        const VectorD first = (1 / length(across.front())) * across.front();
+        const VectorD first = (1 / hypotenuse(across.front())) * across.front();
         std::optional<VectorD> normal;
         for (const VectorD& v : across) {
             if (parallel(first, v)) continue;
             const VectorD n = cross(first, v);
             if (normal && !parallel(*normal, n)) return {};
-            if (!normal) normal = (1 / length(n)) * n;
+            if (!normal) normal = (1 / hypotenuse(n)) * n;
         }
         if (normal) return {*normal};
         VectorD axis;
@@ -53,7 +55,7 @@ struct Kicks {
                                                                                           : 2;
         axis[smallest] = 1;
         const VectorD u = cross(first, axis);
-        const VectorD unit = (1 / length(u)) * u;
+        const VectorD unit = (1 / hypotenuse(u)) * u;
         return {unit, cross(first, unit)};
     }
 };
@@ -73,14 +75,14 @@ bool has_field(const Forcing<double>& forcing) {
 std::optional<UniformField> uniform(const FieldMoments<double>& field) {
     int largest = 0;
     for (int b = 1; b < 3; ++b)
-        if (length(field.moment[b]) > length(field.moment[largest])) largest = b;
+        if (hypotenuse(field.moment[b]) > hypotenuse(field.moment[largest])) largest = b;
     const VectorD& m = field.moment[largest];
     VectorD u;
     for (int b = 0; b < 3; ++b) {
-        if (length(cross(field.moment[b], m)) > tolerance * dot(m, m)) return std::nullopt;
+        if (hypotenuse(cross(field.moment[b], m)) > tolerance * dot(m, m)) return std::nullopt;
         u[b] = dot(field.moment[b], m) / dot(m, m);
     }
-    return UniformField{length(u) * m, (1 / length(u)) * u};
+    return UniformField{hypotenuse(u) * m, (1 / hypotenuse(u)) * u};
 }
 
 void add(std::vector<VectorD>& list, const VectorD& v) {
@@ -120,7 +122,7 @@ Kicks angular_kicks(const Problem& problem) {
                 add(kicks.along, impulse.vector);
         }
     }
-    for (const ContactPlane<double>& plane : problem.geometry->planes) {
+    for (const ContactPlane<double>& plane : problem.body.geometry->planes) {
         if (plane.friction > 0) kicks.anything = true;
         add(kicks.along, plane.normal_W);
     }
@@ -141,7 +143,7 @@ Kicks linear_kicks(const Problem& problem) {
                 add(kicks.across, impulse.vector);
         }
     }
-    for (const ContactPlane<double>& plane : problem.geometry->planes) {
+    for (const ContactPlane<double>& plane : problem.body.geometry->planes) {
         if (plane.friction > 0) kicks.anything = true;
         add(kicks.across, plane.normal_W);
     }
@@ -156,7 +158,7 @@ bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool piv
 }
 
 bool keeps_energy(const Problem& problem) {
-    for (const ContactPlane<double>& plane : problem.geometry->planes)
+    for (const ContactPlane<double>& plane : problem.body.geometry->planes)
         if (plane.restitution < 1 || plane.friction > 0) return false;
     const bool pivoted = problem.body.pivoted;
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
@@ -173,13 +175,13 @@ bool keeps_energy(const Problem& problem) {
 
 // w in posed axes
 VectorD posed_rate(const Problem& problem, const Sample& sample) {
-    return rotate_back(problem.q_BP, sample.angular_velocity_B);
+    return rotate_back(problem.body.q_BP, sample.angular_velocity_B);
 }
 
 // The world vector v in posed axes.
 VectorD posed(const Problem& problem, const Sample& sample, const VectorD& v_W) {
     const VectorD v_B = (1 / squared_norm(sample.q)) * rotate_back(sample.q, v_W);
-    return rotate_back(problem.q_BP, v_B);
+    return rotate_back(problem.body.q_BP, v_B);
 }
 
 Invariants<double> invariants_of(const Problem& problem, const Sample& s) {
@@ -204,20 +206,20 @@ std::vector<double> linear_momentum_along(const Problem& problem, const Conserve
 }
 std::vector<double> spin(const Problem& problem, const Conserved& which, const Sample& s) {
     const VectorD w = posed_rate(problem, s);
-    const VectorD& I = problem.principal.moments;
+    const VectorD& I = problem.body.principal.moments;
     return {dot(which.direction, VectorD(I[0] * w[0], I[1] * w[1], I[2] * w[2]))};
 }
 
 // The posed axis about which the body is symmetric: the odd principal axis; of an isotropic body any, so the one
 // along the arm of the load.
 std::optional<VectorD> symmetry_axis(const Problem& problem) {
-    const VectorD& I = problem.principal.moments;
+    const VectorD& I = problem.body.principal.moments;
     const double largest = std::max({I[0], I[1], I[2]});
     const auto equal = [&](int i, int j) { return std::abs(I[i] - I[j]) <= tolerance * largest; };
     if (equal(0, 1) && equal(1, 2)) {
         for (const Segment& segment : problem.segments)
             for (const VectorD& moment : segment.forcing.field.moment)
-                if (!(moment == VectorD())) return (1 / length(moment)) * moment;
+                if (!(moment == VectorD())) return (1 / hypotenuse(moment)) * moment;
         return std::nullopt;
     }
     for (int i = 0; i < 3; ++i) {
@@ -246,22 +248,22 @@ bool disc_about(const SupportPiece<double>& piece, const VectorD& e) {
 // Every normal at the hull meets the axis e through the centre of mass: pieces of revolution about it.
 bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
     const auto off_axis = [&](const SupportPiece<double>& piece) {
-        return length(cross(e, piece.center)) > tolerance * geometry.reach || !disc_about(piece, e);
+        return hypotenuse(cross(e, piece.center)) > tolerance * geometry.reach || !disc_about(piece, e);
     };
     return std::none_of(geometry.pieces.begin(), geometry.pieces.end(), off_axis);
 }
 
 bool keeps_spin(const Problem& problem, const VectorD& e) {
-    if (problem.geometry->any()) {
-        for (const ContactPlane<double>& plane : problem.geometry->planes)
+    if (problem.body.geometry->any()) {
+        for (const ContactPlane<double>& plane : problem.body.geometry->planes)
             if (plane.friction > 0) return false;
-        if (!revolves(*problem.geometry, e)) return false;
+        if (!revolves(*problem.body.geometry, e)) return false;
     }
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
         if (f.has_world_torque || !f.world_points.empty() || !f.springs.empty() || !f.user_torques.empty())
             return false;
-        if (f.has_torque && std::abs(dot(e, f.torque)) > tolerance * length(f.torque)) return false;
+        if (f.has_torque && std::abs(dot(e, f.torque)) > tolerance * hypotenuse(f.torque)) return false;
         if (f.has_damping && !(transposed(f.damping) * e == VectorD())) return false;
         for (const VectorD& moment : f.field.moment)
             if (!parallel(moment, e)) return false;
@@ -285,12 +287,12 @@ struct EquatorialAxes {
     int x, y, z;
 };
 std::optional<EquatorialAxes> equatorial_axes(const Problem& problem, const VectorD& arm, double ratio) {
-    const VectorD& I = problem.principal.moments;
+    const VectorD& I = problem.body.principal.moments;
     for (int z = 0; z < 3; ++z) {
         const int x = (z + 1) % 3, y = (z + 2) % 3;
         const bool shape =
             std::abs(I[x] - ratio * I[z]) <= tolerance * I[x] && std::abs(I[y] - ratio * I[z]) <= tolerance * I[y];
-        if (shape && std::abs(arm[z]) <= tolerance * length(arm)) return EquatorialAxes{x, y, z};
+        if (shape && std::abs(arm[z]) <= tolerance * hypotenuse(arm)) return EquatorialAxes{x, y, z};
     }
     return std::nullopt;
 }
@@ -304,7 +306,7 @@ EquatorialTop equatorial_top(const Problem& problem, const Sample& s, double rat
     const UniformField field = *only_field(problem);
     const EquatorialAxes axes = *equatorial_axes(problem, field.moment, ratio);
     const VectorD w = posed_rate(problem, s), against = posed(problem, s, -field.direction_W);
-    const double mgl = length(field.moment), cosine = field.moment[axes.x] / mgl, sine = field.moment[axes.y] / mgl;
+    const double mgl = hypotenuse(field.moment), cosine = field.moment[axes.x] / mgl, sine = field.moment[axes.y] / mgl;
     const auto along = [&](const VectorD& v) { return cosine * v[axes.x] + sine * v[axes.y]; };
     const auto beside = [&](const VectorD& v) { return cosine * v[axes.y] - sine * v[axes.x]; };
     return {along(w),
@@ -313,7 +315,7 @@ EquatorialTop equatorial_top(const Problem& problem, const Sample& s, double rat
             along(against),
             beside(against),
             against[axes.z],
-            mgl / problem.principal.moments[axes.z]};
+            mgl / problem.body.principal.moments[axes.z]};
 }
 
 // |(p + i q)^2 - c (g1 + i g2)|^2 (Kowalevski 1889): that complex number turns at the rate r and keeps its length.
@@ -333,7 +335,7 @@ std::vector<double> goryachev_chaplygin_integral(const Problem& problem, const C
 bool turns_across(const Problem& problem, const UniformField& field, const Sample& start) {
     const std::vector<double> L = angular_momentum(problem, {}, start);
     const VectorD L_W(L[0], L[1], L[2]);
-    return std::abs(dot(L_W, field.direction_W)) <= tolerance * length(L_W);
+    return std::abs(dot(L_W, field.direction_W)) <= tolerance * hypotenuse(L_W);
 }
 
 // The motion at t = 0, impulses there included.

@@ -25,55 +25,37 @@ bool is_diagonal(const Matrix3<double>& J) {
 struct Column {
     const char* name;
     void (*put)(EnsembleBody&, double);  // nullptr: the id
-    double (*get)(const EnsembleBody&);
-    int block;  // columns of one block stand together
+    int block;                           // columns of one block stand together
 };
 
 enum Block { block_q, block_w, block_p, block_v, block_moments, block_products, block_mass, block_id, blocks };
 constexpr const char* block_names[blocks] = {"qw,qx,qy,qz", "wx,wy,wz",    "px,py,pz", "vx,vy,vz",
                                              "ixx,iyy,izz", "ixy,ixz,iyz", "mass",     "id"};
 
-template <int i, int j>
-constexpr Column entry(const char* name, int block) {
-    return {name, [](EnsembleBody& b, double x) { b.inertia_B[i][j] = b.inertia_B[j][i] = x; },
-            [](const EnsembleBody& b) { return b.inertia_B[i][j]; }, block};
-}
-template <Vector3<double> EnsembleBody::*vector, int i>
-constexpr Column component(const char* name, int block) {
-    return {name, [](EnsembleBody& b, double x) { (b.*vector)[i] = x; },
-            [](const EnsembleBody& b) { return (b.*vector)[i]; }, block};
-}
-template <double Quaternion<double>::*part>
-constexpr Column part_of_q(const char* name) {
-    return {name, [](EnsembleBody& b, double x) { b.orientation.*part = x; },
-            [](const EnsembleBody& b) { return b.orientation.*part; }, block_q};
-}
-
 const std::vector<Column>& known_columns() {
     using B = EnsembleBody;
-    using Q = Quaternion<double>;
     static const std::vector<Column> columns{
-        part_of_q<&Q::w>("qw"),
-        part_of_q<&Q::x>("qx"),
-        part_of_q<&Q::y>("qy"),
-        part_of_q<&Q::z>("qz"),
-        component<&B::angular_velocity, 0>("wx", block_w),
-        component<&B::angular_velocity, 1>("wy", block_w),
-        component<&B::angular_velocity, 2>("wz", block_w),
-        component<&B::position_W, 0>("px", block_p),
-        component<&B::position_W, 1>("py", block_p),
-        component<&B::position_W, 2>("pz", block_p),
-        component<&B::velocity_W, 0>("vx", block_v),
-        component<&B::velocity_W, 1>("vy", block_v),
-        component<&B::velocity_W, 2>("vz", block_v),
-        entry<0, 0>("ixx", block_moments),
-        entry<1, 1>("iyy", block_moments),
-        entry<2, 2>("izz", block_moments),
-        entry<0, 1>("ixy", block_products),
-        entry<0, 2>("ixz", block_products),
-        entry<1, 2>("iyz", block_products),
-        {"mass", [](B& b, double x) { b.mass = x; }, [](const B& b) { return b.mass; }, block_mass},
-        {"id", nullptr, nullptr, block_id},
+        {"qw", [](B& b, double x) { b.orientation.w = x; }, block_q},
+        {"qx", [](B& b, double x) { b.orientation.x = x; }, block_q},
+        {"qy", [](B& b, double x) { b.orientation.y = x; }, block_q},
+        {"qz", [](B& b, double x) { b.orientation.z = x; }, block_q},
+        {"wx", [](B& b, double x) { b.angular_velocity[0] = x; }, block_w},
+        {"wy", [](B& b, double x) { b.angular_velocity[1] = x; }, block_w},
+        {"wz", [](B& b, double x) { b.angular_velocity[2] = x; }, block_w},
+        {"px", [](B& b, double x) { b.position_W[0] = x; }, block_p},
+        {"py", [](B& b, double x) { b.position_W[1] = x; }, block_p},
+        {"pz", [](B& b, double x) { b.position_W[2] = x; }, block_p},
+        {"vx", [](B& b, double x) { b.velocity_W[0] = x; }, block_v},
+        {"vy", [](B& b, double x) { b.velocity_W[1] = x; }, block_v},
+        {"vz", [](B& b, double x) { b.velocity_W[2] = x; }, block_v},
+        {"ixx", [](B& b, double x) { b.inertia_B[0][0] = x; }, block_moments},
+        {"iyy", [](B& b, double x) { b.inertia_B[1][1] = x; }, block_moments},
+        {"izz", [](B& b, double x) { b.inertia_B[2][2] = x; }, block_moments},
+        {"ixy", [](B& b, double x) { b.inertia_B[0][1] = b.inertia_B[1][0] = x; }, block_products},
+        {"ixz", [](B& b, double x) { b.inertia_B[0][2] = b.inertia_B[2][0] = x; }, block_products},
+        {"iyz", [](B& b, double x) { b.inertia_B[1][2] = b.inertia_B[2][1] = x; }, block_products},
+        {"mass", [](B& b, double x) { b.mass = x; }, block_mass},
+        {"id", nullptr, block_id},
     };
     return columns;
 }
@@ -234,25 +216,6 @@ EnsembleTable parse_ensemble(std::string_view text, const std::string& file, con
 
 EnsembleTable read_ensemble(const std::string& path, const Scene& scene) {
     return parse_ensemble(read_text(path, largest_file, "a readable CSV file"), path, scene);
-}
-
-std::string write_ensemble(const EnsembleTable& table, bool pivoted) {
-    std::vector<const Column*> columns;
-    for (const Column& column : known_columns())
-        if ((column.block != block_id || !table.ids.empty()) &&
-            !(pivoted && (column.block == block_p || column.block == block_v)))
-            columns.push_back(&column);
-    std::string text;
-    for (const Column* column : columns) text.append(text.empty() ? "" : ",").append(column->name);
-    for (std::size_t i = 0; i < table.bodies.size(); ++i) {
-        const char* separator = "\n";
-        for (const Column* column : columns) {
-            text += separator;
-            text += column->get ? shortest_decimal(column->get(table.bodies[i])) : table.ids[i];
-            separator = ",";
-        }
-    }
-    return text + "\n";
 }
 
 }  // namespace polhode

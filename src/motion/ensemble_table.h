@@ -56,7 +56,4 @@ EnsembleTable parse_ensemble(std::string_view text, const std::string& file, con
 /// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
 EnsembleTable read_ensemble(const std::string& path, const Scene& scene);
 
-/// The table as CSV with all columns; parse_ensemble() reads the same bodies back. `pivoted`: without p and v.
-std::string write_ensemble(const EnsembleTable& table, bool pivoted);
-
 }  // namespace polhode

@@ -2,8 +2,6 @@
 // 128-bit floats for what the integrators round once, multiprecision for the truth.
 #pragma once
 
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include "body/elementary.h"

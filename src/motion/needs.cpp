@@ -1,6 +1,5 @@
 #include "motion/needs.h"
 
-#include <cmath>
 #include <optional>
 
 namespace polhode {
@@ -87,7 +86,7 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
             if (!keeps_axis(impulse, e, q0, body, full)) return false;
     }
     for (std::size_t i = 0; i < found.size(); ++i) problem.segments[i].about_axis = found[i];
-    problem.axis = cast<double>(e);
+    problem.body.axis = cast<double>(e);
     return true;
 }
 
@@ -95,7 +94,7 @@ bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, c
                                 const std::vector<Forcing<Wide>>& forcings) {
     // an axis of a tensor whose principal axes had to be computed is irrational: w0 along it exactly is chance
     const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
-    const bool own_axes = problem.q_BP == Quaternion<double>{};
+    const bool own_axes = problem.body.q_BP == Quaternion<double>{};
     for (int i = 0; i < 3 && own_axes; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         if (w[j] != 0 || w[k] != 0) continue;
@@ -109,8 +108,8 @@ bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, c
         if (!segment.impulses.empty()) return false;
     const VectorW e = (1 / square_root(dot(w, w))) * w;
     for (std::size_t i = 0; i < forcings.size(); ++i)
-        problem.segments[i].about_axis.inverse_moment = problem.principal.inverse_moments[0];
-    problem.axis = cast<double>(e);
+        problem.segments[i].about_axis.inverse_moment = problem.body.principal.inverse_moments[0];
+    problem.body.axis = cast<double>(e);
     return true;
 }
 
@@ -119,7 +118,7 @@ bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, c
 void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
                 const std::vector<Forcing<Wide>>& forcings) {
     Needs& needs = problem.needs;
-    const Vector3<double>& I = problem.principal.moments;
+    const Vector3<double>& I = problem.body.principal.moments;
     const int equal = (I[0] == I[1]) + (I[1] == I[2]) + (I[2] == I[0]);
     needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
 
@@ -139,7 +138,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
         return;
     }
     const auto leave_out = [&](const char* what, const char* why) { needs.left_out.push_back({what, why}); };
-    if (!(problem.principal.q_BP == Quaternion<double>{}))
+    if (!(problem.body.principal.q_BP == Quaternion<double>{}))
         leave_out("products of inertia", "they vanish in the principal frame, in which the system is posed");
 
     const bool planes = !problem.scene.planes.empty();
@@ -176,7 +175,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     }
     if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
         leave_out("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
-        problem.principal_inertia.isotropic = true;
+        problem.body.principal_inertia.isotropic = true;
     }
 }
 

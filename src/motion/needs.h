@@ -5,8 +5,8 @@
 
 namespace polhode {
 
-/// Fills in problem.needs, problem.axis and every segment's about_axis. The rest of `problem` is complete but for its
-/// scales; `exact` and the 128-bit forcings belong to it.
+/// Fills in problem.needs, problem.body.axis and every segment's about_axis. The rest of `problem` is complete but for
+/// its scales; `exact` and the 128-bit forcings belong to it.
 void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
                 const std::vector<Forcing<Wide>>& forcings);
 

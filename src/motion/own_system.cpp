@@ -40,7 +40,7 @@ Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration) {
         segment.index = i, segment.begin = times[i], segment.end = times[i + 1], segment.last = i + 2 == times.size();
     }
     problem.needs.time_dependent = problem.segments.size() > 1;
-    problem.geometry = std::make_shared<const ContactGeometry<double>>();
+    problem.body.geometry = std::make_shared<const ContactGeometry<double>>();
     problem.own = std::move(model);
     return problem;
 }

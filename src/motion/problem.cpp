@@ -1,7 +1,6 @@
 #include "motion/problem.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "motion/contact.h"
@@ -48,18 +47,19 @@ Problem pose(const Scene& scene, Formulation formulation) {
     problem.scene = scene;
     problem.formulation = formulation;
     const ExactBody<Wide> exact = exact_body<Wide>(scene);
-    problem.body = rounded(exact);
-    problem.wide_principal = wide_principal_frame(exact.inertia_B);
-    problem.wide_initial_angular_velocity = rotate_back(problem.wide_principal.q_BP, exact.angular_velocity_B);
-    problem.principal = rounded(problem.wide_principal);
-    problem.principal_inertia = {problem.principal.gyroscopic, problem.principal.inverse_moments, false};
-    problem.full_inertia = {problem.body.inertia_B, cast<double>(inverse(exact.inertia_B))};
-    problem.q_BP = formulation == Formulation::full ? Quaternion<double>{} : problem.principal.q_BP;
+    static_cast<ExactBody<double>&>(problem.body) = rounded(exact);
+    problem.body.wide_principal = wide_principal_frame(exact.inertia_B);
+    problem.body.wide_initial_angular_velocity =
+        rotate_back(problem.body.wide_principal.q_BP, exact.angular_velocity_B);
+    problem.body.principal = rounded(problem.body.wide_principal);
+    problem.body.principal_inertia = {problem.body.principal.gyroscopic, problem.body.principal.inverse_moments, false};
+    problem.body.full_inertia = {problem.body.inertia_B, cast<double>(inverse(exact.inertia_B))};
+    problem.body.q_BP = formulation == Formulation::full ? Quaternion<double>{} : problem.body.principal.q_BP;
 
-    const Quaternion<Wide> q_BP = normalized(cast<Wide>(problem.q_BP));
-    problem.initial_angular_velocity = cast<double>(rotate_back(q_BP, exact.angular_velocity_B));
-    problem.initial_q = cast<double>(exact.q * q_BP);
-    problem.axis = Vector3<double>(0, 0, 1);
+    const Quaternion<Wide> q_BP = normalized(cast<Wide>(problem.body.q_BP));
+    problem.body.initial_angular_velocity = cast<double>(rotate_back(q_BP, exact.angular_velocity_B));
+    problem.body.initial_q = cast<double>(exact.q * q_BP);
+    problem.body.axis = Vector3<double>(0, 0, 1);
 
     std::vector<Forcing<Wide>> forcings;
     for (const Leg& leg : itinerary(scene)) {
@@ -70,7 +70,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
         segment.impulses = rounded(impulses_at(scene, exact, segment.begin, q_BP));
         for (const Load& load : scene.loads)
             if (const auto* user = std::get_if<UserTorque>(&load); user && acts(user->window, segment.begin))
-                segment.forcing.user_torques.push_back(posed_user_torque(*user, problem.q_BP));
+                segment.forcing.user_torques.push_back(posed_user_torque(*user, problem.body.q_BP));
         segment.forcing.only_field = !segment.forcing.any_torque_beside_field();
         problem.segments.push_back(std::move(segment));
     }
@@ -83,7 +83,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
         rounded_geometry.pieces.push_back(
             {cast<double>(piece.center), piece.extended, cast<double>(piece.semi_axes), double(piece.radius)});
     rounded_geometry.reach = double(geometry.reach);
-    problem.geometry = std::make_shared<const ContactGeometry<double>>(std::move(rounded_geometry));
+    problem.body.geometry = std::make_shared<const ContactGeometry<double>>(std::move(rounded_geometry));
     find_needs(problem, exact, q_BP, forcings);
 
     if (problem.needs.translation != Translation::integrated) {
@@ -112,38 +112,19 @@ void translated(const Segment& segment, double after, Vector3<double>& position_
 }
 
 const char* name_of(Formulation formulation) {
-    switch (formulation) {
-        case Formulation::reduced:
-            return "reduced";
-        case Formulation::full_principal:
-            return "full in the principal frame";
-        case Formulation::full:
-            break;
-    }
-    return "full as written";
+    constexpr const char* names[] = {"reduced", "full in the principal frame", "full as written"};
+    return names[static_cast<std::size_t>(formulation)];
 }
 
 const char* name_of(SystemKind system) {
-    switch (system) {
-        case SystemKind::principal_axis_rotation:
-            return "rotation about a principal axis";
-        case SystemKind::free_rotation:
-            return "free rotation";
-        case SystemKind::loaded_rotation:
-            return "loaded rotation";
-        case SystemKind::loaded_motion:
-            return "loaded rotation and translation";
-        case SystemKind::own:
-            return "own system";
-        case SystemKind::full_motion:
-            break;
-    }
-    return "full motion";
+    constexpr const char* names[] = {"rotation about a principal axis", "free rotation", "loaded rotation",
+                                     "loaded rotation and translation", "full motion",   "own system"};
+    return names[static_cast<std::size_t>(system)];
 }
 
 double energy_bound(const Problem& problem) {
     if (problem.own) return std::numeric_limits<double>::infinity();
-    const Vector3<double>& moments = problem.principal.moments;
+    const Vector3<double>& moments = problem.body.principal.moments;
     const double largest = std::max({moments[0], moments[1], moments[2]});
     const Scales& s = problem.scales;
     double scale = largest * s.angular_velocity * s.angular_velocity / 2;

@@ -78,29 +78,32 @@ struct Scales {
 
 class ErasedModel;
 
+/// The body of a posed scene, with what its equations need in the axes that they are posed in.
+struct PosedBody : ExactBody<double> {
+    PrincipalFrame principal;  ///< of the tensor about the pivot or the centre of mass
+    Quaternion<double> q_BP;   ///< posed axes to body axes: principal.q_BP, or 1 where the tensor is as written
+    PrincipalInertia<double> principal_inertia;  ///< posed axes, where they are the principal ones
+    FullInertia<double> full_inertia;            ///< body axes
+    Vector3<double> axis;                        ///< posed axes, unit: the axis of a principal_axis_rotation
+    Vector3<double> initial_angular_velocity;    ///< posed axes, rad/s
+    Quaternion<double> initial_q;                ///< posed axes to world
+    /// The scene's planes and the body's hull in posed axes (motion/contact.h); never null.
+    std::shared_ptr<const ContactGeometry<double>> geometry;
+
+    WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
+    Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal, rad/s
+};
+
 /// A posed scene: what every method is given.
 struct Problem {
     Scene scene;                                     ///< as it was posed
     Formulation formulation = Formulation::reduced;  ///< by which it was posed
-    ExactBody<double> body;                          ///< rounded once from 128 bits
-    PrincipalFrame principal;                        ///< of the tensor about the pivot or the centre of mass
-    Quaternion<double> q_BP;  ///< posed axes to body axes: principal.q_BP, or 1 where the tensor is as written
-    PrincipalInertia<double> principal_inertia;  ///< posed axes, where they are the principal ones
-    FullInertia<double> full_inertia;            ///< body axes
-    Vector3<double> axis;                        ///< posed axes, unit: the axis of a principal_axis_rotation
-    Needs needs;                                 ///< what the motion really has
-    std::vector<Segment> segments;               ///< the pieces between its events
-    Scales scales;                               ///< how large it gets
-    /// The scene's planes and the body's hull in posed axes (motion/contact.h); never null.
-    std::shared_ptr<const ContactGeometry<double>> geometry;
+    Needs needs;                                     ///< what the motion really has
+    std::vector<Segment> segments;                   ///< its itinerary: the legs between events, with what acts on each
+    Scales scales;                                   ///< how large the motion gets
 
-    Vector3<double> initial_angular_velocity;  ///< posed axes
-    Quaternion<double> initial_q;              ///< posed axes to world
-
-    WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
-    Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal
-
-    std::shared_ptr<const ErasedModel> own;  ///< of a system of the user's own, which has no body and no scene
+    PosedBody body;                          ///< what the system is made of: rounded once from 128 bits
+    std::shared_ptr<const ErasedModel> own;  ///< the same for a system of the user's own, which has no body, no scene
 };
 
 /// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's.

@@ -27,7 +27,6 @@ double largest_change(const std::array<double, N>& difference, const std::array<
 }
 
 void note(const Problem& problem, const Sample& sample, Scales& scales) {
-    const auto length = [](const Vector3<double>& v) { return std::sqrt(dot(v, v)); };
     const auto raise = [](double& scale, double value) {
         if (std::isfinite(value)) scale = std::max(scale, value);
     };
@@ -73,7 +72,7 @@ void scout(const Problem& problem, Scales& scales) {
             y = next, k1 = k4;
             if constexpr (SystemType::has_translation)
                 // as impact_stepping: what is too deep is sent back
-                if (problem.geometry->any() && strike_planes(problem, 0, y.data()).struck)
+                if (problem.body.geometry->any() && strike_planes(problem, 0, y.data()).struck)
                     f.derivative(t, y.data(), k1.data());
             note(problem, f.motion(t, y.data()), scales);
             h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;

@@ -1,7 +1,5 @@
 #include "motion/systems.h"
 
-#include <algorithm>
-
 #include "motion/contact.h"
 
 namespace polhode {
@@ -13,9 +11,9 @@ Sample BodySystem::rotated(double t, const Vector3<double>& w, const Quaternion<
     const Problem& problem = *problem_;
     Sample sample;
     sample.t = t;
-    const bool same_axes = problem.q_BP == Quaternion<double>{};
-    sample.q = same_axes ? q : q * conjugate(problem.q_BP);
-    sample.angular_velocity_B = same_axes ? w : rotate(problem.q_BP, w);
+    const bool same_axes = problem.body.q_BP == Quaternion<double>{};
+    sample.q = same_axes ? q : q * conjugate(problem.body.q_BP);
+    sample.angular_velocity_B = same_axes ? w : rotate(problem.body.q_BP, w);
     return sample;
 }
 
@@ -35,13 +33,13 @@ void BodySystem::apply(const PosedImpulse<double>& impulse, Vector3<double>& w, 
                        const Vector3<double>& p, Vector3<double>& v) const {
     const ExactBody<double>& body = problem_->body;
     if (problem_->formulation == Formulation::full)
-        polhode::apply(impulse, problem_->full_inertia, body.mass, body.pivoted, w, q, p, v);
+        polhode::apply(impulse, problem_->body.full_inertia, body.mass, body.pivoted, w, q, p, v);
     else
-        polhode::apply(impulse, problem_->principal_inertia, body.mass, body.pivoted, w, q, p, v);
+        polhode::apply(impulse, problem_->body.principal_inertia, body.mass, body.pivoted, w, q, p, v);
 }
 
 void PrincipalAxisRotation::initial(double* y) const {
-    y[0] = dot(problem_->axis, problem_->initial_angular_velocity), y[1] = 1, y[2] = 0;
+    y[0] = dot(problem_->body.axis, problem_->body.initial_angular_velocity), y[1] = 1, y[2] = 0;
 }
 
 bool PrincipalAxisRotation::enter(const Segment& segment, double* y) {
@@ -49,7 +47,7 @@ bool PrincipalAxisRotation::enter(const Segment& segment, double* y) {
         const Vector3<double> before = angular_velocity(y);
         Vector3<double> w = before, p, v;
         apply(impulse, w, attitude(y), p, v);
-        y[0] += dot(problem_->axis, w - before);
+        y[0] += dot(problem_->body.axis, w - before);
     }
     static_cast<Equations&>(*this) = segment.about_axis;
     return !segment.impulses.empty();
@@ -65,19 +63,19 @@ void PrincipalAxisRotation::scales(double* scales) const {
 }
 
 void PrincipalAxisRotation::state(const Sample& sample, double* y) const {
-    const Quaternion<double> turned = conjugate(problem_->initial_q) * (sample.q * problem_->q_BP);
-    y[0] = dot(problem_->axis, rotate_back(problem_->q_BP, sample.angular_velocity_B));
-    y[1] = turned.w, y[2] = dot(problem_->axis, vector_part(turned));
+    const Quaternion<double> turned = conjugate(problem_->body.initial_q) * (sample.q * problem_->body.q_BP);
+    y[0] = dot(problem_->body.axis, rotate_back(problem_->body.q_BP, sample.angular_velocity_B));
+    y[1] = turned.w, y[2] = dot(problem_->body.axis, vector_part(turned));
 }
 
 Quaternion<double> PrincipalAxisRotation::attitude(const double* y) const {
-    const Vector3<double>& e = problem_->axis;
-    return problem_->initial_q * Quaternion<double>{y[1], y[2] * e[0], y[2] * e[1], y[2] * e[2]};
+    const Vector3<double>& e = problem_->body.axis;
+    return problem_->body.initial_q * Quaternion<double>{y[1], y[2] * e[0], y[2] * e[1], y[2] * e[2]};
 }
 
 template <class BodyEquations>
 void QuaternionSystem<BodyEquations>::initial(double* y) const {
-    set_rotation(y, problem_->initial_angular_velocity, problem_->initial_q);
+    set_rotation(y, problem_->body.initial_angular_velocity, problem_->body.initial_q);
     if constexpr (has_translation) set_translation(y, problem_->body.position_W, problem_->body.velocity_W);
 }
 
@@ -120,7 +118,7 @@ void QuaternionSystem<BodyEquations>::scales(double* scales) const {
 
 template <class BodyEquations>
 void QuaternionSystem<BodyEquations>::state(const Sample& sample, double* y) const {
-    set_rotation(y, rotate_back(problem_->q_BP, sample.angular_velocity_B), sample.q * problem_->q_BP);
+    set_rotation(y, rotate_back(problem_->body.q_BP, sample.angular_velocity_B), sample.q * problem_->body.q_BP);
     if constexpr (has_translation) set_translation(y, sample.position_W, sample.velocity_W);
 }
 
@@ -136,11 +134,11 @@ Placement<double> placement_of(const double* y) {
 
 ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y) {
     const Placement<double> at = placement_of(y);
-    const std::vector<Contact<double>> touching = problem.geometry->contacts(at, tolerance);
+    const std::vector<Contact<double>> touching = problem.body.geometry->contacts(at, tolerance);
     if (touching.empty()) return {};
     const Matrix3<double> inverse_inertia = problem.formulation == Formulation::full
-                                                ? problem.full_inertia.inverse
-                                                : diagonal(problem.principal_inertia.inverse_moments);
+                                                ? problem.body.full_inertia.inverse
+                                                : diagonal(problem.body.principal_inertia.inverse_moments);
     StruckBody<double> body{1 / problem.body.mass, polhode::rotated(inverse_inertia, at.q), at.position_W,
                             at.velocity_W, at.angular_velocity_W};
     const ImpactOutcome outcome = resolve_impact(body, touching);

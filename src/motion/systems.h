@@ -89,7 +89,7 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
     void state(const Sample& sample, double* y) const;
 
     /// w in posed axes, rad/s.
-    Vector3<double> angular_velocity(const double* y) const { return y[0] * problem_->axis; }
+    Vector3<double> angular_velocity(const double* y) const { return y[0] * problem_->body.axis; }
     /// q, posed axes to world axes.
     Quaternion<double> attitude(const double* y) const;
     /// |q|^2, which the exact motion keeps at 1.
@@ -111,7 +111,7 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
 /// The systems whose state is w (posed axes), q (posed axes to world) and, where there is translation, p and v of the
 /// centre of mass in world axes. `BodyEquations`: their right-hand side.
 template <class BodyEquations>
-class QuaternionSystem : public BodyEquations, public BodySystem {
+class QuaternionSystem : public BodyEquations, public BodySystem, public BodyState {
   public:
     using Equations = BodyEquations;                                          ///< its right-hand side
     static constexpr int dimension = Equations::dimension;                    ///< components of the state
@@ -142,37 +142,6 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
     /// The state that a sample stands for: the way back from motion().
     void state(const Sample& sample, double* y) const;
 
-    /// w in posed axes, rad/s.
-    template <class S>
-    static Vector3<S> angular_velocity(const S* y) {
-        return vector_at(y, 0);
-    }
-    /// q, posed axes to world axes.
-    template <class S>
-    static Quaternion<S> attitude(const S* y) {
-        return quaternion_at(y, 3);
-    }
-    /// p of the centre of mass, world axes, m.
-    template <class S>
-    static Vector3<S> position(const S* y) requires(has_translation) {
-        return vector_at(y, 7);
-    }
-    /// v of the centre of mass, world axes, m/s.
-    template <class S>
-    static Vector3<S> velocity(const S* y) requires(has_translation) {
-        return vector_at(y, 10);
-    }
-    /// Writes w and q to y.
-    template <class S>
-    static void set_rotation(S* y, const Vector3<S>& w, const Quaternion<S>& q) {
-        put(y, 0, w), put(y, 3, q);
-    }
-    /// Writes p and v to y.
-    template <class S>
-    static void set_translation(S* y, const Vector3<S>& p, const Vector3<S>& v) requires(has_translation) {
-        put(y, 7, p), put(y, 10, v);
-    }
-
     /// |q|^2, which the exact motion keeps at 1.
     template <class S>
     S attitude_square(const S* y) const {
@@ -183,9 +152,9 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
     Vector3<S> angular_momentum(const S* y) const {
         const Vector3<S> w = angular_velocity(y);
         if constexpr (has_full_inertia) {
-            return problem_->full_inertia.tensor * w;
+            return problem_->body.full_inertia.tensor * w;
         } else {
-            const Vector3<double>& I = problem_->principal.moments;
+            const Vector3<double>& I = problem_->body.principal.moments;
             return {I[0] * w[0], I[1] * w[1], I[2] * w[2]};
         }
     }
@@ -214,11 +183,11 @@ class QuaternionSystem : public BodyEquations, public BodySystem {
   private:
     static Equations equations(const Problem& problem, const Segment& segment) {
         if constexpr (!has_torque)
-            return {problem.principal_inertia};
+            return {problem.body.principal_inertia};
         else if constexpr (has_full_inertia)
-            return {problem.full_inertia, &segment.forcing};
+            return {problem.body.full_inertia, &segment.forcing};
         else
-            return {problem.principal_inertia, &segment.forcing};
+            return {problem.body.principal_inertia, &segment.forcing};
     }
 };
 

@@ -7,7 +7,6 @@
 
 #include <concepts>
 #include <cstddef>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 

@@ -3,19 +3,8 @@
 namespace polhode {
 
 const char* name_of(Status status) {
-    switch (status) {
-        case Status::ok:
-            return "ok";
-        case Status::unsupported:
-            return "unsupported";
-        case Status::diverged:
-            return "diverged";
-        case Status::tolerance_not_met:
-            return "tolerance_not_met";
-        case Status::failed:
-            break;
-    }
-    return "failed";
+    constexpr const char* names[] = {"ok", "unsupported", "diverged", "tolerance_not_met", "failed"};
+    return names[static_cast<std::size_t>(status)];
 }
 
 Vector3<double> angular_velocity_W(const Sample& sample) {

@@ -61,9 +61,6 @@ TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
 /// Reads and parses a file of at most 1 GiB. Throws InputError, also when it cannot be read.
 TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion = QuaternionColumns::by_name);
 
-/// The file as CSV, with the columns that it has in the usual order; parse_trajectory() reads the same rows back.
-std::string write_trajectory(const TrajectoryFile& file);
-
 /// The samples of a trajectory file, as a method gives them: w is turned into body axes, and a body's origin exchanged
 /// for its centre of mass (m, from the origin, body axes), by each row's attitude, in 128 bits and rounded once.
 std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass);

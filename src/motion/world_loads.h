@@ -4,9 +4,11 @@
 // it is, A r for a point of the body and A^T w for the rates in body axes.
 #pragma once
 
+#include <type_traits>
+
 #include "motion/finite.h"
 #include "motion/problem.h"
-#include "motion/segment_forcing.h"
+#include "motion/rounded.h"
 
 namespace polhode {
 
@@ -15,16 +17,27 @@ template <class S = double>
 class WorldLoads {
   public:
     /// A problem posed with Formulation::full, whose axes are the body's own.
-    explicit WorldLoads(const Problem& problem) : forcing_(problem.segments.front()) {}
+    explicit WorldLoads(const Problem& problem) { enter(problem.segments.front()); }
 
-    void enter(const Segment& segment) { forcing_.enter(segment); }
-    const Forcing<S>& forcing() const { return *forcing_; }
+    void enter(const Segment& segment) {
+        if constexpr (as_posed)
+            forcing_ = &segment.forcing;
+        else
+            forcing_ = rounded<S>(segment.forcing);
+    }
+    /// What acts on the segment entered last.
+    const Forcing<S>& forcing() const {
+        if constexpr (as_posed)
+            return *forcing_;
+        else
+            return forcing_;
+    }
 
     /// `attitude()` gives the quaternion of A, which only springs and a user's torque ask for.
     template <class Attitude>
     Vector3<S> torque_W(double t, const Matrix3<S>& A, const Attitude& attitude, const Vector3<S>& w,
                         const Vector3<S>& x, const Vector3<S>& v) const {
-        const Forcing<S>& f = *forcing_;
+        const Forcing<S>& f = forcing();
         Vector3<S> sum;
         for (int b = 0; b < 3; ++b)
             if (f.field.present[b]) {
@@ -54,7 +67,7 @@ class WorldLoads {
 
     /// dv/dt of the centre of mass of a body that is not held.
     Vector3<S> acceleration_W(const Matrix3<S>& A, const Vector3<S>& v) const {
-        const Forcing<S>& f = *forcing_;
+        const Forcing<S>& f = forcing();
         Vector3<S> a = f.acceleration_W;
         if (f.has_body_force) a = a + A * f.specific_force;
         if (f.has_translational_drag) a = a - f.specific_drag * v;
@@ -76,7 +89,19 @@ class WorldLoads {
     }
 
   private:
-    SegmentForcing<S> forcing_;
+    static constexpr bool as_posed = std::is_same_v<S, double>;
+
+    std::conditional_t<as_posed, const Forcing<double>*, Forcing<S>> forcing_;
 };
+
+/// The sample at time t (s) of a body whose attitude is q, with w and the velocity v and place x of its centre of mass
+/// in world axes; of a held body place and velocity are where the attitude says.
+template <class S>
+Sample sample_in_world(const Problem& problem, double t, const Quaternion<double>& q, const Vector3<S>& w,
+                       const Vector3<S>& x, const Vector3<S>& v) {
+    Sample s{t, q, rotate_back(q, cast<double>(w)), cast<double>(x), cast<double>(v)};
+    if (problem.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem.body.arm, s.position_W, s.velocity_W);
+    return s;
+}
 
 }  // namespace polhode

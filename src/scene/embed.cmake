@@ -28,13 +28,12 @@ function(polhode_embed out function directory)
 #include "scene/builtin.h"
 
 namespace polhode {
-namespace {
-constexpr BuiltinText texts[] = {
-@entries@    {"", ""},
-};
-}  // namespace
-
-std::span<const BuiltinText> @function@() { return std::span(texts, @count@); }
+std::span<const BuiltinText> @function@() {
+    static constexpr BuiltinText texts[] = {
+@entries@        {"", ""},
+    };
+    return std::span(texts, @count@);
+}
 }  // namespace polhode
 ]] @ONLY)
 endfunction()

@@ -1,12 +1,15 @@
 // A scene: data only. Which body, how it starts, what acts on it and for how long. No scene knows a method.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -137,8 +140,17 @@ struct Scene {
     std::optional<Vector3<double>> pivot;  ///< body point (from the body's origin) held at the world's origin, m
     std::vector<Load> loads;               ///< what acts on the body
     std::vector<Plane> planes;             ///< beside a body that has a shape, without a pivot
-    std::optional<double> tolerated_attitude;  ///< the attitude error that `check` lets pass, rad
+    /// The errors that `check` lets pass, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s),
+    /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run).
+    std::map<std::string, double> tolerated;
 };
+
+/// What a scene can tolerate errors of.
+inline constexpr std::array<std::string_view, 6> tolerated_blocks{"attitude", "angular_velocity", "position",
+                                                                  "velocity", "energy",           "momentum"};
+
+/// The error of a block that the scene tolerates, if it says so.
+std::optional<double> tolerated_error(const Scene& scene, std::string_view block);
 
 /// Throws InputError where the scene breaks a rule of the file format: a number that is not finite, a mass or a
 /// principal moment that is not positive, triangle inequality or symmetry broken by more than 1e-12 of the largest

@@ -136,8 +136,9 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* planes = root.find("planes"))
         for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
-        tolerated->only({"attitude"});
-        s.tolerated_attitude = tolerated->required("attitude", "the largest attitude error in rad").number();
+        tolerated->only({tolerated_blocks.begin(), tolerated_blocks.end()});
+        for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();
+        if (s.tolerated.empty()) tolerated->fail("is empty", "{\"attitude\": 1e-3}, or no tolerated at all");
     }
     return s;
 }

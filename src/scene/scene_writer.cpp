@@ -93,8 +93,11 @@ std::string write_scene(const Scene& scene) {
                         planes.empty() ? "\n    " : ",\n    ", json(plane.normal_W), shortest_decimal(plane.offset),
                         shortest_decimal(plane.restitution), shortest_decimal(plane.friction));
     if (!planes.empty()) member("planes", "[" + planes + "\n  ]");
-    if (scene.tolerated_attitude)
-        member("tolerated", fmt::format("{{\"attitude\": {}}}", shortest_decimal(*scene.tolerated_attitude)));
+    std::string tolerated;
+    for (const std::string_view block : tolerated_blocks)
+        if (const std::optional<double> error = tolerated_error(scene, block))
+            tolerated += fmt::format("{}\"{}\": {}", tolerated.empty() ? "" : ", ", block, shortest_decimal(*error));
+    if (!tolerated.empty()) member("tolerated", "{" + tolerated + "}");
     return text + "\n}\n";
 }
 

@@ -240,8 +240,17 @@ void validate(const Scene& scene, const std::string& file) {
         check_window(check, place, window_of(scene.loads[i]));
     }
     check_planes(check, scene);
-    if (scene.tolerated_attitude)
-        check.positive("/tolerated/attitude", *scene.tolerated_attitude, "the tolerated attitude error in rad");
+    for (const auto& [block, error] : scene.tolerated) {
+        if (std::ranges::find(tolerated_blocks, block) == tolerated_blocks.end())
+            throw InputError(file, "/tolerated/" + one_line(block, 60), "is nothing that an error is tolerated of",
+                             fmt::format("give one of {}", fmt::join(tolerated_blocks, ", ")));
+        check.positive("/tolerated/" + block, error, "the tolerated error");
+    }
+}
+
+std::optional<double> tolerated_error(const Scene& scene, std::string_view block) {
+    const auto found = scene.tolerated.find(std::string(block));
+    return found == scene.tolerated.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace polhode

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <unordered_set>
 
 #include "text/decimal.h"
@@ -255,6 +257,10 @@ std::string read_text(const std::string& path, std::size_t largest, const char* 
     const auto refuse = [&](const std::string& fault) {
         throw InputError(path, "", fault, fmt::format("give the path of {}", expected));
     };
+    // one that nobody writes to would keep the program for ever; what a shell hands over stands in /dev
+    if (std::error_code none;
+        !path.starts_with("/dev/") && !path.starts_with("/proc/") && std::filesystem::is_fifo(path, none))
+        refuse("is a FIFO and no regular file");
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
     std::string text;

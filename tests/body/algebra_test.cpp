@@ -12,27 +12,20 @@ namespace {
 using namespace polhode::testing;
 
 // Numbers of the order of one through a dozen operations: a few ulp each.
-constexpr double few_ulp = 2e-14;
-
-double largest_difference(const Matrix3<double>& a, const Matrix3<double>& b) {
-    double largest = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::abs(a[i][j] - b[i][j]));
-    return largest;
-}
+constexpr double dozen_roundings = 2e-14;
 
 RC_GTEST_PROP(Rotation, PreservesLengthsAndHandedness, ()) {
     const Quaternion<double> q = moderate_orientation();
     const Vector3<double> a = moderate_vector(), b = moderate_vector();
-    RC_ASSERT(std::abs(dot(rotate(q, a), rotate(q, b)) - dot(a, b)) < 10 * few_ulp);
-    RC_ASSERT(distance(cross(rotate(q, a), rotate(q, b)), rotate(q, cross(a, b))) < 10 * few_ulp);
+    RC_ASSERT(std::abs(dot(rotate(q, a), rotate(q, b)) - dot(a, b)) < 10 * dozen_roundings);
+    RC_ASSERT(distance(cross(rotate(q, a), rotate(q, b)), rotate(q, cross(a, b))) < 10 * dozen_roundings);
 }
 
 RC_GTEST_PROP(Rotation, OfAProductIsTheProductOfRotations, ()) {
     const Quaternion<double> a = moderate_orientation(), b = moderate_orientation();
-    RC_ASSERT(largest_difference(rotation_matrix(a * b), rotation_matrix(a) * rotation_matrix(b)) < few_ulp);
+    RC_ASSERT(largest_difference(rotation_matrix(a * b), rotation_matrix(a) * rotation_matrix(b)) < dozen_roundings);
     const Vector3<double> v = moderate_vector();
-    RC_ASSERT(distance(rotate(a * b, v), rotate(a, rotate(b, v))) < 2 * few_ulp);
+    RC_ASSERT(distance(rotate(a * b, v), rotate(a, rotate(b, v))) < 2 * dozen_roundings);
 }
 
 RC_GTEST_PROP(Rotation, HasOneMeaning, ()) {
@@ -41,7 +34,7 @@ RC_GTEST_PROP(Rotation, HasOneMeaning, ()) {
     const Quaternion<double> u = moderate_orientation(), q{s * u.w, s * u.x, s * u.y, s * u.z};
     const Vector3<double> v = moderate_vector();
     const Matrix3<double> R = rotation_matrix(q);
-    const double tolerance = 20 * few_ulp;
+    const double tolerance = 20 * dozen_roundings;
     RC_ASSERT(distance(rotate(q, v), R * v) < tolerance);
     RC_ASSERT(distance(rotate_back(q, v), transposed(R) * v) < tolerance);
     const Quaternion<double> sandwich = q * Quaternion<double>{0, v[0], v[1], v[2]} * conjugate(q);
@@ -62,15 +55,15 @@ RC_GTEST_PROP(Matrix, TimesItsInverseIsOne, ()) {
     const Matrix3<double> I = moderate_inertia();
     const Matrix3<double> one = diagonal(Vector3<double>(1, 1, 1));
     // condition 20 at most
-    RC_ASSERT(largest_difference(I * inverse(I), one) < 20 * few_ulp);
-    RC_ASSERT(largest_difference(inverse(I) * I, one) < 20 * few_ulp);
+    RC_ASSERT(largest_difference(I * inverse(I), one) < 20 * dozen_roundings);
+    RC_ASSERT(largest_difference(inverse(I) * I, one) < 20 * dozen_roundings);
 }
 
 RC_GTEST_PROP(CrossProduct, IsTheTensorOfAPointMass, ()) {
     // m r x (w x r) = m (|r|^2 1 - r r^T) w
     const Vector3<double> r = moderate_vector(), w = moderate_vector();
     const double m = moderate(0.1, 3);
-    RC_ASSERT(distance(parallel_axis(m, r) * w, m * cross(r, cross(w, r))) < 100 * few_ulp);
+    RC_ASSERT(distance(parallel_axis(m, r) * w, m * cross(r, cross(w, r))) < 100 * dozen_roundings);
 }
 
 /// Steiner against the definition: a handful of point masses about their own centre and about another point.
@@ -95,7 +88,8 @@ RC_GTEST_PROP(ParallelAxis, IsWhatPointMassesSay, ()) {
                 about_other[i][j] += m * ((i == j ? dot(o, o) : 0) - o[i] * o[j]);
             }
     // masses of 16 at most, distances of 7: entries of some hundred
-    RC_ASSERT(largest_difference(about_center + parallel_axis(mass, center - other), about_other) < 1000 * few_ulp);
+    RC_ASSERT(largest_difference(about_center + parallel_axis(mass, center - other), about_other) <
+              1000 * dozen_roundings);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 using namespace polhode::testing;
 
-constexpr double few_ulp = 1e-13;
+constexpr double arm_roundings = 1e-13;
 
 /// The part of w across r.
 Vector3<double> across(const Vector3<double>& w, const Vector3<double>& r) { return w - (dot(w, r) / dot(r, r)) * r; }
@@ -35,18 +35,18 @@ RC_GTEST_PROP(PointOfABody, MovesAsItTurns, ()) {
 RC_GTEST_PROP(PointOfABody, TellsTheRateAcrossItsArm, ()) {
     const Vector3<double> w = moderate_vector(), r = moderate_arm();
     const Vector3<double> told = angular_velocity_of_point(r, velocity_of_point(w, r));
-    RC_ASSERT(distance(told, across(w, r)) < few_ulp);
+    RC_ASSERT(distance(told, across(w, r)) < arm_roundings);
     // all of it where the arm is perpendicular to the axis
     const Vector3<double> square = across(r, w + Vector3<double>(0, 0, 10));
     const Vector3<double> axis = w + Vector3<double>(0, 0, 10);
-    RC_ASSERT(distance(angular_velocity_of_point(square, velocity_of_point(axis, square)), axis) < 100 * few_ulp);
+    RC_ASSERT(distance(angular_velocity_of_point(square, velocity_of_point(axis, square)), axis) < 100 * arm_roundings);
 }
 
 RC_GTEST_PROP(PointOfABody, TellsTheAccelerationOfTheTurn, ()) {
     const Vector3<double> w = moderate_vector(), alpha = moderate_vector(), r = moderate_arm();
     const Vector3<double> told = angular_acceleration_of_point(r, acceleration_of_point(w, alpha, r));
     const Vector3<double> centripetal = (dot(w, r) / dot(r, r)) * cross(r, w);
-    RC_ASSERT(distance(told, across(alpha, r) + centripetal) < few_ulp);
+    RC_ASSERT(distance(told, across(alpha, r) + centripetal) < arm_roundings);
 }
 
 /// L = r x p of all the points of a body about its centre of mass is I w.
@@ -60,15 +60,15 @@ RC_GTEST_PROP(PointOfABody, SumsToTheMomentumOfTheBody, ()) {
         inertia = inertia + parallel_axis(m, r);
         L = L + angular_momentum_of_point(r, m * velocity_of_point(w, r));
     }
-    RC_ASSERT(distance(L, inertia * w) < 10 * few_ulp);
+    RC_ASSERT(distance(L, inertia * w) < 10 * arm_roundings);
 }
 
 /// Without the 1/r^2 the article's alpha is right at |r| = 1 alone: r^2 times too much elsewhere.
 RC_GTEST_PROP(PointOfABody, AsTheArticleHasItsAccelerationIsRightAtOneMetreOnly, ()) {
     const double radius = moderate(0.1, 3);
     const Vector3<double> alpha(0, 0, moderate(0.5, 2)), r(radius, 0, 0), a = cross(alpha, r);
-    RC_ASSERT(distance(angular_acceleration_of_point(r, a), alpha) < few_ulp);
-    RC_ASSERT(std::abs(angular_acceleration_as_written(r, a)[2] / alpha[2] - radius * radius) < few_ulp);
+    RC_ASSERT(distance(angular_acceleration_of_point(r, a), alpha) < arm_roundings);
+    RC_ASSERT(std::abs(angular_acceleration_as_written(r, a)[2] / alpha[2] - radius * radius) < arm_roundings);
 }
 
 }  // namespace

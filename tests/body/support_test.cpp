@@ -12,6 +12,7 @@ namespace polhode {
 namespace {
 
 using namespace polhode::testing;
+using std::numbers::pi;
 
 double lowest(const std::vector<SupportPiece<double>>& pieces, const Vector3<double>& n) {
     double least = pieces.front().lowest(n);
@@ -40,7 +41,7 @@ RC_GTEST_PROP(Support, IsTheLowestPointOfTheSurface, ()) {
     const Vector3<double> v = moderate_vector();
     const double size = length(v);
     const Vector3<double> n = size > 1e-3 ? (1 / size) * v : Vector3<double>(0, 0, 1);
-    const double a = moderate(0.3, 2), b = moderate(0.1, 0.3), h = moderate(0.2, 2), pi = std::numbers::pi;
+    const double a = moderate(0.3, 2), b = moderate(0.1, 0.3), h = moderate(0.2, 2);
     struct Case {
         Shape shape;
         std::function<Vector3<double>(double, double)> surface;

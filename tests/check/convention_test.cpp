@@ -86,13 +86,15 @@ RC_GTEST_PROP(Convention, KinematicsSurvive, ()) {
 TEST(Convention, WordsAreReadAndWritten) {
     EXPECT_EQ(parse_convention("z-up,right-handed,radians"), Convention{});
     EXPECT_EQ(name_of(Convention{}), "");
-    for (const char* words :
-         {"y-up", "left-handed", "y-up,left-handed", "y-up,left-handed,scalar-last,degrees", "scalar-first", "degrees"})
+    for (const char* words : {"y-up", "left-handed", "y-up,left-handed", "y-up,left-handed,scalar-last,degrees",
+                              "scalar-first", "degrees", "y-up,body-rates,inches", "centimetres"})
         EXPECT_EQ(name_of(parse_convention(words)), words);
     EXPECT_EQ(parse_convention("unity"), parse_convention("left-handed,y-up"));
     EXPECT_EQ(parse_convention("godot,degrees"), parse_convention("degrees,y-up"));
-    for (const char* words :
-         {"", "y-up,", "y-up,z-up", "unity,right-handed", "x-up", "scalar-last,scalar-first", "Y-UP", "y-up, degrees"})
+    EXPECT_EQ(parse_convention("three"), parse_convention("bullet"));
+    EXPECT_EQ(parse_convention("unreal"), parse_convention("left-handed,centimetres"));
+    for (const char* words : {"", "y-up,", "y-up,z-up", "unity,right-handed", "unreal,metres", "body-rates,world-rates",
+                              "cm", "x-up", "scalar-last,scalar-first", "Y-UP", "y-up, degrees"})
         EXPECT_THROW(parse_convention(words), std::invalid_argument) << words;
     try {
         parse_convention("y-upp");
@@ -112,6 +114,18 @@ TEST(Convention, ScalarLastGoesByTheColumnsAsTheyStand) {
     EXPECT_EQ(read("t,qx,qy,qz,qw", QuaternionColumns::scalar_last), expected);
     EXPECT_EQ(read("t,qx,qy,qz,qw", QuaternionColumns::by_name), expected);
     EXPECT_EQ(read("t,qx,qy,qz,qw", QuaternionColumns::scalar_first), (Quaternion<double>{1, 2, 3, 4}));
+}
+
+TEST(Convention, UnitsOfLengthAndRatesInBodyAxes) {
+    // a quarter turn about z: the body's x is the world's y
+    TrajectoryFile file =
+        parse_trajectory("t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n0,1,0,0,1,3,0,0,100,200,300,400,5,6\n", "f");
+    convert(file, parse_convention("body-rates,centimetres"));
+    const TrajectoryRow& row = file.rows[0];
+    EXPECT_NEAR(row.angular_velocity_W[0], 0, 1e-15);
+    EXPECT_NEAR(row.angular_velocity_W[1], 3, 1e-15);
+    EXPECT_EQ(row.position_W, (Vector3<double>{1, 2, 3}));
+    EXPECT_EQ(row.velocity_W[0], 4);
 }
 
 TEST(Convention, ConvertsAFile) {

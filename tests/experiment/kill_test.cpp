@@ -52,7 +52,7 @@ std::string lasting(const std::string& text) {
     return csv(select(table, kept));
 }
 
-class Killed : public testing::TestWithParam<int> {
+class Killed : public ::testing::TestWithParam<int> {
   protected:
     void SetUp() override {
         std::string pattern = (fs::temp_directory_path() / "polhode-kill-XXXXXX").string();
@@ -175,7 +175,7 @@ TEST_P(Killed, LosesNothing) {
     RecordProperty("runs_to_the_end", static_cast<int>(ends));
 }
 
-INSTANTIATE_TEST_SUITE_P(Sweeps, Killed, testing::Range(0, groups));
+INSTANTIATE_TEST_SUITE_P(Sweeps, Killed, ::testing::Range(0, groups));
 
 }  // namespace
 }  // namespace polhode

@@ -63,7 +63,7 @@ std::string shown_text(const std::string& svg) {
     return shown;
 }
 
-class Draw : public testing::Test {
+class Draw : public ::testing::Test {
   protected:
     Draw() {
         std::string pattern = (fs::temp_directory_path() / "polhode_figure_XXXXXX").string();

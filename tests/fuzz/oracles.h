@@ -21,6 +21,7 @@
 #include "motion/ensemble_table.h"
 #include "motion/problem.h"
 #include "motion/trajectory_csv.h"
+#include "motion/written_tables.h"
 #include "scene/body_source.h"
 #include "scene/builtin.h"
 #include "scene/mesh_file.h"

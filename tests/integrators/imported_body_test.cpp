@@ -14,13 +14,13 @@
 namespace polhode {
 namespace {
 
-const std::string bodies = POLHODE_SOURCE_DIR "/tests/scene/bodies";
+const std::string body_files = POLHODE_SOURCE_DIR "/tests/scene/bodies";
 
 Scene scene_of(const std::string& body) {
     return parse_scene(R"({"name": "s", "duration": 3, "body": {)" + body +
                            R"(}, "pivot": [0, 0, 0], "initial": {"angular_velocity": [1, 2, 3]},
                            "loads": [{"type": "gravity", "acceleration": [0, 0, -9.8]}]})",
-                       "s.json", bodies);
+                       "s.json", body_files);
 }
 
 TEST(ImportedBody, MovesBitForBitAsTheOneWrittenByHand) {

@@ -20,8 +20,8 @@ namespace {
 using namespace polhode::testing;
 
 // 10^6 steps of 1/100 s, or fewer
-constexpr long most_steps = optimised_build ? 1'000'000 : 10'000;
-constexpr double step = 0.01;
+constexpr long most_structure_steps = optimised_build ? 1'000'000 : 10'000;
+constexpr double structure_step = 0.01;
 
 /// How far what is kept has gone from its start, at a thousand times: energy and the length of L as parts of their
 /// size, L_W as a vector, the length of q.
@@ -79,7 +79,7 @@ constexpr const char* keep_momentum[] = {"splitting2", "splitting4",       "spli
 class KeepsMomentumAndEnergy : public Structure {};
 TEST_P(KeepsMomentumAndEnergy, OfAFreeBodyToRoundOff) {
     for (const Scene& scene : {free_body(1), symmetric_body(1)}) {
-        const Drift found = drift(scene, GetParam(), most_steps, step);
+        const Drift found = drift(scene, GetParam(), most_structure_steps, structure_step);
         EXPECT_LT(worst(found.norm), 1e-15);
         EXPECT_LT(worst(found.momentum), 2e-15);
         EXPECT_LT(worst(found.energy), 3e-14);
@@ -92,8 +92,8 @@ INSTANTIATE_TEST_SUITE_P(All, KeepsMomentumAndEnergy, ::testing::ValuesIn(keep_m
 class KeepsMomentum : public Structure {};
 TEST_P(KeepsMomentum, OfAFreeBodyToRoundOff) {
     // many stages a step: fewer steps
-    const long steps = find_method(GetParam())->order > 4 ? most_steps / 4 : most_steps;
-    const Drift found = drift(free_body(1), GetParam(), steps, step);
+    const long steps = find_method(GetParam())->order > 4 ? most_structure_steps / 4 : most_structure_steps;
+    const Drift found = drift(free_body(1), GetParam(), steps, structure_step);
     EXPECT_LT(worst(found.norm), 1e-15);
     EXPECT_LT(worst(found.momentum), 2e-15);
 }
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(All, KeepsMomentum, ::testing::ValuesIn(keep_momentum),
 // the splitting's error in the energy comes and goes: its worst of the second half is that of the first
 TEST(Structure, SplittingsEnergyErrorStaysTheStepsOwn) {
     for (const char* method : {"splitting2", "splitting4", "splitting_exact2", "moser_veselov4"}) {
-        const Drift found = drift(heavy_top(1), method, most_steps / 4, 0.002);
+        const Drift found = drift(heavy_top(1), method, most_structure_steps / 4, 0.002);
         const auto middle = found.energy.begin() + static_cast<long>(found.energy.size() / 2);
         const double first = *std::max_element(found.energy.begin(), middle),
                      second = *std::max_element(middle, found.energy.end());
@@ -114,7 +114,7 @@ TEST(Structure, SplittingsEnergyErrorStaysTheStepsOwn) {
 }
 
 TEST(Structure, ImplicitMidpointKeepsQuadraticFormsAndNoOthers) {
-    const Drift found = drift(free_body(1), "implicit_midpoint", most_steps / 4, step);
+    const Drift found = drift(free_body(1), "implicit_midpoint", most_structure_steps / 4, structure_step);
     EXPECT_LT(worst(found.norm), 1e-13);
     EXPECT_LT(worst(found.energy), 1e-13);
     EXPECT_LT(worst(found.momentum_length), 1e-13);
@@ -122,7 +122,7 @@ TEST(Structure, ImplicitMidpointKeepsQuadraticFormsAndNoOthers) {
     Scene sprung = free_body(1);
     sprung.loads = {Spring{3, {0.8, 0.6, 0, 0}, {}}};
     for (const Scene& scene : {heavy_top(1), sprung}) {
-        const Drift loaded = drift(scene, "implicit_midpoint", most_steps / 10, 0.002);
+        const Drift loaded = drift(scene, "implicit_midpoint", most_structure_steps / 10, 0.002);
         EXPECT_LT(worst(loaded.norm), 1e-13);
         EXPECT_LT(worst(loaded.energy), 1e-13);
     }

@@ -42,7 +42,7 @@ std::vector<Sample> run(const Scene& scene, double step) {
 
 // The error of RK4 at h = 1e-3 on rates of up to about 5 per second for 3 s: t (5 h)^4 5 / 120 ~ 1e-10 relative;
 // measured 2e-11 at the most, over quantities of size up to 100. A quantity not kept moves by more than 1e-3.
-constexpr double step = 1e-3, kept = 1e-8, moved = 1e-3;
+constexpr double followed_step = 1e-3, kept = 1e-8, not_kept = 1e-3;
 
 double largest_change(const Problem& problem, const Conserved& one, const std::vector<Sample>& samples) {
     double change = 0;
@@ -64,7 +64,7 @@ void expect(const Scene& scene, const std::vector<std::string>& wanted) {
     const Problem problem = pose(scene);
     const std::vector<Conserved> all = conserved(problem);
     EXPECT_EQ(names(all), wanted);
-    const std::vector<Sample> samples = run(scene, step);
+    const std::vector<Sample> samples = run(scene, followed_step);
     for (const Conserved& one : all) EXPECT_LT(largest_change(problem, one, samples), kept) << one.name;
     const auto claims = [&](const char* name) { return std::find(wanted.begin(), wanted.end(), name) != wanted.end(); };
     const ExactBody<double>& body = problem.body;
@@ -78,8 +78,8 @@ void expect(const Scene& scene, const std::vector<std::string>& wanted) {
         const Vector3<double> change = now.angular_momentum_W - first->angular_momentum_W;
         momentum = std::max(momentum, std::sqrt(dot(change, change)));
     }
-    EXPECT_EQ(claims("energy"), energy < moved) << energy;
-    EXPECT_EQ(claims("angular momentum"), momentum < moved) << momentum;
+    EXPECT_EQ(claims("energy"), energy < not_kept) << energy;
+    EXPECT_EQ(claims("angular momentum"), momentum < not_kept) << momentum;
 }
 
 Scene tumbling() {
@@ -100,44 +100,44 @@ Scene top() {
     return s;
 }
 
-const char* const E = "energy";
-const char* const L = "angular momentum";
-const char* const Lu = "angular momentum along u";
-const char* const P = "linear momentum";
-const char* const Pu = "linear momentum along u";
-const char* const spin = "spin about the axis of symmetry";
+const char* const E_kept = "energy";
+const char* const L_kept = "angular momentum";
+const char* const Lu_kept = "angular momentum along u";
+const char* const P_kept = "linear momentum";
+const char* const Pu_kept = "linear momentum along u";
+const char* const spin_kept = "spin about the axis of symmetry";
 
 TEST(Conserved, FreeBodyKeepsEverything) {
     Scene s = tumbling();
     s.initial.velocity_W = {1, 2, 3};
-    expect(s, {E, L, P});
+    expect(s, {E_kept, L_kept, P_kept});
 }
 
 TEST(Conserved, FreeSymmetricBodyKeepsItsSpin) {
     Scene s = tumbling();
     s.body.inertia_B = diagonal(Vector3<double>(2, 1, 2));
-    expect(s, {E, L, P, spin});
+    expect(s, {E_kept, L_kept, P_kept, spin_kept});
 }
 
 TEST(Conserved, ThrownBodyKeepsTwoComponentsOfItsMomentum) {
     Scene s = tumbling();
     s.loads = {Gravity{{0, 3, -10}, {}}};
     s.initial.velocity_W = {1, 2, 3};
-    expect(s, {E, L, Pu, Pu});
+    expect(s, {E_kept, L_kept, Pu_kept, Pu_kept});
 }
 
-TEST(Conserved, HeavyTopKeepsTheVerticalMomentumAndItsSpin) { expect(top(), {E, Lu, spin}); }
+TEST(Conserved, HeavyTopKeepsTheVerticalMomentumAndItsSpin) { expect(top(), {E_kept, Lu_kept, spin_kept}); }
 
 TEST(Conserved, TopWithItsCentreOfMassOffTheAxisLosesTheSpin) {
     Scene s = top();
     s.body.center_of_mass = {0.1, 0, 0.5};
-    expect(s, {E, Lu});
+    expect(s, {E_kept, Lu_kept});
 }
 
 TEST(Conserved, TopInTiltedGravityKeepsTheMomentumAlongIt) {
     Scene s = top();
     s.loads = {Gravity{{6, 0, -8}, {}}};
-    expect(s, {E, Lu, spin});
+    expect(s, {E_kept, Lu_kept, spin_kept});
     const std::vector<Conserved> all = conserved(pose(s));
     EXPECT_NEAR(std::abs(dot(all[1].direction, Vector3<double>(0.6, 0, -0.8))), 1, 1e-15);
 }
@@ -147,39 +147,39 @@ TEST(Conserved, SphericalTopKeepsTheMomentumAlongItsArm) {
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 1, 0.5));
     s.body.center_of_mass = {0, 0.5, 0};  // the parallel axes add 0.25, 0, 0.25
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 1, 0.75));
-    expect(s, {E, Lu, spin});
+    expect(s, {E_kept, Lu_kept, spin_kept});
 }
 
 TEST(Conserved, KovalevskayasTopHasItsIntegral) {
-    expect(find_scene("kovalevskaya"), {E, Lu, "Kovalevskaya's integral"});
+    expect(find_scene("kovalevskaya"), {E_kept, Lu_kept, "Kovalevskaya's integral"});
     // the same body described in other axes: the equator is still found
     Scene s = find_scene("kovalevskaya");
     s.duration = 3;
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 2, 1.75));
     s.body.center_of_mass = {0, 0.5, 0};
-    expect(s, {E, Lu, "Kovalevskaya's integral"});
+    expect(s, {E_kept, Lu_kept, "Kovalevskaya's integral"});
 }
 
 TEST(Conserved, GoryachevAndChaplyginsTopHasItsIntegralWhereTheVerticalMomentumVanishes) {
     const char* const integral = "Goryachev and Chaplygin's integral";
     Scene s = find_scene("goryachev_chaplygin");
     s.duration = 3;
-    expect(s, {E, Lu, integral});
+    expect(s, {E_kept, Lu_kept, integral});
     // the same body described in other axes, its rates turned likewise
     Scene other = s;
     other.body.inertia_B = diagonal(Vector3<double>(0.75, 4, 3.75));
     other.body.center_of_mass = {0, 0.5, 0};
     other.initial.orientation = {0.5, -0.5, -0.5, -0.5};  // x, y, z of this body to z, x, y of that one
     other.initial.angular_velocity = {0, 0.5, 1};
-    expect(other, {E, Lu, integral});
+    expect(other, {E_kept, Lu_kept, integral});
     s.initial.angular_velocity = {0.5, 1, 0.25};
-    expect(s, {E, Lu});
+    expect(s, {E_kept, Lu_kept});
 }
 
 TEST(Conserved, SpringKeepsTheEnergyAlone) {
     Scene s = tumbling();
     s.loads = {Spring{5, {0.8, 0, 0.6, 0}, {}}};
-    expect(s, {E, P});
+    expect(s, {E_kept, P_kept});
 }
 
 TEST(Conserved, DragKeepsNothing) {
@@ -192,40 +192,40 @@ TEST(Conserved, DragKeepsNothing) {
 TEST(Conserved, WorldTorqueKeepsTheMomentumAcrossIt) {
     Scene s = tumbling();
     s.loads = {Torque{{0, 1, 1}, Frame::world, {}}};
-    expect(s, {Lu, Lu, P});
+    expect(s, {Lu_kept, Lu_kept, P_kept});
     s.loads.push_back(Torque{{1, 0, 0}, Frame::world, {1, 2}});
-    expect(s, {Lu, P});
+    expect(s, {Lu_kept, P_kept});
     s.loads.push_back(Torque{{0, 0, 1}, Frame::world, {2, 3}});
-    expect(s, {P});
+    expect(s, {P_kept});
 }
 
 TEST(Conserved, WindowsBreakTheEnergyNotTheMomentumAlongTheField) {
     Scene s = top();
     s.loads = {Gravity{{0, 0, -10}, {1, 2}}};
-    expect(s, {Lu, spin});
+    expect(s, {Lu_kept, spin_kept});
 }
 
 TEST(Conserved, ImpulsesBreakWhatTheyKick) {
     Scene s = tumbling();
     s.loads = {Impulse{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::body, 1}};
-    expect(s, {Lu, Pu, Pu});
+    expect(s, {Lu_kept, Pu_kept, Pu_kept});
     // one at t = 0 comes before the first sample
     s.loads = {Impulse{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::body, 0}};
-    expect(s, {E, L, P});
+    expect(s, {E_kept, L_kept, P_kept});
 }
 
 TEST(Conserved, TwoFieldsOfDifferentDirectionsKeepTheEnergyAlone) {
     Scene s = top();
     s.loads.push_back(Force{{3, 0, 0}, Frame::world, {0, 0.5, 0}, Frame::body, {}});
-    expect(s, {E});
+    expect(s, {E_kept});
 }
 
 TEST(Conserved, ForceFixedInTheWorldInFlight) {
     Scene s = tumbling();
     s.loads = {Force{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::body, {}}};
-    expect(s, {E, Lu, Pu, Pu});
+    expect(s, {E_kept, Lu_kept, Pu_kept, Pu_kept});
     s.loads = {Force{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::world, {}}};
-    expect(s, {Lu, Pu, Pu});
+    expect(s, {Lu_kept, Pu_kept, Pu_kept});
     s.loads = {Force{{0, 0, 2}, Frame::body, {0.5, 0, 0}, Frame::body, {}}};
     expect(s, {});
 }

@@ -9,6 +9,7 @@
 #include "bad_files.h"
 #include "body/fast_principal_frame.h"
 #include "motion/translation.h"
+#include "motion/written_tables.h"
 
 namespace polhode {
 namespace {
@@ -91,7 +92,7 @@ TEST(EnsembleTable, NoPositionBesideAPivot) {
 
 TEST(EnsembleTable, SaysWhatWasMeant) { EXPECT_NE(message_of("wx,wy,wz,iyx\n").find("ixy"), std::string::npos); }
 
-class BadEnsemble : public testing::TestWithParam<BadFile> {};
+class BadEnsemble : public ::testing::TestWithParam<BadFile> {};
 
 TEST_P(BadEnsemble, IsRefusedInOneLine) {
     std::string message;
@@ -103,7 +104,7 @@ TEST_P(BadEnsemble, IsRefusedInOneLine) {
     expect_one_line(GetParam(), message);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, BadEnsemble, testing::ValuesIn(bad_files("motion/ensemble", ".csv")));
+INSTANTIATE_TEST_SUITE_P(Files, BadEnsemble, ::testing::ValuesIn(bad_files("motion/ensemble", ".csv")));
 
 TEST(EnsembleTable, CatalogueOfBadFilesIsWhole) { expect_whole_catalogue("motion/ensemble", ".csv"); }
 

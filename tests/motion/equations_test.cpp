@@ -185,13 +185,13 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
     reduced.segments.front().about_axis.derivative(0, y.data(), rate.data());
     const Sample s = PrincipalAxisRotation(reduced).motion(0, y.data());
     const Rates expected = rates_by<FullMotion>(full, s);
-    const Vector3<double> axis_B = rotate(reduced.q_BP, reduced.axis);
+    const Vector3<double> axis_B = rotate(reduced.body.q_BP, reduced.body.axis);
     const double size = 100 * (1 + std::abs(y[0]) + length(expected.angular_velocity_B));
     RC_ASSERT(distance(rate[0] * axis_B, expected.angular_velocity_B) < roundoff(size));
     // dq = q0 (dc, ds e) in posed axes
-    const Vector3<double> spin = rate[2] * reduced.axis;
+    const Vector3<double> spin = rate[2] * reduced.body.axis;
     const Quaternion<double> q_rate =
-        reduced.initial_q * Quaternion<double>{rate[1], spin[0], spin[1], spin[2]} * conjugate(reduced.q_BP);
+        reduced.body.initial_q * Quaternion<double>{rate[1], spin[0], spin[1], spin[2]} * conjugate(reduced.body.q_BP);
     RC_ASSERT(std::abs(q_rate.w - expected.q.w) + distance(vector_part(q_rate), vector_part(expected.q)) <
               roundoff(size));
 }

@@ -107,18 +107,24 @@ Rates rates_by(const Problem& problem, const Sample& s) {
     static_assert(n == 7 || n == 13);
     const Segment& segment = problem.segments.front();
     std::array<double, n> y{}, f{};
-    put(y.data(), 0, rotate_back(problem.q_BP, s.angular_velocity_B));
-    put(y.data(), 3, s.q * problem.q_BP);
+    put(y.data(), 0, rotate_back(problem.body.q_BP, s.angular_velocity_B));
+    put(y.data(), 3, s.q * problem.body.q_BP);
     if constexpr (n == 13) put(y.data(), 7, s.position_W), put(y.data(), 10, s.velocity_W);
     SystemType(problem, segment).derivative(0, y.data(), f.data());
     Rates rates;
-    rates.angular_velocity_B = rotate(problem.q_BP, vector_at(f.data(), 0));
-    rates.q = quaternion_at(f.data(), 3) * conjugate(problem.q_BP);
+    rates.angular_velocity_B = rotate(problem.body.q_BP, vector_at(f.data(), 0));
+    rates.q = quaternion_at(f.data(), 3) * conjugate(problem.body.q_BP);
     if constexpr (n == 13) rates.position_W = vector_at(f.data(), 7), rates.velocity_W = vector_at(f.data(), 10);
     return rates;
 }
 
 inline double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 inline double length(const Vector3<double>& a) { return std::sqrt(dot(a, a)); }
+inline double largest_difference(const Matrix3<double>& a, const Matrix3<double>& b) {
+    double largest = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::abs(a[i][j] - b[i][j]));
+    return largest;
+}
 
 }  // namespace polhode::testing

@@ -50,10 +50,10 @@ Scene tilted(Scene scene) {
     return scene;
 }
 
-const Gravity down{{0, 0, -9.8}, {}};
+const Gravity gravity_down{{0, 0, -9.8}, {}};
 const UserTorque nothing{"nothing", [](const LoadState&) { return Vector3<double>(); }, {}};
-const std::string pv = "p and v", gyro = "gyroscopic term w x Iw", two = "two components of w, two of q",
-                  one = "one gyroscopic component", no_torque = "torque", products = "products of inertia";
+const std::string pv = "p and v", gyro = "gyroscopic term w x Iw", two_components = "two components of w, two of q",
+                  one_component = "one gyroscopic component", no_torque = "torque", of_products = "products of inertia";
 
 const Case cases[] = {
     {"FreeAsymmetric",
@@ -69,21 +69,21 @@ const Case cases[] = {
      3,
      Symmetry::asymmetric,
      Translation::fixed,
-     {pv, gyro, two}},
+     {pv, gyro, two_components}},
     {"FreeSymmetric",
      body_with({1, 1, 1.5}, {1, 0, 1}),
      SystemKind::free_rotation,
      7,
      Symmetry::symmetric,
      Translation::fixed,
-     {pv, no_torque, one}},
+     {pv, no_torque, one_component}},
     {"FreeSphere",
      body_with({2, 2, 2}, {1, 2, 3}),
      SystemKind::principal_axis_rotation,
      3,
      Symmetry::spherical,
      Translation::fixed,
-     {pv, gyro, two}},
+     {pv, gyro, two_components}},
     {"LoadedSphere",
      with(body_with({2, 2, 2}, {1, 2, 3}), {Spring{1, {}, {}}}),
      SystemKind::loaded_rotation,
@@ -92,14 +92,14 @@ const Case cases[] = {
      Translation::fixed,
      {pv, gyro}},
     {"ThrownAsymmetricUnderGravity",
-     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {down}),
+     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {gravity_down}),
      SystemKind::free_rotation,
      7,
      Symmetry::asymmetric,
      Translation::closed_form,
      {pv, no_torque}},
     {"TranslationalDragAlone",
-     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {down, Drag{{}, 0.5, {}}}),
+     with(thrown(body_with({1, 2, 3}, {1, 1, 1})), {gravity_down, Drag{{}, 0.5, {}}}),
      SystemKind::free_rotation,
      7,
      Symmetry::asymmetric,
@@ -118,23 +118,23 @@ const Case cases[] = {
      3,
      Symmetry::asymmetric,
      Translation::fixed,
-     {pv, gyro, two}},
+     {pv, gyro, two_components}},
     {"LagrangeTop",
-     with(held(body_with({1, 1, 0.5}, {0.1, 0, 20}), {0, 0, 0.5}), {down}),
+     with(held(body_with({1, 1, 0.5}, {0.1, 0, 20}), {0, 0, 0.5}), {gravity_down}),
      SystemKind::loaded_rotation,
      7,
      Symmetry::symmetric,
      Translation::fixed,
-     {pv, one}},
+     {pv, one_component}},
     {"Pendulum",
-     with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -0.5}), {down}),
+     with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -0.5}), {gravity_down}),
      SystemKind::principal_axis_rotation,
      3,
      Symmetry::asymmetric,
      Translation::fixed,
-     {pv, gyro, two}},
+     {pv, gyro, two_components}},
     {"PendulumOfAFreeAxis",
-     with(held(body_with({1, 2, 2.5}, {0.7, 0.1, 0}), {0, 0, -0.5}), {down}),
+     with(held(body_with({1, 2, 2.5}, {0.7, 0.1, 0}), {0, 0, -0.5}), {gravity_down}),
      SystemKind::loaded_rotation,
      7,
      Symmetry::asymmetric,
@@ -195,7 +195,7 @@ const Case cases[] = {
      7,
      Symmetry::asymmetric,
      Translation::fixed,
-     {pv, no_torque, products}},
+     {pv, no_torque, of_products}},
     {"UserTorque",
      with(body_with({1, 2, 3}, {1, 0, 0}), {nothing}),
      SystemKind::loaded_rotation,
@@ -257,7 +257,7 @@ TEST(Needs, TellsWhatDependsOnTime) {
 /// The scalar system is the pendulum's equation: I dw/dt = - m g l sin(angle), from any starting angle.
 TEST(PrincipalAxis, IsThePendulum) {
     const double angle = 0.8, m = 1, l = 0.5, I = 1 + m * l * l;
-    Scene scene = with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -l}), {down});
+    Scene scene = with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -l}), {gravity_down});
     scene.initial.orientation = {std::cos(angle / 2), std::sin(angle / 2), 0, 0};
     const Problem problem = pose(scene);
     ASSERT_EQ(problem.needs.system, SystemKind::principal_axis_rotation);

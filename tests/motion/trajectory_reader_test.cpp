@@ -8,6 +8,7 @@
 #include "bad_files.h"
 #include "motion/moderate_scene.h"
 #include "motion/trajectory_csv.h"
+#include "motion/written_tables.h"
 #include "scene/random_scene.h"
 
 namespace polhode {

@@ -48,7 +48,7 @@ RC_GTEST_PROP(WorldLoads, StrikeAsTheEquationsOfMotionDo, ()) {
 
     Vector3<double> w = s.angular_velocity_B, u = s.velocity_W;
     for (const auto& impulse : segment.impulses)
-        apply(impulse, problem.full_inertia, problem.body.mass, problem.body.pivoted, w, s.q, s.position_W, u);
+        apply(impulse, problem.body.full_inertia, problem.body.mass, problem.body.pivoted, w, s.q, s.position_W, u);
     RC_ASSERT(distance(transposed(A) * L, problem.body.inertia_B * w) < 1e-11);
     RC_ASSERT(distance(v, u) < 1e-12);
 }

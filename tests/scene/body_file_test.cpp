@@ -148,7 +148,8 @@ TEST(BodyFile, OneBoxInSixWays) {
 TEST(BodyFile, SurfacesConverge) {
     const auto error = [](const Mesh& mesh, const Shape& shape) {
         EXPECT_EQ(mesh_fault(mesh), "");
-        const MassProperties<double> body = of_mesh<double>(mesh, 2), truth = of_density<double>(shape, 2);
+        const Extent<double> extent = mesh_extent<double>(mesh);
+        const MassProperties<double> body = uniform_body(extent, 2 * extent.size), truth = of_density<double>(shape, 2);
         return std::abs(body.inertia[0][0] / truth.inertia[0][0] - 1);
     };
     const Box box{{0.3, 0.7, 1.1}};

@@ -91,7 +91,8 @@ inline Scene random_scene() {
     }
     const int loads = *rc::gen::inRange(0, 5);
     for (int i = 0; i < loads; ++i) scene.loads.push_back(random_load());
-    if (*rc::gen::arbitrary<bool>()) scene.tolerated_attitude = positive_number();
+    if (*rc::gen::arbitrary<bool>()) scene.tolerated["attitude"] = positive_number();
+    if (*rc::gen::arbitrary<bool>()) scene.tolerated["momentum"] = positive_number();
     return scene;
 }
 

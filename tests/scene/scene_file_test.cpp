@@ -84,7 +84,7 @@ TEST(SceneFile, ReadsEveryKey) {
     EXPECT_EQ(std::get<Drag>(s.loads[4]).rotational, Vector3<double>(0.1, 0.2, 0.3));
     EXPECT_EQ(std::get<Drag>(s.loads[4]).translational, 0.4);
     EXPECT_EQ(std::get<Spring>(s.loads[5]).rest_orientation, (Quaternion<double>{0, 0, 0, 1}));
-    EXPECT_EQ(s.tolerated_attitude, 1e-3);
+    EXPECT_EQ(tolerated_error(s, "attitude"), 1e-3);
 }
 
 TEST(SceneFile, DefaultsAreTheContracts) {
@@ -94,7 +94,7 @@ TEST(SceneFile, DefaultsAreTheContracts) {
     EXPECT_EQ(s.initial.angular_velocity_frame, Frame::body);
     EXPECT_EQ(s.body.center_of_mass, Vector3<double>());
     EXPECT_FALSE(s.pivot);
-    EXPECT_FALSE(s.tolerated_attitude);
+    EXPECT_TRUE(s.tolerated.empty());
     EXPECT_EQ(std::get<Spring>(s.loads[0]).rest_orientation, (Quaternion<double>{1, 0, 0, 0}));
 }
 

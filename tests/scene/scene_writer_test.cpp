@@ -51,7 +51,7 @@ RC_GTEST_PROP(WriteScene, ReadsBackToTheSameScene, ()) {
     RC_ASSERT(a.initial.position_W == b.initial.position_W);
     RC_ASSERT(a.initial.velocity_W == b.initial.velocity_W);
     RC_ASSERT(a.pivot == b.pivot);
-    RC_ASSERT(a.tolerated_attitude == b.tolerated_attitude);
+    RC_ASSERT(a.tolerated == b.tolerated);
     RC_ASSERT(a.loads.size() == b.loads.size());
     for (std::size_t i = 0; i < a.loads.size(); ++i) RC_ASSERT(same(a.loads[i], b.loads[i]));
     // canonical: one text for one scene
@@ -77,7 +77,7 @@ TEST(WriteScene, WritesTheGoldenFile) {
                Impulse{{1, 0, 0}, Frame::body, {0, 0, 1}, Frame::world, 1.5},
                Drag{{0.1, 0.2, 0.3}, 5e-324, {}},
                Spring{10, {}, {}}};
-    s.tolerated_attitude = 1e-3;
+    s.tolerated = {{"attitude", 1e-3}};
     std::ifstream file(POLHODE_SOURCE_DIR "/tests/scene/golden_scene.json");
     std::stringstream golden;
     golden << file.rdbuf();

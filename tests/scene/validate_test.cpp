@@ -72,7 +72,7 @@ TEST(Validate, NamesThePlaceOfWhateverIsNotFinite) {
          [](Scene& s) {
              s.loads = {Gravity{{}, {infinity, infinity}}};
          }},
-        {"/tolerated/attitude: is nan", [](Scene& s) { s.tolerated_attitude = nan; }},
+        {"/tolerated/attitude: is nan", [](Scene& s) { s.tolerated["attitude"] = nan; }},
     };
     for (const auto& [place, change] : faults) {
         const std::string message = fault_with(change);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class AtomicFile : public testing::Test {
+class AtomicFile : public ::testing::Test {
   protected:
     AtomicFile() {
         std::string pattern = (fs::temp_directory_path() / "polhode_atomic_XXXXXX").string();

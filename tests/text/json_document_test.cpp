@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
 
 namespace polhode {
 namespace {
@@ -86,6 +90,15 @@ TEST(JsonDocument, RefusesGuards) {
     for (int i = 0; i < 1'000'001; ++i) many += "0,";
     EXPECT_NE(fault_of(many + "0]").find("more than 1000000 values"), std::string::npos);
     EXPECT_NE(fault_of(std::string_view("[1]\0[2]", 7)).find("zero byte"), std::string::npos);
+}
+
+TEST(ReadText, AFifoIsRefusedAtOnce) {
+    std::string directory = (std::filesystem::temp_directory_path() / "polhode_fifo_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(directory.data()), nullptr);
+    const std::string path = directory + "/pipe";
+    ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    EXPECT_NE(thrown([&] { read_text(path); }).find("is a FIFO and no regular file"), std::string::npos);
+    std::filesystem::remove_all(directory);
 }
 
 // what json_string() writes is read back

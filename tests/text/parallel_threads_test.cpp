@@ -61,7 +61,7 @@ TEST(SweepThreads, FourJobsGiveTheRowsOfOne) {
                                                  "t.json"),
                                 "t.json", false);
     const auto rows = [&](int jobs) {
-        const fs::path directory = fs::path(testing::TempDir()) / ("polhode_threads_" + std::to_string(jobs));
+        const fs::path directory = fs::path(::testing::TempDir()) / ("polhode_threads_" + std::to_string(jobs));
         fs::remove_all(directory);
         fs::create_directories(directory);
         setenv("POLHODE_CACHE", (directory / "cache").c_str(), 1);
@@ -84,7 +84,7 @@ TEST(SweepThreads, FourJobsGiveTheRowsOfOne) {
 }
 
 TEST(FileLock, ManyMayComputeButTimingIsAlone) {
-    const std::string path = (fs::path(testing::TempDir()) / "polhode_lock_test").string();
+    const std::string path = (fs::path(::testing::TempDir()) / "polhode_lock_test").string();
     const std::atomic<bool> never{false};
     std::atomic<int> computing{0}, timing{0}, together{0}, beside{0};
     parallel_for(40, 4, [&](std::size_t i) {
@@ -107,7 +107,7 @@ TEST(FileLock, ManyMayComputeButTimingIsAlone) {
 }
 
 TEST(FileLock, AnInterruptEndsTheWaitAndAMissingDirectoryIsNoObstacle) {
-    const std::string path = (fs::path(testing::TempDir()) / "polhode_lock_test_2").string();
+    const std::string path = (fs::path(::testing::TempDir()) / "polhode_lock_test_2").string();
     std::atomic<bool> stop{false};
     const FileLock held(path, FileLock::Kind::exclusive, stop);
     std::jthread interrupting([&] {

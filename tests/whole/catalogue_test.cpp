@@ -14,8 +14,8 @@
 namespace polhode {
 namespace {
 
-class Catalogue : public testing::TestWithParam<std::string> {};
-class PlainCatalogue : public testing::TestWithParam<std::string> {};
+class Catalogue : public ::testing::TestWithParam<std::string> {};
+class PlainCatalogue : public ::testing::TestWithParam<std::string> {};
 
 double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 
@@ -96,9 +96,9 @@ TEST_P(PlainCatalogue, KeepsItsInvariants) {
     if (best.method->name != "radau" && scene.planes.empty()) expect_kept(scene, *find_method("cvode_adams"), 3e-7);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Catalogue, testing::ValuesIn(builtin_scene_names()),
+INSTANTIATE_TEST_SUITE_P(Scenes, Catalogue, ::testing::ValuesIn(builtin_scene_names()),
                          [](const auto& tested) { return test_name(tested.param); });
-INSTANTIATE_TEST_SUITE_P(Scenes, PlainCatalogue, testing::ValuesIn(scenes_in()),
+INSTANTIATE_TEST_SUITE_P(Scenes, PlainCatalogue, ::testing::ValuesIn(scenes_in()),
                          [](const auto& tested) { return tested.param; });
 
 }  // namespace

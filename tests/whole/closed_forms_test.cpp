@@ -66,7 +66,7 @@ FreeRates free_rates(const Scene& scene) {
     return {c, a, sqrt(R(outer / (I[0] * I[1] * I[2]))), sqrt(R(inner / outer)), up ? amplitude : R(-amplitude), w};
 }
 
-class FreeAsymmetric : public testing::TestWithParam<const char*> {};
+class FreeAsymmetric : public ::testing::TestWithParam<const char*> {};
 TEST_P(FreeAsymmetric, FollowsJacobisFunctions) {
     const Scene scene = find_scene(GetParam());
     const Reference truth = fresh_truth(scene, 20);
@@ -76,7 +76,7 @@ TEST_P(FreeAsymmetric, FollowsJacobisFunctions) {
     for (const ReferenceSample& sample : truth.samples)
         EXPECT_LT(distance(value(sample.angular_velocity_B), rates.at(R(sample.t))), promised * scale) << sample.t;
 }
-INSTANTIATE_TEST_SUITE_P(Scenes, FreeAsymmetric, testing::Values("near_separatrix", "toutatis"));
+INSTANTIATE_TEST_SUITE_P(Scenes, FreeAsymmetric, ::testing::Values("near_separatrix", "toutatis"));
 
 TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
     // Hudson & Ostro 1995: 5.41 days about the long axis, 7.35 days on the average for that axis about L. After one
@@ -100,7 +100,7 @@ TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
     EXPECT_NEAR(angle / (2 * std::numbers::pi) * 7.35 / 5.41, 1, 1e-7);
 }
 
-class FreeSymmetric : public testing::TestWithParam<std::pair<const char*, int>> {};
+class FreeSymmetric : public ::testing::TestWithParam<std::pair<const char*, int>> {};
 TEST_P(FreeSymmetric, PrecessesRegularly) {
     // about L by |L| t / I1, after (1 - I3/I1) w3 t about the body's axis (Landau & Lifshitz 1976, section 33)
     const auto [name, axis] = GetParam();
@@ -121,8 +121,8 @@ TEST_P(FreeSymmetric, PrecessesRegularly) {
     }
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, FreeSymmetric,
-                         testing::Values(std::pair("feynman_plate", 2), std::pair("explorer_1", 2),
-                                         std::pair("nanodumbbell", 0), std::pair("symmetric", 2)));
+                         ::testing::Values(std::pair("feynman_plate", 2), std::pair("explorer_1", 2),
+                                           std::pair("nanodumbbell", 0), std::pair("symmetric", 2)));
 
 // Lagrange's top, its axis at rest or moving level at the start: u = cos(tilt) obeys u'^2 = f(u), a cubic with the root
 // u(0), and swings between two of its roots u1 < u2 < u3 as u1 + (u2 - u1) sn^2 (Goldstein 1980, section 5-7).
@@ -162,7 +162,7 @@ Nutation nutation(const Scene& scene, int axis) {
             u0 == roots[1]};
 }
 
-class LagrangesTop : public testing::TestWithParam<std::pair<const char*, int>> {};
+class LagrangesTop : public ::testing::TestWithParam<std::pair<const char*, int>> {};
 TEST_P(LagrangesTop, NutatesByJacobisFunctions) {
     const auto [name, axis] = GetParam();
     const Scene scene = shortened(name, std::min(find_scene(name).duration, 8.0));
@@ -180,9 +180,9 @@ TEST_P(LagrangesTop, NutatesByJacobisFunctions) {
     EXPECT_GT(highest - lowest, 0.5 * R(top.u2 - top.u1).convert_to<double>());
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, LagrangesTop,
-                         testing::Values(std::pair("lagrange_top", 2), std::pair("looping_top", 2),
-                                         std::pair("slow_top", 2), std::pair("sleeping_top", 2),
-                                         std::pair("simo_wong_top", 2), std::pair("bruls_top", 1)));
+                         ::testing::Values(std::pair("lagrange_top", 2), std::pair("looping_top", 2),
+                                           std::pair("slow_top", 2), std::pair("sleeping_top", 2),
+                                           std::pair("simo_wong_top", 2), std::pair("bruls_top", 1)));
 
 TEST(ClosedForms, CompoundPendulum) {
     // sin(angle / 2) = k cd(t sqrt(m g l / I), k), k its value at the start, where it is at rest

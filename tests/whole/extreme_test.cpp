@@ -55,7 +55,6 @@ Vector3<double> L_W(const ReferenceSample& sample) {
 Quaternion<double> attitude(const ReferenceSample& sample) {
     return {sample.q.w.high, sample.q.x.high, sample.q.y.high, sample.q.z.high};
 }
-double size(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 double turned_by(const Quaternion<double>& q) { return 2 * std::atan2(size(vector_part(q)), std::abs(q.w)); }
 
 // the eigenvalues of the right-hand side of w and q at this state, on the first segment, in order of magnitude
@@ -74,7 +73,7 @@ std::vector<double> sizes_of_eigenvalues(const Problem& problem, const Vector3<d
 
 // ---- each of them
 
-class Extreme : public testing::TestWithParam<std::string> {};
+class Extreme : public ::testing::TestWithParam<std::string> {};
 
 // Where the truth is a series only the beginning, so that all of them are done in seconds: the truth to 25 digits, and
 // auto at its default tolerance within what the motion makes of that.
@@ -103,7 +102,7 @@ TEST_P(Extreme, HasATruthThatAutoFinds) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Extreme, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Scenes, Extreme, ::testing::ValuesIn([] {
                              // every one where that is quick
                              const std::vector<std::string> all = scenes_in("extreme");
                              std::vector<std::string> some;
@@ -247,7 +246,7 @@ TEST(ExtremeScenes, DragActsInItsWindow) {
 
 TEST(ExtremeScenes, MomentsAreAsTheirNamesSay) {
     const auto sorted = [](const Problem& problem) {
-        Vector3<double> I = problem.principal.moments;
+        Vector3<double> I = problem.body.principal.moments;
         std::sort(&I[0], &I[0] + 3);
         return I;
     };

@@ -29,7 +29,7 @@ Report include_graph(const fs::path& tree) {
 }
 
 // A tree of a few files that each include one other.
-class SmallTree : public testing::Test {
+class SmallTree : public ::testing::Test {
   protected:
     SmallTree() {
         std::string pattern = (fs::temp_directory_path() / "polhode-tree-XXXXXX").string();

@@ -10,39 +10,38 @@
 namespace polhode {
 namespace {
 
-using V = Vector3<double>;
+using Vec = Vector3<double>;
 
-double size(const V& v) { return std::hypot(v[0], v[1], v[2]); }
-V moments(const Scene& scene) {
+Vec moments(const Scene& scene) {
     const Matrix3<double>& I = scene.body.inertia_B;
     return {I[0][0], I[1][1], I[2][2]};
 }
-V times(const V& I, const V& w) { return {I[0] * w[0], I[1] * w[1], I[2] * w[2]}; }
-double energy(const V& I, const V& w) { return dot(w, times(I, w)) / 2; }
+Vec times(const Vec& I, const Vec& w) { return {I[0] * w[0], I[1] * w[1], I[2] * w[2]}; }
+double energy(const Vec& I, const Vec& w) { return dot(w, times(I, w)) / 2; }
 
 // A plain explicit step of Euler's equations: w - h I^-1 (w x Iw).
-V explicit_step(const V& I, const V& w, double h) {
-    const V torque = cross(w, times(I, w));
+Vec explicit_step(const Vec& I, const Vec& w, double h) {
+    const Vec torque = cross(w, times(I, w));
     return {w[0] - h * torque[0] / I[0], w[1] - h * torque[1] / I[1], w[2] - h * torque[2] / I[2]};
 }
 
 // One Newton step on I (w2 - w) + h w2 x Iw2 = 0 from w (Catto 2015): residual h w x Iw, Jacobian
 // I + h ([w] I - [Iw]). Solved by Cramer's rule.
-V one_newton_step(const V& I, const V& w, double h) {
-    const V L = times(I, w), f = h * cross(w, L);
-    V column[3];
+Vec one_newton_step(const Vec& I, const Vec& w, double h) {
+    const Vec L = times(I, w), f = h * cross(w, L);
+    Vec column[3];
     for (int j = 0; j < 3; ++j) {
-        V e;
+        Vec e;
         e[j] = 1;
         column[j] = I[j] * e + h * (cross(w, I[j] * e) + cross(e, L));
     }
     const double determinant = dot(column[0], cross(column[1], column[2]));
-    return w - (1 / determinant) * V(dot(f, cross(column[1], column[2])), dot(column[0], cross(f, column[2])),
-                                     dot(column[0], cross(column[1], f)));
+    return w - (1 / determinant) * Vec(dot(f, cross(column[1], column[2])), dot(column[0], cross(f, column[2])),
+                                       dot(column[0], cross(column[1], f)));
 }
 
 // q after a turn at the rate w in the body for h.
-Quaternion<double> turned(const Quaternion<double>& q, const V& w, double h) {
+Quaternion<double> turned(const Quaternion<double>& q, const Vec& w, double h) {
     const double angle = size(w) * h, s = std::sin(angle / 2) / size(w);
     return q * Quaternion<double>{std::cos(angle / 2), s * w[0], s * w[1], s * w[2]};
 }
@@ -51,8 +50,8 @@ TEST(Published, MuJoCosBoxTellsItsIntegratorsApart) {
     // MuJoCo's own test, 5 s at h = 0.01: its Euler step ends at 1.09 of the energy, a plain explicit one at 1.087; its
     // implicit one from 3.11 on at 0.93, one Newton step at 0.926
     const Scene scene = find_scene("mujoco_box");
-    const V I = moments(scene), start = scene.initial.angular_velocity;
-    V forward = start, backward = start;
+    const Vec I = moments(scene), start = scene.initial.angular_velocity;
+    Vec forward = start, backward = start;
     for (int i = 0; i < 500; ++i) {
         forward = explicit_step(I, forward, 0.01);
         backward = one_newton_step(I, backward, 0.01);
@@ -68,7 +67,7 @@ TEST(Published, MuJoCosBoxTellsItsIntegratorsApart) {
 
 TEST(Published, GazebosBoxHasTheBenchmarksMomentsEnergyAndErrors) {
     const Scene scene = find_scene("gazebo_box");
-    const V I = moments(scene);
+    const Vec I = moments(scene);
     EXPECT_NEAR(I[0], 0.80833333, 4e-9);
     EXPECT_NEAR(I[1], 0.68333333, 4e-9);
     EXPECT_NEAR(I[2], 0.14166667, 4e-9);
@@ -78,10 +77,10 @@ TEST(Published, GazebosBoxHasTheBenchmarksMomentsEnergyAndErrors) {
     EXPECT_NEAR(invariants(scene, body, 0, body.q, body.angular_velocity_B, body.position_W, body.velocity_W).energy,
                 368.5464125, 5e-6);
     // worst |L - L0| / |L0| over 10 s at h = 1e-3: 1.31 % by ODE, 1.25 % by Bullet; the plain steps give the same
-    const auto worst_momentum_error = [&](V (*step)(const V&, const V&, double)) {
-        V w = scene.initial.angular_velocity;
+    const auto worst_momentum_error = [&](Vec (*step)(const Vec&, const Vec&, double)) {
+        Vec w = scene.initial.angular_velocity;
         Quaternion<double> q;
-        const V L0 = times(I, w);
+        const Vec L0 = times(I, w);
         double worst = 0;
         for (int i = 0; i < 10000; ++i) {
             w = step(I, w, 1e-3);
@@ -100,7 +99,7 @@ TEST(Published, SimoAndWongsTopHasTheirEnergy) {
     ASSERT_TRUE(truth.available) << truth.message;
     for (const ReferenceSample& sample : truth.samples) EXPECT_NEAR(sample.energy.high, 1269.975, 5e-4);
     const Problem problem = pose(scene);
-    EXPECT_EQ(problem.principal.moments, V(5, 5, 1));
+    EXPECT_EQ(problem.body.principal.moments, Vec(5, 5, 1));
     EXPECT_EQ(size(problem.segments[0].forcing.field.moment[2]), 20) << "m g l";
 }
 
@@ -108,7 +107,7 @@ TEST(Published, BruelssTopHasTheStatedInertiaAndKeepsItsIntegrals) {
     const Scene scene = find_scene("bruls_top");
     const Problem problem = pose(scene);
     // about the pivot, and the precession rate that is 0.46875 150 / 15.234375 rounded
-    EXPECT_EQ(problem.principal.moments, V(15.234375, 0.46875, 15.234375));
+    EXPECT_EQ(problem.body.principal.moments, Vec(15.234375, 0.46875, 15.234375));
     EXPECT_NEAR(0.46875 * 150 / 15.234375, -scene.initial.angular_velocity[2], 5e-6);
     const Reference truth = fresh_truth(scene, 10);
     ASSERT_TRUE(truth.available) << truth.message;
@@ -124,7 +123,7 @@ TEST(Published, BruelssTopHasTheStatedInertiaAndKeepsItsIntegrals) {
 
 TEST(Published, MoserVeselovBodyHasThePapersMomentum) {
     const Scene scene = find_scene("moser_veselov_body");
-    const V y = times(moments(scene), scene.initial.angular_velocity), published(1.8, 0.4, -0.9);
+    const Vec y = times(moments(scene), scene.initial.angular_velocity), published(1.8, 0.4, -0.9);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(y[i], published[i], 4e-16);
     EXPECT_EQ(scene.duration, 10);
 }
@@ -133,8 +132,8 @@ TEST(Published, NeedleIsTooThinForALinearlyImplicitStepOnlyIfItIsWrong) {
     // MuJoCo's step stopped with a bad acceleration at h = 1e-3 (issue 3553); a sound one-Newton step on the same
     // moments does not, and only loses energy
     const Scene scene = find_scene("needle");
-    const V I = moments(scene);
-    V w = scene.initial.angular_velocity;
+    const Vec I = moments(scene);
+    Vec w = scene.initial.angular_velocity;
     const double start = energy(I, w);
     for (int i = 0; i < 10000; ++i) {
         w = one_newton_step(I, w, 1e-3);

@@ -3,6 +3,7 @@
 
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <cmath>
 
 #include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
@@ -18,6 +19,8 @@ inline R value(const Pair& pair) { return R(pair.high) + R(pair.low); }
 inline Vector3<R> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
 inline Quaternion<R> value(const Quaternion<Pair>& q) { return {value(q.w), value(q.x), value(q.y), value(q.z)}; }
 
+/// |v|, also where its square overflows.
+inline double size(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 inline R length(const Vector3<R>& v) { return square_root(dot(v, v)); }
 
 /// |a - b|, formed before it is rounded.

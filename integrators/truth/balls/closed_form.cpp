@@ -28,24 +28,23 @@ void translate(const Forcing<Ball>& f, const Ball& t, Vector3<Ball>& p, Vector3<
 Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start) {
     Enclosure result;
     const Forcing<Ball>& forcing = piece.form.forcing();
-    const std::optional<FreeRotation> rotation = free_rotation(piece.form.body().inertia_B, vector_at(start.data(), 0));
+    const std::optional<FreeRotation> rotation =
+        free_rotation(piece.form.body().inertia_B, BodyState::angular_velocity(start.data()));
     if (!rotation) {
         result.fault = "the order of the moments or the side of the separatrix is out of reach";
         return result;
     }
-    const Quaternion<Ball> q0 = quaternion_at(start.data(), 3);
+    const Quaternion<Ball> q0 = BodyState::attitude(start.data());
     const auto state = [&](double time) {
         Ball t;
         arb_sub(t.raw(), Ball(time).raw(), Ball(piece.begin).raw(), ARF_PREC_EXACT);
         std::vector<Ball> y(start);
         const Turn turn = std::visit([&](const auto& kind) { return kind.after(t); }, *rotation);
-        put(y.data(), 0, turn.angular_velocity_B);
-        put(y.data(), 3, q0 * turn.q);
+        BodyState::set_rotation(y.data(), turn.angular_velocity_B, q0 * turn.q);
         if (!piece.form.body().pivoted) {
-            Vector3<Ball> p = vector_at(start.data(), 7), v = vector_at(start.data(), 10);
+            Vector3<Ball> p = BodyState::position(start.data()), v = BodyState::velocity(start.data());
             translate(forcing, t, p, v);
-            put(y.data(), 7, p);
-            put(y.data(), 10, v);
+            BodyState::set_translation(y.data(), p, v);
         }
         for (const Ball& component : y)
             if (!component.is_finite()) result.fault = "the closed form has no finite balls at this precision";

@@ -119,12 +119,13 @@ Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const P
     const int n = piece.form.dimension(), stages = std::clamp(static_cast<int>(0.6 * digits), 16, 40) + 4;
     CollocationStep<P, EulerForm> step(scene, stages);
     std::vector<P> unused(n, P(0)), y(n);
-    unused[3] = P(1);
+    step.form().initial(unused.data());
     step.form().enter(piece.begin, unused.data());
     step.enter(piece.begin);
     for (int i = 0; i < n; ++i) y[i] = near(start[i]);
-    std::vector<Block> blocks{{0, 3, plan.scales[0]}, {3, 4, 1}};
-    if (n > 7) blocks.insert(blocks.end(), {{7, 3, plan.scales[7]}, {10, 3, plan.scales[10]}});
+    std::vector<Block> blocks;
+    for (const BodyState::Block& block : BodyState::blocks)
+        if (block.first < n) blocks.push_back({block.first, block.size, plan.scales[block.first]});
 
     Follower follower(piece, plan, start);
     const int points = stages + 1;

@@ -61,9 +61,11 @@ class Scout {
         for (int step = 0; t < end; ++step) {
             series.expand(y_.data());
             double h = end - t;
-            for (int block = 0; block < n; block += block == 3 ? 4 : 3) {
-                double size = block == 3 ? 1 : 0, last = 0;
-                for (int i = block; i < block + (block == 3 ? 4 : 3); ++i) {
+            for (const auto& [first, count] : BodyState::blocks) {
+                if (first >= n) break;
+                // the attitude's is 1
+                double size = count == 4 ? 1 : 0, last = 0;
+                for (int i = first; i < first + count; ++i) {
                     size = std::max(size, std::abs(y_[i]));
                     last = std::max(last, std::abs(series.coefficient(i, order)));
                 }
@@ -114,9 +116,10 @@ double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
 }  // namespace
 
 std::vector<PiecePlan> plan_pieces(const Problem& problem) {
-    const int n = problem.body.pivoted ? 7 : 13, blocks = n == 7 ? 2 : 4;
-    const int first[] = {0, 3, 7, 10, 13};
-    const double size[] = {problem.scales.angular_velocity, 1, problem.scales.position, problem.scales.velocity};
+    const EulerForm<double> form(problem.scene);
+    const int n = form.dimension();
+    const std::vector<Block> layout = form.blocks(problem.scales, problem.body.principal.moments);
+    const std::size_t blocks = layout.size();
     // the metric of the kinetic energy: w . I w / trace I
     const Matrix3<double>& I = problem.body.inertia_B;
     const double trace = I[0][0] + I[1][1] + I[2][2];
@@ -127,10 +130,12 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
 
     const auto weights = [&](const double* log2_weight) {
         Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
-        for (int b = 0; b < blocks; ++b)
-            for (int i = first[b]; i < first[b + 1]; ++i)
-                for (int j = first[b]; j < first[b + 1]; ++j)
-                    S(i, j) = std::exp2(log2_weight[b]) / size[b] * (b == 0 ? C(i, j) : i == j ? 1.0 : 0.0);
+        for (std::size_t b = 0; b < blocks; ++b) {
+            const auto& [first, count, size] = layout[b];
+            for (int i = first; i < first + count; ++i)
+                for (int j = first; j < first + count; ++j)
+                    S(i, j) = std::exp2(log2_weight[b]) / size * (b == 0 ? C(i, j) : i == j ? 1.0 : 0.0);
+        }
         return S;
     };
     const auto spread = [&](const double* log2_weight) {
@@ -146,7 +151,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
         for (const double stride : {8.0, 2.0, 0.5})
             for (bool better = true; better;) {
                 better = false;
-                for (int b = 0; b < blocks; ++b)
+                for (std::size_t b = 0; b < blocks; ++b)
                     for (const double move : {stride, -stride}) {
                         double tried[4];
                         std::copy_n(best, 4, tried);
@@ -161,7 +166,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
         const Eigen::MatrixXd S = weights(best);
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
-        for (int b = 0; b < blocks; ++b) plan.scales.insert(plan.scales.end(), first[b + 1] - first[b], size[b]);
+        for (const Block& block : layout) plan.scales.insert(plan.scales.end(), block.size, block.scale);
         plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
         plan.damping_number = damping_number(problem, segment);
         plans.push_back(std::move(plan));

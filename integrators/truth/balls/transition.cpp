@@ -21,7 +21,7 @@ struct TransitionForm {
         std::array<D, n> moved, rate;
         for (int i = 0; i < n; ++i) moved[i].value = y[i];
         for (std::size_t k = 0; k < entries.size(); ++k) moved[entries[k].row].slope[entries[k].column] = y[n + k];
-        form.derivative_of<n == 13>(moved.data(), rate.data());
+        form.derivative_of<n == BodyState::motion>(moved.data(), rate.data());
         for (int i = 0; i < n; ++i) dy[i] = rate[i].value;
         for (std::size_t k = 0; k < entries.size(); ++k) dy[n + k] = rate[entries[k].row].slope[entries[k].column];
     }
@@ -54,8 +54,9 @@ std::vector<TransitionEntry> entries_of(const EulerForm<Ball>& form) {
 
 Recording<Ball> recorded(const EulerForm<Ball>& form, const std::vector<TransitionEntry>& entries) {
     const int n = form.dimension(), all = n + static_cast<int>(entries.size());
-    Recording<Ball> exact = n == 7 ? record<Ball>(TransitionForm<7>{form, entries}, all)
-                                   : record<Ball>(TransitionForm<13>{form, entries}, all);
+    Recording<Ball> exact = n == BodyState::rotation
+                                ? record<Ball>(TransitionForm<BodyState::rotation>{form, entries}, all)
+                                : record<Ball>(TransitionForm<BodyState::motion>{form, entries}, all);
     const WorkingPrecision precision(Transition::bits);
     return rounded(exact);
 }

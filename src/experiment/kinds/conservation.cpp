@@ -13,30 +13,20 @@ const char* const quantities[] = {"energy", "momentum", "attitude", "norm"};
 // an attitude beyond about 1 rad is lost: it cannot exceed pi
 constexpr double saturation = 1;
 
-const std::vector<ColumnChoice> growth_for_people{{"scene", "scene"},
-                                                  {"evaluations_per_revolution", "evaluations a revolution"},
-                                                  {"method", "method"},
-                                                  {"setting_kind", "setting"},
-                                                  {"setting", "value"},
-                                                  {"energy_error", "energy"},
-                                                  {"energy_exponent", "energy, exponent"},
-                                                  {"momentum_error", "momentum"},
-                                                  {"momentum_exponent", "momentum, exponent"},
-                                                  {"attitude_error", "attitude (rad)"},
-                                                  {"attitude_exponent", "attitude, exponent"},
-                                                  {"norm_error", "norm"},
-                                                  {"norm_exponent", "norm, exponent"},
-                                                  {"message", "message"}};
-
 }  // namespace
 
-Table growth_table(const Plan& plan, const std::vector<Result>& results) {
-    Table table{{"scene", "evaluations_per_revolution", "method", "setting_kind", "setting", "status", "revolutions",
-                 "seconds_median"},
-                {}};
-    for (const std::string quantity : quantities)
-        for (const char* column : {"_error", "_exponent", "_uncertainty"}) table.columns.push_back(quantity + column);
-    table.columns.push_back("message");
+NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
+    std::vector<ColumnChoice> columns{{"scene", "scene"},   {"evaluations_per_revolution", "evaluations a revolution"},
+                                      {"method", "method"}, {"setting_kind", "setting"},
+                                      {"setting", "value"}, {"status", ""},
+                                      {"revolutions", ""},  {"seconds_median", ""}};
+    for (const std::string quantity : quantities) {
+        columns.push_back({quantity + "_error", quantity == "attitude" ? "attitude (rad)" : quantity});
+        columns.push_back({quantity + "_exponent", quantity + ", exponent"});
+        columns.push_back({quantity + "_uncertainty", ""});
+    }
+    columns.push_back({"message", "message"});
+    NamedTable named = headed_table("growth", "Growth of errors", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const double cost : plan.experiment.evaluations_per_revolution)
             for (const Result& r : results) {
@@ -60,14 +50,13 @@ Table growth_table(const Plan& plan, const std::vector<Result>& results) {
                     for (const auto& value : {largest, exponent, uncertainty}) row.push_back(cell_of(value));
                 }
                 row.push_back(r.message);
-                table.rows.push_back(std::move(row));
+                named.table.rows.push_back(std::move(row));
             }
-    return table;
+    return named;
 }
 
 Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows) {
-    return {{{"growth", "Growth of errors", growth_table(plan, rows), growth_for_people}},
-            conservation_figures(plan, rows)};
+    return {{growth_table(plan, rows)}, conservation_figures(plan, rows)};
 }
 
 }  // namespace polhode

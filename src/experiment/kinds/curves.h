@@ -17,6 +17,9 @@ std::vector<const Result*> rows_of(const std::vector<Result>& results, const Pla
 /// A curve's name in legends: the method's, and how it is controlled where it can be in two ways.
 std::string curve_label(const PlannedCurve& curve);
 
+/// The curve of that label, begun in the next colour where there is none yet.
+Curve& curve_named(std::vector<Curve>& curves, const std::string& label);
+
 /// What pictures call them, as the columns of the table are called.
 inline constexpr const char *float64_floor_label = "float64 floor", *float32_floor_label = "float32 floor";
 

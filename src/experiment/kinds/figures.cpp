@@ -91,6 +91,14 @@ std::string curve_label(const PlannedCurve& curve) {
     return fmt::format("{} ({})", curve.method->name, curve.kind == SettingKind::step ? "fixed step" : "controlled");
 }
 
+Curve& curve_named(std::vector<Curve>& curves, const std::string& label) {
+    const auto same = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == label; });
+    if (same != curves.end()) return *same;
+    Curve begun;
+    begun.label = label, begun.color = static_cast<int>(curves.size());
+    return curves.emplace_back(std::move(begun));
+}
+
 std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
                                 std::optional<double> Floors::*float64, std::optional<double> Floors::*float32) {
     for (const Result& r : results)

@@ -78,11 +78,19 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
                              {"euler_angles_cvode", solve_euler_angles_cvode, false, 1e-10, 5},
                              {"cvode_adams", solve_quaternion_cvode, false, 1e-6, 6},
                              {"cvode_adams", solve_quaternion_cvode, false, 1e-10, 7}};
-    NamedTable table{"",
-                     "",
-                     {{"distance", "method", "setting_kind", "setting", "status", "steps", "smallest_step",
-                       "largest_angle_rate", "nearest", "attitude_error_final", "attitude_error_max", "message"},
-                      {}}};
+    NamedTable table = headed_table("", "",
+                                    {{"distance", "distance (rad)"},
+                                     {"method", "method"},
+                                     {"setting_kind", "by"},
+                                     {"setting", "setting"},
+                                     {"status", "status"},
+                                     {"steps", "steps"},
+                                     {"smallest_step", "smallest step (s)"},
+                                     {"largest_angle_rate", "largest rate of an angle (rad/s)"},
+                                     {"nearest", ""},
+                                     {"attitude_error_final", ""},
+                                     {"attitude_error_max", "largest attitude error (rad)"},
+                                     {"message", "message"}});
     NamedFigure figure{"gimbal_lock", {"Passing gimbal lock at a distance", 2, {}, ""}};
     Panel error{"largest attitude error", "distance (rad)", "attitude error (rad)", true, true, {}};
     Panel cost{"steps", "distance (rad)", "steps", true, true, {}};
@@ -123,16 +131,6 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
         error.curves.push_back(std::move(error_curve));
         if (!entry.by_step) cost.curves.push_back(std::move(cost_curve));
     }
-    table.for_people = {{"distance", "distance (rad)"},
-                        {"method", "method"},
-                        {"setting_kind", "by"},
-                        {"setting", "setting"},
-                        {"status", "status"},
-                        {"steps", "steps"},
-                        {"smallest_step", "smallest step (s)"},
-                        {"largest_angle_rate", "largest rate of an angle (rad/s)"},
-                        {"attitude_error_max", "largest attitude error (rad)"},
-                        {"message", "message"}};
     figure.figure.panels = {std::move(error), std::move(cost)};
     figure.figure.note = "Runs that failed are left out.";
     return {{std::move(table)}, {std::move(figure)}};

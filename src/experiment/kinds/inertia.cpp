@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
@@ -19,7 +18,7 @@ namespace {
 
 using Properties = MassProperties<double>;
 
-constexpr double mass = 1;
+constexpr double unit_mass = 1;
 
 struct Way {
     std::string shape, way;
@@ -27,17 +26,6 @@ struct Way {
     std::function<Properties()> work;
     Matrix3<Wide> truth;
 };
-
-// repeated inside one timing until it lasts 20 microseconds
-double seconds_of(const std::function<Properties()>& work, double& kept) {
-    using Clock = std::chrono::steady_clock;
-    for (long repeats = 1;; repeats *= 4) {
-        const auto start = Clock::now();
-        for (long i = 0; i < repeats; ++i) kept += work().inertia[0][0];
-        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-        if (seconds > 2e-5) return seconds / static_cast<double>(repeats);
-    }
-}
 
 // the sum itself, over points that are there: sum m (r^2 1 - r r^T) about their centre of mass
 Properties summed(const std::vector<PointMass<double>>& points) {
@@ -59,7 +47,7 @@ Properties summed(const std::vector<PointMass<double>>& points) {
     return body;
 }
 
-Properties scaled_to_mass(const Mesh& mesh) { return uniform_body(mesh_extent<double>(mesh), mass); }
+Properties scaled_to_mass(const Mesh& mesh) { return uniform_body(mesh_extent<double>(mesh), unit_mass); }
 
 }  // namespace
 
@@ -72,19 +60,19 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     for (const auto& entry : shapes) {
         const char* name = entry.first;
         const Shape& shape = entry.second;
-        const Matrix3<Wide> truth = of_mass<Wide>(shape, mass).inertia;
+        const Matrix3<Wide> truth = of_mass<Wide>(shape, unit_mass).inertia;
         const auto add = [&, shape_name = std::string(name)](const char* way, std::size_t pieces,
                                                              std::function<Properties()> work) {
             ways.push_back({shape_name, way, static_cast<long>(pieces), std::move(work), truth});
         };
-        add("closed_form", 1, [shape] { return of_mass<double>(shape, mass); });
+        add("closed_form", 1, [shape] { return of_mass<double>(shape, unit_mass); });
         for (int n = 4; n <= (options.quick ? 32 : 128); n *= 2) {
-            const std::size_t count = grid_points(shape, mass, n).size();
-            add("grid", count, [shape, n] { return summed(grid_points(shape, mass, n)); });
+            const std::size_t count = grid_points(shape, unit_mass, n).size();
+            add("grid", count, [shape, n] { return summed(grid_points(shape, unit_mass, n)); });
         }
         for (long n = 64; n <= (options.quick ? 4096 : 1048576); n *= 4)
             add("monte_carlo", static_cast<std::size_t>(n),
-                [shape, n] { return summed(random_points(shape, mass, n, 1)); });
+                [shape, n] { return summed(random_points(shape, unit_mass, n, 1)); });
         const auto surface = [&](Mesh mesh) {
             const std::size_t triangles = mesh.triangles.size();
             add("mesh", triangles, [mesh = std::move(mesh)] { return scaled_to_mass(mesh); });
@@ -100,11 +88,18 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     std::vector<std::vector<double>> seconds(ways.size());
     double kept = 0;
     for (int round = 0; round < std::min(plan.experiment.repeats, options.quick ? 3 : 1000); ++round)
-        for (std::size_t i = 0; i < ways.size(); ++i) seconds[i].push_back(seconds_of(ways[i].work, kept));
+        for (std::size_t i = 0; i < ways.size(); ++i)
+            seconds[i].push_back(seconds_of([&] { kept += ways[i].work().inertia[0][0]; }));
     if (!std::isfinite(kept)) throw std::runtime_error("a sum over a body is not finite");
 
     Findings result;
-    NamedTable table{"", "", {{"shape", "way", "pieces", "seconds_min", "seconds_median", "inertia_error"}, {}}};
+    NamedTable table = headed_table("", "",
+                                    {{"shape", "shape"},
+                                     {"way", "way"},
+                                     {"pieces", "points or triangles"},
+                                     {"seconds_min", ""},
+                                     {"seconds_median", "time (s)"},
+                                     {"inertia_error", "relative error of the tensor"}});
     for (std::size_t i = 0; i < ways.size(); ++i) {
         const Way& way = ways[i];
         table.table.rows.push_back({way.shape, way.way, way.pieces,
@@ -129,11 +124,6 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
         figure.figure.panels.push_back(std::move(panel));
     }
     figure.figure.note = "An error of zero is drawn at 2^-54.";
-    table.for_people = {{"shape", "shape"},
-                        {"way", "way"},
-                        {"pieces", "points or triangles"},
-                        {"seconds_median", "time (s)"},
-                        {"inertia_error", "relative error of the tensor"}};
     result.tables.push_back(std::move(table));
     result.figures.push_back(std::move(figure));
     return result;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "body/elementary.h"
 #include "body/orientation.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
@@ -30,7 +31,6 @@ const Shortcut shortcuts[] = {
      }},
 };
 
-double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
 Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high, q.y.high, q.z.high}; }
 
@@ -53,18 +53,10 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         const Problem problem = pose(scene);
         const double rate = length(problem.body.angular_velocity_B);
         if (rate == 0 || !scene.loads.empty() || scene.pivot) {
-            table.table.rows.push_back({planned.label,
-                                        std::string("all"),
-                                        {},
-                                        {},
-                                        {},
-                                        {},
-                                        {},
-                                        {},
-                                        {},
-                                        {},
-                                        std::string("unsupported"),
-                                        std::string("the comparison is of free, turning bodies")});
+            std::vector<Cell> row{planned.label, std::string("all")};
+            row.resize(10), row.insert(row.end(), {std::string("unsupported"),
+                                                   std::string("the comparison is of free, turning bodies")});
+            table.table.rows.push_back(std::move(row));
             continue;
         }
         scene.duration = turned.back() / rate;

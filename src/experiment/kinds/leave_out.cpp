@@ -56,24 +56,21 @@ std::string left_out(const Needs& needs) {
     return words.empty() ? "nothing" : words;
 }
 
-const std::vector<ColumnChoice> gain_for_people{{"scene", "scene"},
-                                                {"method", "method"},
-                                                {"setting_kind", "setting"},
-                                                {"variables", "variables"},
-                                                {"attitude_error", "attitude error (rad)"},
-                                                {"seconds_as_written", "full (s)"},
-                                                {"seconds_principal_frame", "full, principal frame (s)"},
-                                                {"seconds_reduced", "reduced (s)"},
-                                                {"gain", "gain"},
-                                                {"error_ratio", "error at equal settings"},
-                                                {"left_out", "left out"}};
-
 }  // namespace
 
-Table gain_table(const Plan& plan, const std::vector<Result>& results) {
-    Table table{{"scene", "method", "setting_kind", "variables", "attitude_error", "seconds_as_written",
-                 "seconds_principal_frame", "seconds_reduced", "gain", "error_ratio", "left_out"},
-                {}};
+NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
+    NamedTable named = headed_table("gain", "What leaving out is worth",
+                                    {{"scene", "scene"},
+                                     {"method", "method"},
+                                     {"setting_kind", "setting"},
+                                     {"variables", "variables"},
+                                     {"attitude_error", "attitude error (rad)"},
+                                     {"seconds_as_written", "full (s)"},
+                                     {"seconds_principal_frame", "full, principal frame (s)"},
+                                     {"seconds_reduced", "reduced (s)"},
+                                     {"gain", "gain"},
+                                     {"error_ratio", "error at equal settings"},
+                                     {"left_out", "left out"}});
     for (const PlannedScene& scene : plan.scenes) {
         const Needs needs = pose(scene.scene).needs;
         for (const PlannedCurve& curve : plan.curves) {
@@ -94,14 +91,12 @@ Table gain_table(const Plan& plan, const std::vector<Result>& results) {
             for (const auto& value : {error, seconds[0], seconds[1], seconds[2], gain, error_ratio(reduced, written)})
                 row.push_back(cell_of(value));
             row.push_back(left_out(needs));
-            table.rows.push_back(std::move(row));
+            named.table.rows.push_back(std::move(row));
         }
     }
-    return table;
+    return named;
 }
 
-Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows) {
-    return {{{"gain", "What leaving out is worth", gain_table(plan, rows), gain_for_people}}};
-}
+Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows) { return {{gain_table(plan, rows)}}; }
 
 }  // namespace polhode

@@ -3,7 +3,6 @@
 #include "body/orientation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "body/mass_properties.h"
+#include "experiment/kinds/curves.h"
 #include "experiment/kinds/inertia_error.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
@@ -34,13 +34,13 @@ std::string words(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a
 constexpr int pieces = 1000;
 
 /// A way from one orientation to another in `pieces` steps of equal time: how long it is and how evenly it is run.
-struct Way {
+struct Route {
     double length = 0;                                                      ///< rad
     double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad in a piece
 };
 template <class At>
-Way way_of(const At& at) {
-    Way way;
+Route way_of(const At& at) {
+    Route way;
     Quaternion<double> before = at(0.0);
     for (int k = 1; k <= pieces; ++k) {
         const Quaternion<double> q = at(k / static_cast<double>(pieces));
@@ -64,15 +64,20 @@ NamedTable interpolation() {
                  {"beside the top", {0, 89, 0}, {90, 89, 0}},
                  {"roll along with yaw, to the top", {0, 60, 0}, {170, 89, 170}},
                  {"near a half turn", {0, 0, 0}, {170, 10, 40}}};
-    NamedTable table{"",
-                     "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
-                     {{"pair", "from_degrees", "to_degrees", "interpolation", "length", "shortest", "length_ratio",
-                       "largest_jump", "speed_ratio"},
-                      {}}};
+    NamedTable table = headed_table("", "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
+                                    {{"pair", "pair"},
+                                     {"from_degrees", "from yaw, pitch, roll (deg)"},
+                                     {"to_degrees", "to"},
+                                     {"interpolation", "interpolation"},
+                                     {"length", "way (rad)"},
+                                     {"shortest", ""},
+                                     {"length_ratio", "way / shortest"},
+                                     {"largest_jump", "largest turn in a step (rad)"},
+                                     {"speed_ratio", "fastest / slowest"}});
     for (const auto& pair : pairs) {
         const Quaternion<double> a = from_degrees(pair.from), b = from_degrees(pair.to);
         const double shortest = rotation_angle_between(a, b);
-        const auto add = [&](const char* name, const Way& way) {
+        const auto add = [&](const char* name, const Route& way) {
             table.table.rows.push_back({std::string(pair.what), words(pair.from), words(pair.to), std::string(name),
                                         way.length, shortest, way.length / shortest, way.fastest,
                                         way.fastest / way.slowest});
@@ -84,14 +89,6 @@ NamedTable interpolation() {
             }));
         add("slerp", way_of([&](double t) { return slerp(a, b, t); }));
     }
-    table.for_people = {{"pair", "pair"},
-                        {"from_degrees", "from yaw, pitch, roll (deg)"},
-                        {"to_degrees", "to"},
-                        {"interpolation", "interpolation"},
-                        {"length", "way (rad)"},
-                        {"length_ratio", "way / shortest"},
-                        {"largest_jump", "largest turn in a step (rad)"},
-                        {"speed_ratio", "fastest / slowest"}};
     return table;
 }
 
@@ -99,9 +96,12 @@ NamedTable interpolation() {
 /// vertical at that distance; known at keys every 9 degrees and interpolated between.
 NamedTable keys() {
     constexpr int count = 20;
-    NamedTable table{"keys",
-                     "A half turn past gimbal lock, known at 21 keys: what is between them",
-                     {{"distance", "interpolation", "largest_angle_change", "attitude_error", "largest_jump"}, {}}};
+    NamedTable table = headed_table("keys", "A half turn past gimbal lock, known at 21 keys: what is between them",
+                                    {{"distance", "distance from lock (rad)"},
+                                     {"interpolation", "interpolation"},
+                                     {"largest_angle_change", "largest change of an angle between keys (rad)"},
+                                     {"attitude_error", "largest attitude error (rad)"},
+                                     {"largest_jump", "largest turn in a 50th of a key (rad)"}});
     for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
         // yaw goes from 100 to 280 degrees: across 180 for certain, not by a rounding error
         const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
@@ -150,11 +150,6 @@ NamedTable keys() {
             return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
         });
     }
-    table.for_people = {{"distance", "distance from lock (rad)"},
-                        {"interpolation", "interpolation"},
-                        {"largest_angle_change", "largest change of an angle between keys (rad)"},
-                        {"attitude_error", "largest attitude error (rad)"},
-                        {"largest_jump", "largest turn in a 50th of a key (rad)"}};
     return table;
 }
 
@@ -190,10 +185,14 @@ NamedTable matrix_order() {
                           B = rotation_matrix(quaternion_from_axis_angle({{0, 0, 1}, 15 * degree}));
     const Vector3<double> V(1, 2, 3);
     const Vector3<double> first_A_then_B = B * (A * V);
-    NamedTable table{"matrix_order",
+    NamedTable table =
+        headed_table("matrix_order",
                      "First a turn A by 20 degrees about x, then B by 15 about z, of V = (1, 2, 3): B (A V) against "
                      "one product",
-                     {{"product", "meaning", "difference", "angle"}, {}}};
+                     {{"product", "product"},
+                      {"meaning", "meaning"},
+                      {"difference", "difference of the vector / |V|"},
+                      {"angle", "difference of the rotation (rad)"}});
     const auto add = [&](const char* product, const char* meaning, const Matrix3<double>& N, const Vector3<double>& W) {
         const Vector3<double> d = W - first_A_then_B;
         const double angle = rotation_angle_between(quaternion_from_matrix(N), quaternion_from_matrix(B * A));
@@ -206,10 +205,6 @@ NamedTable matrix_order() {
     add("(B A) V", "first A, then B, both about fixed axes", BA, BA * V);
     add("V^T (A^T B^T)", "rows instead of columns: there the first stands on the left", transposed(rows),
         transposed(rows) * V);
-    table.for_people = {{"product", "product"},
-                        {"meaning", "meaning"},
-                        {"difference", "difference of the vector / |V|"},
-                        {"angle", "difference of the rotation (rad)"}};
     return table;
 }
 
@@ -279,17 +274,17 @@ void turn_vertices(const char* scalar, long most, Table& table) {
 }
 
 NamedTable vertices(bool quick) {
-    NamedTable table{"vertices",
+    NamedTable table =
+        headed_table("vertices",
                      "Three vertices turned on from where they are, against vertices always from the originals: 1/64 "
                      "rad a step",
-                     {{"scalar", "way", "steps", "defect", "attitude_error"}, {}}};
+                     {{"scalar", "numbers"},
+                      {"way", "way"},
+                      {"steps", "steps"},
+                      {"defect", "|V^T V - 1|"},
+                      {"attitude_error", "attitude error (rad)"}});
     turn_vertices<float>("binary32", quick ? 100000 : 1000000, table.table);
     turn_vertices<double>("binary64", quick ? 100000 : 1000000, table.table);
-    table.for_people = {{"scalar", "numbers"},
-                        {"way", "way"},
-                        {"steps", "steps"},
-                        {"defect", "|V^T V - 1|"},
-                        {"attitude_error", "attitude error (rad)"}};
     return table;
 }
 
@@ -331,7 +326,6 @@ struct Summing {
 
 template <class S>
 void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
-    using Clock = std::chrono::steady_clock;
     const Vector3<double> moments(1, 2, 2.5);
     const Quaternion<double> q = from_degrees({40, 20, -30});
     const Matrix3<Wide> exact = rotation_matrix(normalized(cast<Wide>(q)));
@@ -342,19 +336,11 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
         Quaternion<S> turned = cast<S>(q);
         Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
         S kept = S(0);
-        for (int round = 0; round < rounds; ++round) {
-            for (long frames = 1;; frames *= 4) {
-                const auto start = Clock::now();
-                for (long f = 0; f < frames; ++f) {
-                    turned.w = turned.w + S(1e-6);
-                    kept = kept + tensor(rotation_matrix(turned))[0][0];
-                }
-                const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-                if (seconds < 2e-5) continue;
-                summing.seconds.push_back(seconds / static_cast<double>(frames));
-                break;
-            }
-        }
+        for (int round = 0; round < rounds; ++round)
+            summing.seconds.push_back(seconds_of([&] {
+                turned.w = turned.w + S(1e-6);
+                kept = kept + tensor(rotation_matrix(turned))[0][0];
+            }));
         if (!std::isfinite(kept)) throw std::runtime_error("an inertia tensor is not finite");
         found.push_back(std::move(summing));
     };
@@ -370,17 +356,17 @@ NamedTable inertia(int rounds) {
     std::vector<Summing> found;
     sum_inertia<float>("binary32", rounds, found);
     sum_inertia<double>("binary64", rounds, found);
-    NamedTable table{"inertia",
-                     "The inertia tensor in world axes, anew in every frame: summed over world points, or A I A^T",
-                     {{"scalar", "way", "points", "seconds_min", "seconds_median", "inertia_error"}, {}}};
+    NamedTable table = headed_table(
+        "inertia", "The inertia tensor in world axes, anew in every frame: summed over world points, or A I A^T",
+        {{"scalar", "numbers"},
+         {"way", "way"},
+         {"points", "points"},
+         {"seconds_min", ""},
+         {"seconds_median", "time a frame (s)"},
+         {"inertia_error", "relative error of the tensor"}});
     for (const Summing& s : found)
         table.table.rows.push_back({s.scalar, s.way, cell_of(s.points),
                                     *std::min_element(s.seconds.begin(), s.seconds.end()), median(s.seconds), s.error});
-    table.for_people = {{"scalar", "numbers"},
-                        {"way", "way"},
-                        {"points", "points"},
-                        {"seconds_median", "time a frame (s)"},
-                        {"inertia_error", "relative error of the tensor"}};
     return table;
 }
 
@@ -402,16 +388,9 @@ Findings run_orientation(const Plan& plan, const RunOptions& options) {
         Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};
         for (const auto& row : drift.rows) {
             if (text_of(row[0]) != scalar) continue;
-            const std::string way = text_of(row[1]);
-            auto curve =
-                std::find_if(panel.curves.begin(), panel.curves.end(), [&](const Curve& c) { return c.label == way; });
-            if (curve == panel.curves.end()) {
-                Curve begun;
-                begun.label = way, begun.color = static_cast<int>(panel.curves.size());
-                curve = panel.curves.insert(panel.curves.end(), std::move(begun));
-            }
-            curve->x.push_back(static_cast<double>(std::get<long>(row[2])));
-            curve->y.push_back(std::get<double>(row[3]));
+            Curve& curve = curve_named(panel.curves, text_of(row[1]));
+            curve.x.push_back(static_cast<double>(std::get<long>(row[2])));
+            curve.y.push_back(std::get<double>(row[3]));
         }
         figure.figure.panels.push_back(std::move(panel));
     }

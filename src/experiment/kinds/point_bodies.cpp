@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
@@ -19,18 +20,18 @@ namespace {
 
 using Solve = PointRun (*)(const Problem&, const Settings&, const PointOptions&);
 
-struct Way {
+struct PointMethod {
     const char* name;
     Solve solve;
 };
-constexpr Way rk4{"point_springs_rk4", point_springs_rk4};
-constexpr Way verlet{"point_springs_verlet", point_springs_verlet};
-constexpr Way cvode{"point_springs_cvode_bdf", point_springs_cvode_bdf};
-constexpr Way ida{"point_constraints_ida", point_constraints_ida};
-constexpr Way xpbd{"point_xpbd", point_xpbd};
+constexpr PointMethod rk4{"point_springs_rk4", point_springs_rk4};
+constexpr PointMethod verlet{"point_springs_verlet", point_springs_verlet};
+constexpr PointMethod cvode{"point_springs_cvode_bdf", point_springs_cvode_bdf};
+constexpr PointMethod ida{"point_constraints_ida", point_constraints_ida};
+constexpr PointMethod xpbd{"point_xpbd", point_xpbd};
 
 // h times the fastest vibration's frequency at which each explicit scheme becomes unstable
-double stability_limit(const Way& way) { return way.solve == point_springs_rk4 ? 2 * std::sqrt(2.0) : 2.0; }
+double stability_limit(const PointMethod& way) { return way.solve == point_springs_rk4 ? 2 * std::sqrt(2.0) : 2.0; }
 
 struct Outcome {
     Trajectory trajectory;
@@ -55,7 +56,7 @@ class Bench {
             errors(error_series(problem.scene, trajectory, truth), trajectory, truth)["attitude"].max;
         return outcome;
     }
-    Outcome run(const Way& way, Settings settings, const PointOptions& options) const {
+    Outcome run(const PointMethod& way, Settings settings, const PointOptions& options) const {
         settings.samples = samples;
         const PointRun found = way.solve(problem, settings, options);
         return judge(found.trajectory,
@@ -116,23 +117,16 @@ Settings with_tolerance(double R, long max_steps) {
     return settings;
 }
 
-class Curves {
-  public:
-    void add(const std::string& name, double x, const Outcome& outcome) {
-        if (!outcome.attitude_error) return;
-        auto at = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == name; });
-        if (at == curves.end()) {
-            curves.push_back({});
-            at = curves.end() - 1;
-            at->label = name, at->color = static_cast<int>(curves.size()) - 1;
-        }
-        at->x.push_back(x), at->y.push_back(*outcome.attitude_error);
-    }
-    std::vector<Curve> curves;
-};
+using Curves = std::vector<Curve>;
+
+void add_point(Curves& curves, const std::string& name, double x, const Outcome& outcome) {
+    if (!outcome.attitude_error) return;
+    Curve& curve = curve_named(curves, name);
+    curve.x.push_back(x), curve.y.push_back(*outcome.attitude_error);
+}
 
 // By each method of springs: 10^2 to 10^10 N/m, explicit steps at half of what is stable.
-Table stiffness_table(const Bench& bench, bool quick, Curves& curves) {
+Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
     const long max_steps = quick ? 20000 : 5'000'000, max_implicit = quick ? 5000 : 30000;
     const PointBody body = point_body(bench.problem, {});
@@ -140,32 +134,32 @@ Table stiffness_table(const Bench& bench, bool quick, Curves& curves) {
         PointOptions options;
         options.stiffness = std::pow(10.0, decade);
         const double fastest = spring_frequencies(body, *options.stiffness).fastest;
-        for (const Way* way : {&rk4, &verlet}) {
+        for (const PointMethod* way : {&rk4, &verlet}) {
             const double h = bench.step(0.5 * stability_limit(*way) / fastest);
             const Outcome outcome = bench.run(*way, with_step(h, max_steps), options);
             add_row(table, {bench.label, way->name, *options.stiffness, 0.0, "step", h}, outcome);
-            curves.add(way->name, *options.stiffness, outcome);
+            add_point(curves, way->name, *options.stiffness, outcome);
         }
         for (const double ratio : {0.0, 1.0})
             for (const double R : quick ? std::vector{1e-8} : std::vector{1e-6, 1e-8, 1e-10}) {
                 options.damping_ratio = ratio;
                 const Outcome outcome = bench.run(cvode, with_tolerance(R, max_implicit), options);
                 add_row(table, {bench.label, cvode.name, *options.stiffness, ratio, "tolerance", R}, outcome);
-                curves.add(fmt::format("cvode_bdf {:g}{}", R, ratio == 0 ? "" : ", damped"), *options.stiffness,
-                           outcome);
+                add_point(curves, fmt::format("cvode_bdf {:g}{}", R, ratio == 0 ? "" : ", damped"), *options.stiffness,
+                          outcome);
             }
     }
     return table;
 }
 
 // By the default stiffness, around the step beyond which an explicit scheme is unstable.
-Table stability_table(const Bench& bench, bool quick) {
+Table measure_stability(const Bench& bench, bool quick) {
     Table table = table_of({"scene", "method", "h_over_limit", "setting"});
     const PointBody body = point_body(bench.problem, {});
     PointOptions options;
     options.stiffness = default_stiffness(bench.problem, body);
     const double fastest = spring_frequencies(body, *options.stiffness).fastest;
-    for (const Way* way : {&rk4, &verlet})
+    for (const PointMethod* way : {&rk4, &verlet})
         for (const double share : {2.0, 1.2, 1.05, 0.95, 0.8, 0.5, 0.25}) {
             if (quick && share < 0.8) continue;
             const double h = bench.step(share * stability_limit(*way) / fastest);
@@ -176,12 +170,12 @@ Table stability_table(const Bench& bench, bool quick) {
 }
 
 // Hard distances, and the rigid body itself at the same settings.
-Table hard_table(const Bench& bench, bool quick, Curves& curves) {
+Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "iterations", "setting_kind", "setting"});
     const auto note = [&](const std::string& name, std::vector<Cell> row, const Outcome& outcome) {
         row.insert(row.begin(), bench.label);
         add_row(table, std::move(row), outcome);
-        if (outcome.trajectory.seconds > 0) curves.add(name, outcome.trajectory.seconds, outcome);
+        if (outcome.trajectory.seconds > 0) add_point(curves, name, outcome.trajectory.seconds, outcome);
     };
     for (int digits = 2; digits <= 12; digits += quick ? 4 : 2) {
         const double R = std::pow(10.0, -digits);
@@ -204,7 +198,7 @@ Table hard_table(const Bench& bench, bool quick, Curves& curves) {
 }
 
 // 8, 27 and 64 points of the same mass properties.
-Table counts_table(const Bench& bench, bool quick) {
+Table measure_counts(const Bench& bench, bool quick) {
     Table table = table_of(
         {"scene", "points", "links", "slowest_frequency", "fastest_frequency", "method", "setting_kind", "setting"});
     for (int n = 2; n <= (quick ? 3 : 4); ++n) {
@@ -213,13 +207,13 @@ Table counts_table(const Bench& bench, bool quick) {
         const PointBody body = point_body(bench.problem, options.arrangement);
         options.stiffness = default_stiffness(bench.problem, body);
         const SpringFrequencies w = spring_frequencies(body, *options.stiffness);
-        const auto add = [&](const Way& way, const char* kind, double setting, const Settings& settings) {
+        const auto add = [&](const PointMethod& way, const char* kind, double setting, const Settings& settings) {
             add_row(table,
                     {bench.label, static_cast<long>(body.count()), static_cast<long>(body.links.size()), w.slowest,
                      w.fastest, way.name, kind, setting},
                     bench.run(way, settings, options));
         };
-        for (const Way* way : {&rk4, &verlet}) {
+        for (const PointMethod* way : {&rk4, &verlet}) {
             const double h = bench.step(0.5 * stability_limit(*way) / w.fastest);
             add(*way, "step", h, with_step(h, quick ? 20000 : 300000));
         }
@@ -248,19 +242,19 @@ Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
         add("",
             "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
             "damping ratio that of the slowest vibration",
-            stiffness_table(bench, options.quick, by_stiffness));
+            measure_stiffness(bench, options.quick, by_stiffness));
         add("stability", "explicit steps around the limit that the fastest vibration sets (h w = 2.83, 2)",
-            stability_table(bench, options.quick));
+            measure_stability(bench, options.quick));
         add("hard", "hard distances by IDA and by position-based dynamics, beside the rigid body's own equations",
-            hard_table(bench, options.quick, by_time));
+            measure_hard_distances(bench, options.quick, by_time));
         add("counts", "n^3 points of the same mass properties on springs and at hard distances",
-            counts_table(bench, options.quick));
-        figure.panels.push_back({planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true,
-                                 true, by_stiffness.curves});
+            measure_counts(bench, options.quick));
+        figure.panels.push_back(
+            {planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true, true, by_stiffness});
         // colours go on where those of the other panel end: curves of one label share one entry
-        for (Curve& curve : by_time.curves) curve.color += static_cast<int>(by_stiffness.curves.size());
-        figure.panels.push_back({planned.label + ": hard distances", "run time (s)", "largest attitude error (rad)",
-                                 true, true, by_time.curves});
+        for (Curve& curve : by_time) curve.color += static_cast<int>(by_stiffness.size());
+        figure.panels.push_back(
+            {planned.label + ": hard distances", "run time (s)", "largest attitude error (rad)", true, true, by_time});
     }
     result.figures.push_back({"point_bodies", std::move(figure)});
     return result;

@@ -4,20 +4,16 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <deque>
+#include <limits>
 #include <optional>
 
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
-#include "experiment/run/case.h"
 #include "experiment/run/findings.h"
-#include "experiment/run/sweep.h"
-#include "experiment/run/timing.h"
 #include "integrators/run/stiffness.h"
-#include "integrators/truth/reference.h"
 #include "measure/growth.h"
+#include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
@@ -78,89 +74,30 @@ struct Runner {
     TimeAt time;
 };
 
-class SceneSpeeds {
-  public:
-    SceneSpeeds(const Plan& plan, const PlannedScene& scene, std::vector<Result>& all)
-        : plan_(plan), scene_(scene), problem_(pose(scene.scene)) {
-        measure(all);
+// The fastest at this error of the curves that belong, among the rows of one scene.
+template <class Belongs>
+std::optional<Runner> fastest(const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows,
+                              double level, const Belongs& belongs) {
+    std::optional<Runner> best;
+    for (const PlannedCurve& curve : plan.curves) {
+        if (!belongs(curve)) continue;
+        const std::optional<TimeAt> time = time_at(rows_of(rows, scene, curve), level);
+        if (time && (!best || time->median < best->time.median)) best = Runner{&curve, *time};
     }
-    const Problem& problem() const { return problem_; }
-
-    std::vector<const Result*> rows(const PlannedCurve& curve) const {
-        std::vector<const Result*> found;
-        for (const Case& c : cases_)
-            if (c.curve == &curve && c.result) found.push_back(&*c.result);
-        return found;
-    }
-    std::optional<TimeAt> time_of(const PlannedCurve& curve, double level) const { return time_at(rows(curve), level); }
-
-    template <class Belongs>
-    std::optional<Runner> fastest(double level, const Belongs& belongs) const {
-        std::optional<Runner> best;
-        for (const PlannedCurve& curve : plan_.curves) {
-            if (!belongs(curve)) continue;
-            const std::optional<TimeAt> time = time_of(curve, level);
-            if (time && (!best || time->median < best->time.median)) best = Runner{&curve, *time};
-        }
-        return best;
-    }
-
-  private:
-    void measure(std::vector<Result>& all) {
-        static const std::atomic<bool> never{false};
-        const Reference truth = reference(scene_.scene, plan_.experiment.samples);
-        for (const PlannedCurve& curve : plan_.curves) {
-            const Case* cut = nullptr;
-            for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
-                cases_.push_back({&scene_, &curve, rank, "", {}, {}});
-                if (cut)
-                    cut_curve(*cut, cases_.back());
-                else
-                    measure_errors(plan_.experiment, problem_, truth, cases_.back());
-                if (cases_.back().result->cut && !cut) cut = &cut_.emplace_back(cases_.back());
-            }
-        }
-        std::vector<TimedRun> runs;
-        std::vector<Case*> timed;
-        for (Case& c : cases_) {
-            const double expected = c.result->seconds_min.value_or(0);
-            c.result->seconds_min.reset();
-            if (c.result->status != Status::ok) continue;
-            runs.push_back({&problem_, c.curve->method, c.settings, expected});
-            timed.push_back(&c);
-        }
-        time_interleaved(runs, plan_.experiment.repeats, never);
-        for (std::size_t i = 0; i < runs.size(); ++i) {
-            Result& result = *timed[i]->result;
-            if (runs[i].failure.empty()) {
-                result.seconds_min = runs[i].minimum(), result.seconds_median = runs[i].median();
-                result.repeats = static_cast<long>(runs[i].seconds.size());
-            } else {
-                result.status = Status::failed, result.message = runs[i].failure, result.errors = {};
-                result.cut = runs[i].limit_reached;
-            }
-        }
-        for (const Case& c : cases_) all.push_back(*c.result);
-    }
-
-    const Plan& plan_;
-    const PlannedScene& scene_;
-    Problem problem_;
-    std::vector<Case> cases_;
-    std::deque<Case> cut_;
-};
+    return best;
+}
 
 bool controlled(const PlannedCurve& curve) { return curve.kind == SettingKind::tolerance; }
 bool steps_by_itself(const PlannedCurve& curve) { return curve.method->library.empty() && controlled(curve); }
 
-void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& speeds) {
-    for (const Comparison& comparison : comparisons(speeds.problem()))
+void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
+    for (const Comparison& comparison : comparisons(pose(scene.scene)))
         for (std::size_t i = 0; i < levels.size(); ++i) {
             const std::string_view own_name = comparison.own, peer_name = comparison.peer;
-            const auto own = speeds.fastest(levels[i], [&](const PlannedCurve& c) {
+            const auto own = fastest(plan, scene, rows, levels[i], [&](const PlannedCurve& c) {
                 return own_name.empty() ? steps_by_itself(c) : c.method->name == own_name;
             });
-            const auto peer = speeds.fastest(levels[i], [&](const PlannedCurve& c) {
+            const auto peer = fastest(plan, scene, rows, levels[i], [&](const PlannedCurve& c) {
                 return peer_name.empty() ? !c.method->library.empty() : c.method->name == peer_name && controlled(c);
             });
             std::vector<Cell> row{scene.label, levels[i]};
@@ -185,10 +122,11 @@ void add_margins(Table& table, const PlannedScene& scene, const SceneSpeeds& spe
         }
 }
 
-void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, const SceneSpeeds& speeds) {
+void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
     for (const PlannedCurve& curve : plan.curves) {
+        const std::vector<const Result*> own = rows_of(rows, scene, curve);
         const Result* best = nullptr;
-        for (const Result* row : speeds.rows(curve))
+        for (const Result* row : own)
             if (row->status == Status::ok && row->errors["attitude"].max &&
                 (!best || *row->errors["attitude"].max < *best->errors["attitude"].max))
                 best = row;
@@ -202,92 +140,89 @@ void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, con
             row.insert(row.end(), 5, Cell());
         }
         for (const double level : levels) {
-            const std::optional<TimeAt> time = speeds.time_of(curve, level);
+            const std::optional<TimeAt> time = time_at(own, level);
             row.push_back(cell_of(time ? std::optional(time->median) : std::nullopt));
         }
         table.rows.push_back(std::move(row));
     }
 }
 
-// Over T, 10 T, 100 T at the finest tolerance: how errors grow, what a second of motion costs.
-void add_long(Table& table, const Plan& plan, const PlannedScene& scene, bool quick) {
-    if (!pose(scene.scene).needs.torque_free) return;  // a truth that costs the same for any T
-    for (const PlannedCurve& curve : plan.curves) {
-        if (!steps_by_itself(curve)) continue;
-        for (double factor = 1; factor <= (quick ? 10 : 100); factor *= 10) {
-            PlannedScene longer = scene;
-            longer.scene.duration *= factor;
-            const Problem problem = pose(longer.scene);
-            Settings settings;
-            settings.tolerance = curve.settings.back();
-            settings.samples = 1000;
-            const Trajectory trajectory = solve(problem, *curve.method, settings);
-            settings.record = false;
-            const Trajectory timed = solve(problem, *curve.method, settings);
-            const Reference truth = reference(longer.scene, settings.samples);
-            std::vector<Cell> row{scene.label, std::string(curve.method->name), *settings.tolerance,
-                                  longer.scene.duration, std::string(name_of(trajectory.status))};
-            if (trajectory.status == Status::ok) {
-                const ErrorSeries series = error_series(longer.scene, trajectory, truth);
-                const Errors worst = errors(series, trajectory, truth);
-                const auto exponent = [&](const std::vector<double>& error) {
-                    const std::optional<Growth> growth = error_growth(series.t, error, 0.1);
-                    return cell_of(growth ? std::optional(growth->exponent) : std::nullopt);
-                };
-                row.insert(row.end(),
-                           {cell_of(worst["attitude"].max), exponent(series["attitude"]), cell_of(worst["energy"].max),
-                            exponent(series["energy"]), trajectory.steps, timed.seconds / longer.scene.duration, ""});
-            } else {
-                row.insert(row.end(), {Cell(), Cell(), Cell(), Cell(), Cell(), Cell(), trajectory.message});
-            }
-            table.rows.push_back(std::move(row));
-        }
+// From the rows of the long runs: how errors grow, what a second of motion costs.
+Findings conclude_long(const Plan& plan, const std::vector<Result>& rows) {
+    Table table{{"scene", "method", "tolerance", "duration", "status", "attitude_error_max", "attitude_exponent",
+                 "energy_error_max", "energy_exponent", "steps", "seconds_per_second_of_motion", "message"},
+                {}};
+    const auto exponent = [](const Result& row, const char* measure) {
+        const std::optional<Growth> growth = error_growth(row.series.t, row.series[measure], 0.1);
+        return cell_of(growth ? std::optional(growth->exponent) : std::nullopt);
+    };
+    const auto add = [&](const PlannedScene& scene, const Result& row) {
+        std::vector<Cell> cells{scene.scene.name, row.method, row.setting, scene.scene.duration,
+                                std::string(name_of(row.status))};
+        if (row.status == Status::ok)
+            cells.insert(cells.end(), {cell_of(row.errors["attitude"].max), exponent(row, "attitude"),
+                                       cell_of(row.errors["energy"].max), exponent(row, "energy"), cell_of(row.steps),
+                                       *row.seconds_median / scene.scene.duration});
+        else
+            cells.insert(cells.end(), 6, Cell());
+        cells.emplace_back(row.message);
+        table.rows.push_back(std::move(cells));
+    };
+    // scene by scene, method by method, the durations of each one below the other
+    for (auto first = plan.scenes.begin(), last = first; first != plan.scenes.end(); first = last) {
+        last = std::find_if(first, plan.scenes.end(),
+                            [&](const PlannedScene& other) { return other.scene.name != first->scene.name; });
+        for (const PlannedCurve& curve : plan.curves)
+            for (auto scene = first; scene != last; ++scene)
+                for (const Result* row : rows_of(rows, *scene, curve)) add(*scene, *row);
     }
+    return {{{"long", "Long runs of closed-form motions", std::move(table)}}};
 }
 
 }  // namespace
 
-Findings run_speed(const Plan& plan, const RunOptions& options) {
-    Findings result;
-    NamedTable margins{"margins",
-                       "Factors in time at equal error, asked for and reached",
-                       {{"scene", "attitude_error", "own", "own_seconds", "peer", "peer_seconds", "ratio",
-                         "ratio_of_minima", "ratio_asked", "reached"},
-                        {}},
-                       {{"scene", "scene"},
-                        {"attitude_error", "error (rad)"},
-                        {"own", "ours"},
-                        {"own_seconds", "time (s)"},
-                        {"peer", "against"},
-                        {"peer_seconds", "time (s)"},
-                        {"ratio", "factor"},
-                        {"ratio_asked", "asked"}}};
+Plan long_runs(const Plan& plan) {
+    static const Kind kind{.name = "speed", .reads = {}, .conclude = conclude_long, .keeps_series = true};
+    Plan longer{plan.experiment, {}, {}, plan.quick};
+    longer.experiment.kind = &kind, longer.experiment.samples = 1000;
+    longer.experiment.seconds_per_run = std::numeric_limits<double>::infinity();
+    longer.experiment.max_evaluations = std::numeric_limits<long>::max();
+    for (const PlannedScene& scene : plan.scenes) {
+        if (!pose(scene.scene).needs.torque_free) continue;  // a truth that costs the same for any T
+        for (const double factor : plan.quick ? std::vector{1.0, 10.0} : std::vector{1.0, 10.0, 100.0}) {
+            PlannedScene& added = longer.scenes.emplace_back(scene);
+            added.scene.duration *= factor;
+            added.label = fmt::format("{}{{/duration={}}}", scene.label, added.scene.duration);
+            added.canonical = write_scene(added.scene);
+        }
+    }
+    for (const PlannedCurve& curve : plan.curves)
+        if (steps_by_itself(curve)) longer.curves.emplace_back(curve).settings = {curve.settings.back()};
+    return longer;
+}
+
+Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
+    NamedTable margins = headed_table("margins", "Factors in time at equal error, asked for and reached",
+                                      {{"scene", "scene"},
+                                       {"attitude_error", "error (rad)"},
+                                       {"own", "ours"},
+                                       {"own_seconds", "time (s)"},
+                                       {"peer", "against"},
+                                       {"peer_seconds", "time (s)"},
+                                       {"ratio", "factor"},
+                                       {"ratio_of_minima", ""},
+                                       {"ratio_asked", "asked"},
+                                       {"reached", ""}});
     NamedTable smallest{"smallest",
                         "The smallest error of each method and its time at given errors",
                         {{"scene", "method", "setting", "attitude_error_max", "momentum_error_max", "energy_error_max",
                           "seconds_median", "seconds_at_1e-6", "seconds_at_1e-9", "seconds_at_1e-12"},
                          {}}};
-    NamedTable lasting{
-        "long",
-        "Long runs of closed-form motions",
-        {{"scene", "method", "tolerance", "duration", "status", "attitude_error_max", "attitude_exponent",
-          "energy_error_max", "energy_exponent", "steps", "seconds_per_second_of_motion", "message"},
-         {}}};
-    std::vector<Result> all;
     for (const PlannedScene& scene : plan.scenes) {
-        const SceneSpeeds speeds(plan, scene, all);
-        add_margins(margins.table, scene, speeds);
-        add_smallest(smallest.table, plan, scene, speeds);
-        add_long(lasting.table, plan, scene, options.quick);
+        add_margins(margins.table, plan, scene, rows);
+        add_smallest(smallest.table, plan, scene, rows);
     }
-    NamedTable runs{"", "", {result_columns(), {}}};
-    for (const Result& row : all) runs.table.rows.push_back(row_of(plan.experiment.name, row));
-    runs.for_people = {
-        {"scene", "scene"},   {"method", "method"},           {"setting", "setting"},
-        {"status", "status"}, {"seconds_median", "time (s)"}, {"attitude_error_max", "attitude error (rad)"}};
-    result.figures = work_precision_figures(plan, all);
-    for (NamedTable* table : {&runs, &margins, &smallest, &lasting}) result.tables.push_back(std::move(*table));
-    return result;
+    return {{std::move(margins), std::move(smallest)}, work_precision_figures(plan, rows)};
 }
 
 }  // namespace polhode

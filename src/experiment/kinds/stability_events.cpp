@@ -64,7 +64,7 @@ Quaternion<double> true_end(const Discontinuity& d) {
 }
 
 constexpr const char* stepped[] = {"odeint_euler", "odeint_rk4", "munthe_kaas4", "odeint_fehlberg78"};
-constexpr const char* controlled[] = {"dop853", "extrapolation", "cvode_adams"};
+constexpr const char* with_step_control[] = {"dop853", "extrapolation", "cvode_adams"};
 
 std::vector<double> settings_of(bool by_step, bool quick) {
     std::vector<double> settings;
@@ -112,33 +112,32 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
 
 }  // namespace
 
-NamedTable discontinuity_table(bool quick) {
+NamedTable measure_discontinuities(bool quick) {
     const Discontinuity cases[] = {
         {"torque jumps", 2 * begins, [](double) { return 0.7; }, true},
         {"its derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
         {"pulse shorter than a step", begins + 0x1p-10, [](double) { return 700.0; }, true},
     };
-    NamedTable table{"discontinuities",
-                     "What stepping over a discontinuity costs",
-                     {{"case", "method", "setting_kind", "stepped", "claimed_order", "observed_order", "finest_setting",
-                       "error_at_finest", "steps", "rhs_evaluations", "rejected_steps", "status", "message"},
-                      {}},
-                     {{"case", "case"},
-                      {"method", "method"},
-                      {"stepped", "stepped"},
-                      {"claimed_order", "claimed order"},
-                      {"observed_order", "observed order"},
-                      {"finest_setting", "finest step (s) or tolerance"},
-                      {"error_at_finest", "attitude error there (rad)"},
-                      {"steps", "steps"},
-                      {"rejected_steps", "rejected"},
-                      {"status", "status"}}};
+    NamedTable table = headed_table("discontinuities", "What stepping over a discontinuity costs",
+                                    {{"case", "case"},
+                                     {"method", "method"},
+                                     {"setting_kind", ""},
+                                     {"stepped", "stepped"},
+                                     {"claimed_order", "claimed order"},
+                                     {"observed_order", "observed order"},
+                                     {"finest_setting", "finest step (s) or tolerance"},
+                                     {"error_at_finest", "attitude error there (rad)"},
+                                     {"steps", "steps"},
+                                     {"rhs_evaluations", ""},
+                                     {"rejected_steps", "rejected"},
+                                     {"status", "status"},
+                                     {"message", ""}});
     for (const Discontinuity& d : cases) {
         const Quaternion<double> truth = true_end(d);
         for (const char* method : stepped)
             for (const bool onto : {true, false})
                 table.table.rows.push_back(row_of(d, method, true, onto, truth, quick));
-        for (const char* method : controlled)
+        for (const char* method : with_step_control)
             for (const bool onto : {true, false})
                 table.table.rows.push_back(row_of(d, method, false, onto, truth, quick));
     }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/elementary.h"
 #include "experiment/kinds/stability_tables.h"
 #include "integrators/analysis/linear_stability.h"
 #include "integrators/run/eigenvalues.h"
@@ -9,8 +10,6 @@
 
 namespace polhode {
 namespace {
-
-double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 
 /// h |lambda| on the stiff axis at which a method's numbers begin to grow.
 class GrowthSearch {
@@ -57,10 +56,10 @@ class GrowthSearch {
         double largest = 0;
         for (const Sample& sample : run.samples) {
             const Vector3<double> turned = vector_part(normalized(from_start * sample.q));
-            largest = std::max(
-                {largest, length(sample.angular_velocity_B) / rate_, 2 * std::asin(std::min(1.0, length(turned)))});
+            largest = std::max({largest, hypotenuse(sample.angular_velocity_B) / rate_,
+                                2 * std::asin(std::min(1.0, hypotenuse(turned)))});
         }
-        return largest > growth * length(run.samples.front().angular_velocity_B) / rate_;
+        return largest > growth * hypotenuse(run.samples.front().angular_velocity_B) / rate_;
     }
 
   private:
@@ -94,11 +93,11 @@ bool turns_as_a_body(const Method& method) { return method.family != Family::poi
 
 }  // namespace
 
-Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, bool quick) {
+Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick) {
     Table table{{"scene", "method", "eigenvalue_real", "eigenvalue_imaginary", "theory", "measured", "deviation",
                  "growth_beyond", "remark"},
                 {}};
-    struct Line {
+    struct Comparison {
         std::size_t scene;
         const Method* method;
         std::complex<double> lambda;
@@ -106,7 +105,7 @@ Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, b
         std::optional<double> measured;
         bool grows_early = false;
     };
-    std::vector<Line> lines;
+    std::vector<Comparison> lines;
     for (const std::size_t s : directions(found))
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step || !turns_as_a_body(*curve.method)) continue;
@@ -115,7 +114,7 @@ Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, b
                 lines.push_back({s, curve.method, lambda, *theory, {}});
         }
     parallel_for(lines.size(), jobs, [&](std::size_t i) {
-        Line& line = lines[i];
+        Comparison& line = lines[i];
         if (sweep_interrupted()) return;
         const GrowthSearch search(plan.scenes[line.scene].scene, *line.method, std::abs(line.lambda),
                                   quick ? 5'000 : 50'000);
@@ -125,7 +124,7 @@ Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, b
         else
             line.measured = search.limit(line.theory);
     });
-    for (const Line& line : lines) {
+    for (const Comparison& line : lines) {
         const bool bounded = std::isfinite(line.theory) && line.theory > 0;
         // what a step adds 5 % beyond the theory's limit: below some 1e-4 it takes more steps than these to show
         const auto growth_beyond = [&](double theory) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "body/elementary.h"
 #include "experiment/kinds/stability.h"
 #include "integrators/analysis/linear_stability.h"
 #include "integrators/truth/reference.h"
@@ -74,7 +75,6 @@ Vector3<double> momentum_W(const Problem& problem, const Quaternion<double>& q, 
 double kinetic_energy(const Problem& problem, const Vector3<double>& w_B) {
     return 0.5 * dot(w_B, problem.body.inertia_B * w_B);
 }
-double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 
 MapColumn column_of(const Scene& scene, double x, long samples) {
     MapColumn column{x, pose(scene), reference(scene, samples), {}, 0};
@@ -140,8 +140,8 @@ MapCell run_cell(const StepMap& map, const MapColumn& column, const Method& meth
     const Sample& end = run.samples.back();
     const Vector3<double> L = momentum_W(column.problem, end.q, end.angular_velocity_B);
     cell.energy_ratio = kinetic_energy(column.problem, end.angular_velocity_B) / column.energy;
-    cell.momentum_ratio = length(L) / length(column.momentum_W);
-    cell.momentum_angle = std::atan2(length(cross(L, column.momentum_W)), dot(L, column.momentum_W));
+    cell.momentum_ratio = hypotenuse(L) / hypotenuse(column.momentum_W);
+    cell.momentum_angle = std::atan2(hypotenuse(cross(L, column.momentum_W)), dot(L, column.momentum_W));
     return cell;
 }
 
@@ -276,12 +276,10 @@ Found least_turn(const StepMap& map, const MethodMap& m, const Passes& passes) {
 }
 
 NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& maps) {
-    NamedTable named{"gyroscopic",
+    NamedTable named =
+        headed_table("gyroscopic",
                      "What the gyroscopic updates of game engines do to a free body: least step times spin (rad) at "
                      "which it happens within 2 s",
-                     {{"method", "blows_up_from", "damps_from", "energy_left", "momentum_off_there", "gains_from",
-                       "attitude_alone_from", "momentum_off_then", "attitude_off_then", "runs_within_0.1"},
-                      {}},
                      {{"method", "method"},
                       {"blows_up_from", "diverges from (rad)"},
                       {"damps_from", "loses 10 % of its energy from (rad)"},
@@ -290,7 +288,8 @@ NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& ma
                       {"gains_from", "gains 10 % from (rad)"},
                       {"attitude_alone_from", "|L| within 1e-6, attitude 0.1 rad off from (rad)"},
                       {"momentum_off_then", "direction of L off then (rad)"},
-                      {"runs_within_0.1", "share of runs within 0.1 rad"}}};
+                      {"attitude_off_then", ""},
+                      {"runs_within_0.1", "share of runs within 0.1 rad"}});
     for (const MethodMap& m : maps) {
         if (m.method->family != Family::engine_update) continue;
         const Found blown = least_turn(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });
@@ -314,7 +313,7 @@ NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& ma
 
 }  // namespace
 
-Findings step_maps(std::span<const Method* const> methods, int jobs, bool quick) {
+Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool quick) {
     Findings result;
     NamedTable rows{"maps",
                     "",

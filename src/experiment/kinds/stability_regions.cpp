@@ -131,7 +131,7 @@ Panel panel_of(const char* title, double left, double right) {
 
 }  // namespace
 
-std::vector<NamedFigure> stability_region_figures(std::span<const PlannedScene> scenes) {
+std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes) {
     const std::vector<Spectrum> spectra = spectra_of(scenes);
     NamedFigure plane{"stability_regions", {"Stable where inside the line: |growth of a step| ≤ 1", 2, {}, ""}};
     const std::pair<Region, Panel> panels[] = {

@@ -3,21 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <iterator>
 #include <memory>
-#include <mutex>
+#include <stdexcept>
 
-#include "experiment/plan/pattern.h"
 #include "experiment/run/case.h"
-#include "experiment/run/case_store.h"
-#include "experiment/run/progress.h"
+#include "experiment/run/search.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/run/eigenvalues.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene_family.h"
-#include "text/content_hash.h"
-#include "text/parallel.h"
 
 namespace polhode {
 namespace {
@@ -82,10 +78,10 @@ void name_the_wrong(const Experiment& experiment, Result& result, Outcome outcom
 }
 
 /// All runs of one method on one scene by one kind of setting.
-class Search {
+class StepSearch {
   public:
-    Search(const Experiment& experiment, const PlannedScene& planned, const Posed& posed, const StabilityScene& scene,
-           const PlannedCurve& curve)
+    StepSearch(const Experiment& experiment, const PlannedScene& planned, const Posed& posed,
+               const StabilityScene& scene, const PlannedCurve& curve)
         : experiment_(experiment), planned_(planned), posed_(posed), scene_(scene), curve_(curve) {}
 
     std::vector<StabilityRun> run() {
@@ -183,12 +179,6 @@ class Search {
     std::vector<StabilityRun> runs_;
 };
 
-std::string key_of(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve) {
-    std::string settings;
-    for (const double setting : curve.settings) settings += fmt::format(" {}", setting);
-    return content_hash(case_key(plan, scene, curve, 0) + settings);
-}
-
 const std::vector<std::string> further_columns{"family", "parameter", "fastest_rate", "outcome"};
 
 std::vector<Cell> cells_of(const std::string& experiment, const StabilityScene& scene, const StabilityRun& run) {
@@ -210,18 +200,29 @@ Outcome outcome_named(const std::string& name) {
     throw std::invalid_argument("not an outcome");
 }
 
-std::optional<std::vector<StabilityRun>> load_runs(const std::string& directory, const std::string& key) {
-    const std::optional<Table> table = load_rows(directory, key);
-    if (!table) return {};
+Table table_of_runs(const std::string& experiment, const StabilityScene& scene, const std::vector<StabilityRun>& runs) {
+    Table table{columns_of_runs(), {}};
+    for (const StabilityRun& run : runs) table.rows.push_back(cells_of(experiment, scene, run));
+    return table;
+}
+
+// throws std::invalid_argument where a cell cannot be read
+std::vector<StabilityRun> runs_of(const Table& table) {
     std::vector<StabilityRun> runs;
-    try {
-        const std::size_t outcome = column_index(*table, "outcome");
-        for (std::size_t row = 0; row < table->rows.size(); ++row)
-            runs.push_back({result_of(*table, row), outcome_named(text_of(table->rows[row][outcome]))});
-    } catch (const std::invalid_argument&) {
-        return {};
-    }
+    const std::size_t outcome = column_index(table, "outcome");
+    for (std::size_t row = 0; row < table.rows.size(); ++row)
+        runs.push_back({result_of(table, row), outcome_named(text_of(table.rows[row][outcome]))});
     return runs;
+}
+
+// a varied scene, NAME{..}, is of the family that it was varied from
+StabilityScene scene_of(const PlannedScene& planned) {
+    StabilityScene scene;
+    scene.label = planned.label, scene.duration = planned.scene.duration;
+    const FamilyMember member = family_member(planned.label.substr(0, planned.label.find('{')));
+    scene.family = member.family;
+    if (!member.parameter.empty()) scene.parameter = member.value;
+    return scene;
 }
 
 // where the step lies that, with all smaller ones, passes
@@ -238,14 +239,15 @@ const StabilityRun* largest_passing(const std::vector<StabilityRun>& runs, const
 
 void conclude(StabilityFinding& finding) {
     if (finding.kind != SettingKind::step) return;
-    finding.stable = largest_passing(finding.runs, [](const StabilityRun& r) { return Search::is_bounded(r.outcome); });
+    finding.stable =
+        largest_passing(finding.runs, [](const StabilityRun& r) { return StepSearch::is_bounded(r.outcome); });
     finding.close = largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome <= Outcome::close; });
     finding.accurate =
         largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome == Outcome::accurate; });
     // the ladder's next coarser one: what the last halvings tried is too near the limit to show what lies beyond
     const StabilityRun* limit = finding.stable;
     for (const StabilityRun& run : finding.runs) {
-        if (Search::is_bounded(run.outcome) || run.outcome == Outcome::unsupported || run.result.cut) continue;
+        if (StepSearch::is_bounded(run.outcome) || run.outcome == Outcome::unsupported || run.result.cut) continue;
         if (!limit || run.result.setting > 1.2 * limit->result.setting) finding.beyond = &run;
     }
 }
@@ -254,80 +256,41 @@ void conclude(StabilityFinding& finding) {
 
 StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& options) {
     const Experiment& experiment = plan.experiment;
-    const Pattern filter(options.filter);
-    struct Pending {
-        std::size_t scene, finding;
-        const PlannedCurve* curve;
-        std::string key;
-    };
     StabilityFindings found;
-    std::vector<Pending> pending;
-    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
-        const PlannedScene& planned = plan.scenes[s];
-        StabilityScene scene;
-        scene.label = planned.label, scene.duration = planned.scene.duration;
-        // a varied scene, NAME{..}, is of the family that it was varied from
-        const FamilyMember member = family_member(planned.label.substr(0, planned.label.find('{')));
-        scene.family = member.family;
-        if (!member.parameter.empty()) scene.parameter = member.value;
-        found.scenes.push_back(std::move(scene));
-        for (const PlannedCurve& curve : plan.curves) {
-            StabilityFinding finding;
-            finding.method = curve.method, finding.kind = curve.kind;
-            const std::string key = key_of(plan, planned, curve);
-            if (auto runs = load_runs(options.directory, key)) {
-                finding.runs = std::move(*runs);
-            } else {
-                const bool ours = static_cast<int>(s % static_cast<std::size_t>(options.shards)) == options.shard - 1;
-                if (ours && filter.matches(planned.label + "/" + std::string(curve.method->name)))
-                    pending.push_back({s, found.findings.size(), &curve, key});
-                else
-                    ++found.missing;
-            }
-            found.findings.push_back(std::move(finding));
+    for (const PlannedScene& planned : plan.scenes) found.scenes.push_back(scene_of(planned));
+    std::vector<Search> searches = find_searches(plan, options.directory);
+    found.findings.resize(searches.size());
+    for (std::size_t i = 0; i < searches.size(); ++i) {
+        StabilityFinding& finding = found.findings[i];
+        finding.scene = &found.scenes[searches[i].scene];
+        finding.method = searches[i].curve->method, finding.kind = searches[i].curve->kind;
+        if (!searches[i].rows) continue;
+        try {
+            finding.runs = runs_of(*searches[i].rows);
+        } catch (const std::invalid_argument&) {
+            searches[i].rows.reset();
         }
     }
-    Progress progress(static_cast<long>(plan.scenes.size() + pending.size()), options.quiet);
-    std::mutex progress_mutex;
-    const auto advance = [&](const std::string& what) {
-        const std::lock_guard lock(progress_mutex);
-        progress.advance(what);
-    };
     std::vector<std::unique_ptr<Posed>> posed(plan.scenes.size());
-    parallel_for(plan.scenes.size(), options.jobs, [&](std::size_t s) {
-        if (sweep_interrupted()) return;
-        posed[s] = std::make_unique<Posed>(
-            Posed{pose(plan.scenes[s].scene), reference(plan.scenes[s].scene, experiment.samples)});
-        describe_scene(*posed[s], found.scenes[s]);
-        const bool needed =
-            std::any_of(pending.begin(), pending.end(), [&](const Pending& one) { return one.scene == s; });
-        if (needed) find_conditioning(posed[s]->problem, experiment.samples, found.scenes[s]);
-        advance(plan.scenes[s].label);
-    });
-    std::atomic<long> unfinished{0};
-    parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
-        const Pending& one = pending[i];
-        if (!sweep_interrupted()) {
-            Search search(experiment, plan.scenes[one.scene], *posed[one.scene], found.scenes[one.scene], *one.curve);
-            std::vector<StabilityRun> runs = search.run();
-            if (!sweep_interrupted()) {
-                Table rows{columns_of_runs(), {}};
-                for (const StabilityRun& run : runs)
-                    rows.rows.push_back(cells_of(experiment.name, found.scenes[one.scene], run));
-                save_rows(options.directory, one.key, rows);
-                found.findings[one.finding].runs = std::move(runs);
-                advance(plan.scenes[one.scene].label + " " + std::string(one.curve->method->name));
-                return;
-            }
-        }
-        ++unfinished;
-    });
-    found.missing += unfinished;
-    for (std::size_t i = 0; i < found.findings.size(); ++i) {
+    run_searches(
+        plan, options, searches,
+        [&](std::size_t s, bool needed) {
+            const Scene& scene = plan.scenes[s].scene;
+            posed[s] = std::make_unique<Posed>(Posed{pose(scene), reference(scene, experiment.samples)});
+            describe_scene(*posed[s], found.scenes[s]);
+            if (needed) find_conditioning(posed[s]->problem, experiment.samples, found.scenes[s]);
+        },
+        [&](std::size_t i) {
+            const std::size_t s = searches[i].scene;
+            StabilityFinding& finding = found.findings[i];
+            finding.runs = StepSearch(experiment, plan.scenes[s], *posed[s], found.scenes[s], *searches[i].curve).run();
+            return table_of_runs(experiment.name, found.scenes[s], finding.runs);
+        });
+    for (std::size_t i = 0; i < searches.size(); ++i) {
         StabilityFinding& finding = found.findings[i];
-        StabilityScene& scene = found.scenes[i / plan.curves.size()];
-        finding.scene = &scene;
-        if (!finding.runs.empty()) scene.floors = finding.runs.front().result.floors;
+        // an interrupted search says nothing
+        if (!searches[i].rows) ++found.missing, finding.runs.clear();
+        if (!finding.runs.empty()) found.scenes[searches[i].scene].floors = finding.runs.front().result.floors;
         conclude(finding);
     }
     return found;
@@ -335,9 +298,10 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
 
 Table stability_table(const Plan& plan, const StabilityFindings& found) {
     Table table{columns_of_runs(), {}};
-    for (const StabilityFinding& finding : found.findings)
-        for (const StabilityRun& run : finding.runs)
-            table.rows.push_back(cells_of(plan.experiment.name, *finding.scene, run));
+    for (const StabilityFinding& finding : found.findings) {
+        Table runs = table_of_runs(plan.experiment.name, *finding.scene, finding.runs);
+        std::move(runs.rows.begin(), runs.rows.end(), std::back_inserter(table.rows));
+    }
     return table;
 }
 

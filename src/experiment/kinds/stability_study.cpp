@@ -21,13 +21,13 @@ void add_whole_parts(const Plan& plan, const StabilityFindings& found, const Run
     for (const PlannedCurve& curve : plan.curves)
         if (curve.kind == SettingKind::step) fixed.push_back(curve.method);
     result.tables.push_back({"linear", "Largest h |lambda| without growth: linear theory and measured",
-                             linear_table(plan, found, options.jobs, options.quick)});
-    Findings maps = step_maps(fixed, options.jobs, options.quick);
+                             measure_linear_limits(plan, found, options.jobs, options.quick)});
+    Findings maps = run_step_maps(fixed, options.jobs, options.quick);
     maps.tables.front().only_csv = true;
     append(result.tables, std::move(maps.tables));
     append(result.figures, std::move(maps.figures));
-    append(result.figures, stability_region_figures(plan.scenes));
-    result.tables.push_back(discontinuity_table(options.quick));
+    append(result.figures, draw_stability_regions(plan.scenes));
+    result.tables.push_back(measure_discontinuities(options.quick));
 }
 
 // one scene in eight of a whole catalogue

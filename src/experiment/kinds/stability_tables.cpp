@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "measure/statistics.h"
+#include "experiment/kinds/cells.h"
 
 namespace polhode {
 namespace {
@@ -17,26 +17,11 @@ Cell evaluations_of(const StabilityRun* run) { return run ? cell_of(run->result.
 
 std::string method_name(const StabilityFinding& finding) { return std::string(finding.method->name); }
 
-// "3 diverged, 1 damped to rest"
-std::string listed_counts(const std::map<std::string, long>& counts) {
-    std::string list;
-    for (const auto& [name, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, name);
-    return list;
-}
-
 // The q-th part of the sorted values lies below.
 double quantile(std::vector<double> values, double q) {
     std::sort(values.begin(), values.end());
     return values[static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size()))) - 1];
 }
-
-Cell least(const std::vector<double>& values) {
-    return values.empty() ? Cell() : Cell(*std::min_element(values.begin(), values.end()));
-}
-Cell most(const std::vector<double>& values) {
-    return values.empty() ? Cell() : Cell(*std::max_element(values.begin(), values.end()));
-}
-Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
 
 // every family in the order of its first member
 std::vector<std::string> families(const StabilityFindings& found) {

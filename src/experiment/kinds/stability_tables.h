@@ -19,7 +19,7 @@ Table families_table(const StabilityFindings& found);
 /// For each fixed-step method that has a linear theory, on a linear scene of each direction of the eigenvalue: the
 /// largest h |lambda| without growth by theory, and as measured over 50,000 steps (`quick`: 5,000), however small the
 /// growth beyond it.
-Table linear_table(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
+Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
 
 /// For each method: how many runs ended in which status and in which outcome.
 Table outcomes_table(const Plan& plan, const StabilityFindings& found);

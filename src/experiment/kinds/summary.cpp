@@ -1,11 +1,9 @@
 // Each method over all scenes of a sweep.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 
+#include "experiment/kinds/cells.h"
 #include "experiment/kinds/sweep_tables.h"
-#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -29,11 +27,21 @@ std::map<std::string, double> yardsticks(const std::vector<Result>& results) {
 
 }  // namespace
 
-Table summary_table(const Plan& plan, const std::vector<Result>& results) {
-    Table table{{"described_as", "method", "order", "setting_kind", "setting", "scenes_ok", "scenes_not_ok",
-                 "attitude_error_median", "attitude_error_worst", "momentum_error_worst", "energy_error_worst",
-                 "norm_error_worst", "step_time_ratio"},
-                {}};
+NamedTable summary_table(const Plan& plan, const std::vector<Result>& results) {
+    NamedTable named = headed_table("summary", "Over all scenes",
+                                    {{"described_as", "what the text describes"},
+                                     {"method", "method"},
+                                     {"order", "order"},
+                                     {"setting_kind", "setting"},
+                                     {"setting", "value"},
+                                     {"scenes_ok", "scenes ok"},
+                                     {"scenes_not_ok", "ended otherwise"},
+                                     {"attitude_error_median", "attitude, median (rad)"},
+                                     {"attitude_error_worst", "attitude, worst (rad)"},
+                                     {"momentum_error_worst", "momentum, worst"},
+                                     {"energy_error_worst", "energy, worst"},
+                                     {"norm_error_worst", "norm, worst"},
+                                     {"step_time_ratio", "time of a step, RK4 = 1"}});
     const std::map<std::string, double> rk4 = yardsticks(results);
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.formulation != Formulation::reduced) continue;
@@ -57,37 +65,14 @@ Table summary_table(const Plan& plan, const std::vector<Result>& results) {
                 if (const auto scene = rk4.find(row.scene); scene != rk4.end() && has_step_time(row))
                     ratios.push_back(step_time(row) / scene->second);
             }
-            std::string otherwise;
-            for (const auto& [status, count] : others)
-                otherwise += fmt::format("{}{} {}", otherwise.empty() ? "" : ", ", count, status);
-            const auto worst = [](const std::vector<double>& all) {
-                return all.empty() ? Cell() : Cell(*std::max_element(all.begin(), all.end()));
-            };
-            table.rows.push_back({std::string(curve.method->described_as), std::string(curve.method->name),
-                                  curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
-                                  std::string(name_of(curve.kind)),
-                                  curve.kind == SettingKind::none ? Cell() : Cell(setting), ok, otherwise,
-                                  attitude.empty() ? Cell() : Cell(median(attitude)), worst(attitude), worst(momentum),
-                                  worst(energy), worst(norm), ratios.empty() ? Cell() : Cell(median(ratios))});
+            named.table.rows.push_back(
+                {std::string(curve.method->described_as), std::string(curve.method->name),
+                 curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(), std::string(name_of(curve.kind)),
+                 curve.kind == SettingKind::none ? Cell() : Cell(setting), ok, listed_counts(others), middle(attitude),
+                 most(attitude), most(momentum), most(energy), most(norm), middle(ratios)});
         }
     }
-    return table;
-}
-
-std::vector<ColumnChoice> summary_for_people() {
-    return {{"described_as", "what the text describes"},
-            {"method", "method"},
-            {"order", "order"},
-            {"setting_kind", "setting"},
-            {"setting", "value"},
-            {"scenes_ok", "scenes ok"},
-            {"scenes_not_ok", "ended otherwise"},
-            {"attitude_error_median", "attitude, median (rad)"},
-            {"attitude_error_worst", "attitude, worst (rad)"},
-            {"momentum_error_worst", "momentum, worst"},
-            {"energy_error_worst", "energy, worst"},
-            {"norm_error_worst", "norm, worst"},
-            {"step_time_ratio", "time of a step, RK4 = 1"}};
+    return named;
 }
 
 }  // namespace polhode

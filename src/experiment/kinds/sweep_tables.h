@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "experiment/run/findings.h"
 #include "experiment/run/result.h"
 
 namespace polhode {
@@ -24,17 +25,15 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results);
 /// largest attitude error (that of the reduced form half-way along its curve; between settings by a straight line
 /// through log time over log error), the factor in time that leaving out is worth, the error of the reduced form over
 /// that of the full one at equal settings, and what was left out.
-Table gain_table(const Plan& plan, const std::vector<Result>& results);
+NamedTable gain_table(const Plan& plan, const std::vector<Result>& results);
 
 /// NAME_growth: for each scene, cost and method the error of energy, momentum, norm and attitude at the end of a long
 /// run and the exponents with which they grew.
-Table growth_table(const Plan& plan, const std::vector<Result>& results);
+NamedTable growth_table(const Plan& plan, const std::vector<Result>& results);
 
 /// NAME_summary: for each method and kind of setting over all scenes: what the text it is from calls it, its order, how
 /// many scenes ended how, and at each setting that it ran at the worst errors of attitude, momentum, energy and norm
 /// and the median time of a step over that of odeint_rk4 on the same scene.
-Table summary_table(const Plan& plan, const std::vector<Result>& results);
-/// The columns of it that a page shows.
-std::vector<ColumnChoice> summary_for_people();
+NamedTable summary_table(const Plan& plan, const std::vector<Result>& results);
 
 }  // namespace polhode

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiment/kinds/cells.h"
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/kinds/sweep_tables.h"
-#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
@@ -18,16 +18,6 @@ std::optional<double> digits(const std::vector<const Result*>& rows, double tole
         if (row->setting == tolerance && row->status == Status::ok && row->errors["attitude"].max.value_or(0) > 0)
             return std::log10(tolerance / *row->errors["attitude"].max);
     return {};
-}
-
-std::optional<double> middle(const std::vector<double>& values) {
-    if (values.empty()) return {};
-    return median(values);
-}
-
-std::optional<double> worst(const std::vector<double>& values) {
-    if (values.empty()) return {};
-    return *std::min_element(values.begin(), values.end());
 }
 
 }  // namespace
@@ -48,7 +38,7 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
             for (const PlannedScene& scene : plan.scenes) {
                 if (const auto value = digits(rows_of(results, scene, curve), tolerance)) all.push_back(*value);
             }
-            of_middle.push_back(cell_of(middle(all))), of_worst.push_back(cell_of(worst(all)));
+            of_middle.push_back(middle(all)), of_worst.push_back(least(all));
         }
         middles.push_back(std::move(of_middle)), worsts.push_back(std::move(of_worst));
     }

@@ -57,8 +57,7 @@ Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows) {
         return {};
     Findings findings{{{"fastest", "Fastest at each accuracy", fastest_table(plan, rows)}},
                       work_precision_figures(plan, rows)};
-    if (is_described(plan))
-        findings.tables.push_back({"summary", "Over all scenes", summary_table(plan, rows), summary_for_people()});
+    if (is_described(plan)) findings.tables.push_back(summary_table(plan, rows));
     return findings;
 }
 

@@ -65,6 +65,7 @@ struct Plan {
     Experiment experiment;
     std::vector<PlannedScene> scenes;
     std::vector<PlannedCurve> curves;
+    bool quick = false;  ///< a part of what the experiment asks for
 };
 
 /// Whether any method of the plan is described by another name in the text that it is from.

@@ -20,6 +20,9 @@ struct Kind {
     /// Called with the finished rows of the cases, scenes by methods at settings, which the engine has run, timed and
     /// stored: the tables and pictures beside the table of the rows. The file names scenes and methods.
     Findings (*conclude)(const Plan& plan, const std::vector<Result>& rows) = nullptr;
+    /// Of `conclude`: a second plan that follows from the first. Its cases are run, timed and stored likewise, and what
+    /// its own kind concludes from their rows stands behind the first one's.
+    Plan (*sequel)(const Plan& plan) = nullptr;
     /// Of a kind whose rows are no such cases: makes them all, and tables and pictures of them, alone on the machine.
     /// `quick` of the options asks for about a tenth of the work.
     Findings (*make)(const Plan& plan, const RunOptions& options) = nullptr;

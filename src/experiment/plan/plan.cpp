@@ -239,7 +239,7 @@ bool is_described(const Plan& plan) {
 }
 
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick) {
-    Plan plan{experiment, {}, {}};
+    Plan plan{experiment, {}, {}, quick};
     Experiment& e = plan.experiment;
     if (quick) {
         e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);

@@ -22,6 +22,9 @@ struct NamedTable {
     std::optional<Table> page{};  ///< in place of a choice of columns
 };
 
+/// An empty table of these columns. A page shows those that have a heading, under it.
+NamedTable headed_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns);
+
 /// The table as a page shows it.
 Table page_of(const NamedTable& named);
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include "experiment/run/provenance.h"
 #include "text/atomic_file.h"
@@ -35,6 +36,15 @@ std::string file_name(std::string name) {
 }
 
 }  // namespace
+
+NamedTable headed_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns) {
+    NamedTable named{std::move(name), std::move(title), {}};
+    for (const ColumnChoice& column : columns) {
+        named.table.columns.push_back(column.column);
+        if (!column.heading.empty()) named.for_people.push_back(column);
+    }
+    return named;
+}
 
 Table page_of(const NamedTable& named) {
     if (named.page) return *named.page;

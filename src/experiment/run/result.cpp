@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <functional>
+#include <initializer_list>
 #include <stdexcept>
 #include <type_traits>
 
@@ -13,38 +14,21 @@ bool has_column(const Table& table, const std::string& column) {
     return std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end();
 }
 
-std::optional<double> number(const std::string& text) {
+// nothing of an empty cell
+template <class Number>
+std::optional<Number> number(const std::string& text) {
     if (text.empty()) return {};
-    double value = 0;
+    Number value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a number");
     return value;
 }
 
-std::optional<long> count(const std::string& text) {
-    if (text.empty()) return {};
-    long value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a count");
-    return value;
-}
-
-Status status_named(const std::string& name) {
-    for (Status s : {Status::ok, Status::unsupported, Status::diverged, Status::tolerance_not_met, Status::failed})
-        if (name == name_of(s)) return s;
-    throw std::invalid_argument("not a status");
-}
-
-SettingKind setting_kind_named(const std::string& name) {
-    for (SettingKind k : {SettingKind::none, SettingKind::step, SettingKind::tolerance})
-        if (name == name_of(k)) return k;
-    throw std::invalid_argument("not a kind of setting");
-}
-
-Formulation formulation_named(const std::string& name) {
-    for (Formulation f : {Formulation::reduced, Formulation::full_principal, Formulation::full})
-        if (name == name_of(f)) return f;
-    throw std::invalid_argument("not a formulation: " + name);
+template <class Enumeration>
+Enumeration named(const std::string& name, std::initializer_list<Enumeration> all) {
+    for (const Enumeration one : all)
+        if (name == name_of(one)) return one;
+    throw std::invalid_argument("not a name of any: " + name);
 }
 
 std::optional<double> error_over_tolerance(const Result& r) {
@@ -79,20 +63,30 @@ std::vector<ErrorColumn> columns_of(const std::vector<std::size_t>& these) {
     return columns;
 }
 
-Cell cell(const std::optional<double>& value) { return cell_of(value); }
-Cell cell(const std::optional<long>& value) { return cell_of(value); }
+template <class Number>
+Cell cell(const std::optional<Number>& value) {
+    return cell_of(value);
+}
 Cell cell(long value) { return value; }
 Cell cell(const std::string& value) { return value; }
 template <class Enumeration>
 requires std::is_enum_v<Enumeration> Cell cell(Enumeration value) { return std::string(name_of(value)); }
 
-void read(const std::string& text, std::optional<double>& value) { value = number(text); }
-void read(const std::string& text, std::optional<long>& value) { value = count(text); }
-void read(const std::string& text, long& value) { value = count(text).value_or(0); }
+template <class Number>
+void read(const std::string& text, std::optional<Number>& value) {
+    value = number<Number>(text);
+}
+void read(const std::string& text, long& value) { value = number<long>(text).value_or(0); }
 void read(const std::string& text, std::string& value) { value = text; }
-void read(const std::string& text, Status& value) { value = status_named(text); }
-void read(const std::string& text, SettingKind& value) { value = setting_kind_named(text); }
-void read(const std::string& text, Formulation& value) { value = formulation_named(text); }
+void read(const std::string& text, Status& value) {
+    value = named(text, {Status::ok, Status::unsupported, Status::diverged, Status::tolerance_not_met, Status::failed});
+}
+void read(const std::string& text, SettingKind& value) {
+    value = named(text, {SettingKind::none, SettingKind::step, SettingKind::tolerance});
+}
+void read(const std::string& text, Formulation& value) {
+    value = named(text, {Formulation::reduced, Formulation::full_principal, Formulation::full});
+}
 
 struct Column {
     std::string name;
@@ -123,7 +117,7 @@ const std::vector<Column>& columns() {
             column("method", &Result::method),
             column("setting_kind", &Result::setting_kind),
             {"setting", [](const Result& r) { return r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting); },
-             [](const std::string& text, Result& r) { r.setting = number(text).value_or(0); }},
+             [](const std::string& text, Result& r) { r.setting = number<double>(text).value_or(0); }},
             column("status", &Result::status),
             column("seconds_min", &Result::seconds_min),
             column("seconds_median", &Result::seconds_median),
@@ -168,99 +162,88 @@ struct SeriesColumn {
 };
 
 std::vector<SeriesColumn> series_columns() {
-    std::vector<SeriesColumn> all{{"t", [](ErrorSeries & s) -> auto& {return s.t;
-}
-}
-};
-const auto add =
-               [&](const std::vector<std::size_t>&these, bool later) {
-                   for (const std::size_t m : these)
-            all.push_back({std::string(measures()[m].name) + "_error",
-                           [m](ErrorSeries& s) -> auto& { return s[m];
-               },
-           later
-});
-}
-;
-add(contracted(), false);
-    all.push_back({"float64_floor", [](ErrorSeries& s) -> auto& { return s.float64_floor;
-    }
-    , true
-    });
+    using Values = std::vector<double>;
+    std::vector<SeriesColumn> all{{"t", &ErrorSeries::t}};
+    const auto add = [&](const std::vector<std::size_t>& these, bool later) {
+        for (const std::size_t m : these)
+            all.push_back(
+                {std::string(measures()[m].name) + "_error", [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
+    };
+    add(contracted(), false);
+    all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
     add(beyond_contract(), true);
     return all;
+}
+
+}  // namespace
+
+std::vector<ErrorColumn> error_columns() {
+    std::vector<ErrorColumn> all = columns_of(contracted()), others = columns_of(beyond_contract());
+    all.insert(all.end(), others.begin(), others.end());
+    return all;
+}
+
+std::vector<std::string> result_columns() {
+    std::vector<std::string> names{"experiment"};
+    for (const Column& c : columns()) names.push_back(c.name);
+    return names;
+}
+
+std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
+    std::vector<Cell> row{experiment};
+    for (const Column& c : columns()) row.push_back(c.cell(r));
+    return row;
+}
+
+Result result_of(const Table& table, std::size_t row) {
+    Result r;
+    for (const Column& c : columns())
+        if (c.read && (!c.later || has_column(table, c.name)))
+            c.read(text_of(table.rows[row][column_index(table, c.name)]), r);
+    return r;
+}
+
+Table series_table(const ErrorSeries& series) {
+    Table table;
+    ErrorSeries s = series;
+    for (const SeriesColumn& column : series_columns()) {
+        table.columns.push_back(column.name);
+        const std::vector<double>& values = column.values(s);
+        table.rows.resize(s.t.size());
+        for (std::size_t k = 0; k < s.t.size(); ++k)
+            table.rows[k].push_back(k < values.size() ? Cell(values[k]) : Cell());
     }
+    return table;
+}
 
-    }  // namespace
-
-    std::vector<ErrorColumn> error_columns() {
-        std::vector<ErrorColumn> all = columns_of(contracted()), others = columns_of(beyond_contract());
-        all.insert(all.end(), others.begin(), others.end());
-        return all;
-    }
-
-    std::vector<std::string> result_columns() {
-        std::vector<std::string> names{"experiment"};
-        for (const Column& c : columns()) names.push_back(c.name);
-        return names;
-    }
-
-    std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
-        std::vector<Cell> row{experiment};
-        for (const Column& c : columns()) row.push_back(c.cell(r));
-        return row;
-    }
-
-    Result result_of(const Table& table, std::size_t row) {
-        Result r;
-        for (const Column& c : columns())
-            if (c.read && (!c.later || has_column(table, c.name)))
-                c.read(text_of(table.rows[row][column_index(table, c.name)]), r);
-        return r;
-    }
-
-    Table series_table(const ErrorSeries& series) {
-        Table table;
-        ErrorSeries s = series;
-        for (const SeriesColumn& column : series_columns()) {
-            table.columns.push_back(column.name);
-            const std::vector<double>& values = column.values(s);
-            table.rows.resize(s.t.size());
-            for (std::size_t k = 0; k < s.t.size(); ++k)
-                table.rows[k].push_back(k < values.size() ? Cell(values[k]) : Cell());
+ErrorSeries series_of(const Table& table) {
+    ErrorSeries s;
+    for (const SeriesColumn& column : series_columns()) {
+        if (column.later && !has_column(table, column.name)) continue;
+        const std::size_t index = column_index(table, column.name);
+        std::vector<double>& values = column.values(s);
+        for (std::size_t k = 0; k < table.rows.size(); ++k) {
+            const auto value = number<double>(text_of(table.rows[k][index]));
+            if (!value && &values == &s.t) throw std::invalid_argument("a sample without its time");
+            if (value && values.size() < k) throw std::invalid_argument("an error behind a gap");
+            if (value) values.push_back(*value);
         }
-        return table;
     }
+    return s;
+}
 
-    ErrorSeries series_of(const Table& table) {
-        ErrorSeries s;
-        for (const SeriesColumn& column : series_columns()) {
-            if (column.later && !has_column(table, column.name)) continue;
-            const std::size_t index = column_index(table, column.name);
-            std::vector<double>& values = column.values(s);
-            for (std::size_t k = 0; k < table.rows.size(); ++k) {
-                const auto value = number(text_of(table.rows[k][index]));
-                if (!value && &values == &s.t) throw std::invalid_argument("a sample without its time");
-                if (value && values.size() < k) throw std::invalid_argument("an error behind a gap");
-                if (value) values.push_back(*value);
-            }
+Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
+    Table table{{"scene", "method", "setting"}, {}};
+    for (const SeriesColumn& column : series_columns()) table.columns.push_back(column.name);
+    table.columns.emplace_back("experiment");
+    for (const Result& r : results)
+        for (const std::vector<Cell>& line : series_table(r.series).rows) {
+            std::vector<Cell> row{r.scene, r.method, r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
+            row.insert(row.end(), line.begin(), line.end());
+            row.push_back(experiment);
+            table.rows.push_back(std::move(row));
         }
-        return s;
-    }
+    return table;
+}
 
-    Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
-        Table table{{"scene", "method", "setting"}, {}};
-        for (const SeriesColumn& column : series_columns()) table.columns.push_back(column.name);
-        table.columns.emplace_back("experiment");
-        for (const Result& r : results)
-            for (const std::vector<Cell>& line : series_table(r.series).rows) {
-                std::vector<Cell> row{r.scene, r.method,
-                                      r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
-                row.insert(row.end(), line.begin(), line.end());
-                row.push_back(experiment);
-                table.rows.push_back(std::move(row));
-            }
-        return table;
-    }
-
-    }  // namespace polhode
+}  // namespace polhode

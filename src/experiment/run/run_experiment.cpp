@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <iterator>
 
 #include "experiment/plan/kind.h"
 #include "experiment/run/case_store.h"
@@ -104,17 +105,26 @@ bool run_whole(const Plan& plan, const RunOptions& options, const std::string& c
     return true;
 }
 
+// the plan, and its sequel where its kind has one
+std::vector<Plan> with_sequel(const Plan& plan) {
+    std::vector<Plan> plans{plan};
+    if (const auto sequel = plan.experiment.kind->sequel) plans.push_back(sequel(plan));
+    return plans;
+}
+
 bool run_cases(const Plan& plan, const RunOptions& options, const std::string& command_line) {
-    const SweepCount count = run_sweep(plan, options);
+    SweepCount count;
+    for (const Plan& part : with_sequel(plan)) count.run += run_sweep(part, options).run;
     if (sweep_interrupted()) {
         fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to go on\n", plan.experiment.name,
                    count.run);
         return false;
     }
     const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
-    const std::vector<Result> rows = finished_results(plan, options.directory);
-    write_and_tell(plan, conclude(plan, rows), options, command_line,
-                   fmt::format("{} rows in {}, {} run now", rows.size(), options.directory, count.run));
+    const Findings findings = conclude_finished(plan, options.directory);
+    write_and_tell(plan, findings, options, command_line,
+                   fmt::format("{} rows in {}, {} run now", findings.tables.front().table.rows.size(),
+                               options.directory, count.run));
     return true;
 }
 
@@ -132,8 +142,25 @@ Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
     return findings;
 }
 
+Findings conclude_finished(const Plan& plan, const std::string& directory) {
+    Findings findings;
+    for (const Plan& part : with_sequel(plan)) {
+        const std::vector<Result> rows = finished_results(part, directory);
+        // a sequel's rows are told by its kind alone
+        Findings more = findings.tables.empty() ? conclude(part, rows) : part.experiment.kind->conclude(part, rows);
+        std::move(more.tables.begin(), more.tables.end(), std::back_inserter(findings.tables));
+        std::move(more.figures.begin(), more.figures.end(), std::back_inserter(findings.figures));
+    }
+    return findings;
+}
+
 std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options) {
-    if (!plan.experiment.kind->make) return pending_cases(plan, options);
+    if (!plan.experiment.kind->make) {
+        std::vector<PendingCase> pending;
+        for (const Plan& part : with_sequel(plan))
+            for (PendingCase& one : pending_cases(part, options)) pending.push_back(std::move(one));
+        return pending;
+    }
     if (is_done(options.directory, whole_key(plan, options.quick))) return {};
     return {{plan.experiment.name, load_duration(options.directory, plan.experiment.name)}};
 }

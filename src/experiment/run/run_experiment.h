@@ -14,6 +14,9 @@ namespace polhode {
 /// The table of the rows, and what the plan's kind concludes from them.
 Findings conclude(const Plan& plan, const std::vector<Result>& rows);
 
+/// The same of the rows that stand in the directory, and behind it what the kind's sequel concludes.
+Findings conclude_finished(const Plan& plan, const std::string& directory);
+
 /// What run_experiment() would run: cases, or the experiment as a whole where its kind makes the rows itself.
 std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options);
 

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <map>
 
-#include "experiment/plan/pattern.h"
 #include "experiment/run/case.h"
 #include "experiment/run/case_store.h"
 #include "experiment/run/locks.h"
@@ -26,11 +25,9 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
     std::vector<Case> cases;
     const Pattern filter(options.filter);
-    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
-        if (static_cast<int>(s % static_cast<std::size_t>(options.shards)) != options.shard - 1) continue;
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s)
         for (const PlannedCurve& curve : plan.curves) {
-            const std::string name = plan.scenes[s].label + "/" + std::string(curve.method->name);
-            if (!filter.matches(name)) continue;
+            if (!is_asked_for(plan, s, curve, filter, options)) continue;
             for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
                 Case c{
                     &plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}, {}};
@@ -38,7 +35,6 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
                 cases.push_back(std::move(c));
             }
         }
-    }
     return cases;
 }
 
@@ -174,6 +170,12 @@ class SceneSweep {
 
 void interrupt_sweep() { interrupted = true; }
 bool sweep_interrupted() { return interrupted; }
+
+bool is_asked_for(const Plan& plan, std::size_t scene, const PlannedCurve& curve, const Pattern& filter,
+                  const RunOptions& options) {
+    return static_cast<int>(scene % static_cast<std::size_t>(options.shards)) == options.shard - 1 &&
+           filter.matches(plan.scenes[scene].label + "/" + std::string(curve.method->name));
+}
 
 std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options) {
     std::vector<PendingCase> pending;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/plan/pattern.h"
 #include "experiment/run/result.h"
 
 namespace polhode {
@@ -16,6 +17,10 @@ struct RunOptions {
     int shard = 1, shards = 1;
     bool quick = false, quiet = false;
 };
+
+/// Whether this shard and the filter take a curve on a scene, given by its place in the plan.
+bool is_asked_for(const Plan& plan, std::size_t scene, const PlannedCurve& curve, const Pattern& filter,
+                  const RunOptions& options);
 
 struct SweepCount {
     long cases = 0, run = 0;  ///< asked for by the options; run now (the others were there already)

@@ -1,6 +1,7 @@
 // What the studies of orientation and gimbal lock must say, whatever the last digits.
 #include <gtest/gtest.h>
 
+#include "experiment/kinds/findings_read.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
@@ -8,25 +9,10 @@
 namespace polhode {
 namespace {
 
-RunOptions quickly() {
-    RunOptions options;
-    options.quick = true;
-    return options;
-}
-
-const Table& table_of(const Findings& result, const std::string& name) {
-    for (const NamedTable& table : result.tables)
-        if (table.name == name) return table.table;
-    throw std::runtime_error("no table " + name);
-}
-
 double real(const Table& table, const std::vector<Cell>& row, const char* column) {
     const Cell& cell = row[column_index(table, column)];
     if (const long* count = std::get_if<long>(&cell)) return static_cast<double>(*count);
     return std::get<double>(cell);
-}
-std::string word(const Table& table, const std::vector<Cell>& row, const char* column) {
-    return text_of(row[column_index(table, column)]);
 }
 
 class OrientationStudy : public ::testing::Test {

@@ -3,31 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "experiment/kinds/findings_read.h"
 #include "experiment/plan/experiment.h"
-#include "experiment/run/findings.h"
-#include "experiment/run/sweep.h"
+#include "experiment/run/run_experiment.h"
 #include "integrators/truth/fresh_cache.h"
 
 namespace polhode {
 namespace {
 
-RunOptions quickly() {
-    RunOptions options;
-    options.quick = true;
-    return options;
-}
-
-double number(const Table& table, const std::vector<Cell>& row, const char* column) {
-    return std::get<double>(row[column_index(table, column)]);
-}
-std::string text(const Table& table, const std::vector<Cell>& row, const char* column) {
-    return text_of(row[column_index(table, column)]);
-}
-
-const Table& named(const Findings& result, const std::string& name) {
-    return std::find_if(result.tables.begin(), result.tables.end(), [&](const NamedTable& t) { return t.name == name; })
-        ->table;
+// Runs the plan's cases, and the long runs that follow from it, in a directory of their own.
+Findings findings_of(const Plan& plan) {
+    RunOptions options = quickly();
+    const std::filesystem::path directory = std::filesystem::path(::testing::TempDir()) / "polhode_speed_study";
+    std::filesystem::remove_all(directory);
+    options.directory = directory.string(), options.quiet = true;
+    EXPECT_TRUE(run_experiment(plan, options, "polhode run x"));
+    EXPECT_TRUE(pending_work(plan, options).empty());
+    Findings findings = conclude_finished(plan, options.directory);
+    std::filesystem::remove_all(directory);
+    return findings;
 }
 
 TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
@@ -37,24 +33,25 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
         "settings": {"tolerances": [1e-6, 1e-8, 1e-10, 1e-12]}, "samples": 10, "repeats": 3})",
                                              "x.json");
     const Plan plan = make_plan(experiment, "x.json", false);
-    const Findings result = find_kind("speed")->make(plan, quickly());
-    const Table &runs = named(result, ""), &margins = named(result, "margins"), &smallest = named(result, "smallest");
+    const Findings result = findings_of(plan);
+    const Table &runs = table_of(result, ""), &margins = table_of(result, "margins"),
+                &smallest = table_of(result, "smallest");
 
     ASSERT_EQ(runs.rows.size(), 9U);
     // of each level: exact against all, ours against one, ours against all
     ASSERT_EQ(margins.rows.size(), 9U);
     for (const auto& row : margins.rows) {
         if (std::holds_alternative<std::monostate>(row[column_index(margins, "ratio")])) {
-            EXPECT_NE((text(margins, row, "own") + text(margins, row, "peer")).find(" it"), std::string::npos);
+            EXPECT_NE((word(margins, row, "own") + word(margins, row, "peer")).find(" it"), std::string::npos);
             continue;
         }
         const double ratio = number(margins, row, "ratio"), level = number(margins, row, "attitude_error");
         EXPECT_DOUBLE_EQ(ratio, number(margins, row, "peer_seconds") / number(margins, row, "own_seconds"));
         // a time at an error lies between those of the runs on either side of it
-        const std::string peer = text(margins, row, "peer");
+        const std::string peer = word(margins, row, "peer");
         double least = HUGE_VAL, most = 0;
         for (const auto& run : runs.rows) {
-            if (!peer.starts_with(text(runs, run, "method"))) continue;
+            if (!peer.starts_with(word(runs, run, "method"))) continue;
             const double seconds = number(runs, run, "seconds_median");
             if (number(runs, run, "attitude_error_max") <= level) most = std::max(most, seconds);
             least = std::min(least, seconds);
@@ -65,11 +62,21 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
     for (const auto& row : smallest.rows) {
         double least = HUGE_VAL;
         for (const auto& run : runs.rows)
-            if (text(smallest, row, "method").starts_with(text(runs, run, "method")))
+            if (word(smallest, row, "method").starts_with(word(runs, run, "method")))
                 least = std::min(least, number(runs, run, "attitude_error_max"));
         EXPECT_EQ(number(smallest, row, "attitude_error_max"), least);
     }
-    for (const auto& row : named(result, "long").rows) EXPECT_EQ(text(named(result, "long"), row, "status"), "ok");
+    // ours at the finest tolerance over T, 10 T and 100 T
+    const Table& longer = table_of(result, "long");
+    ASSERT_EQ(longer.rows.size(), 3U);
+    for (std::size_t i = 0; i < longer.rows.size(); ++i) {
+        const auto& row = longer.rows[i];
+        EXPECT_EQ(word(longer, row, "status"), "ok");
+        EXPECT_EQ(word(longer, row, "scene"), "nasa_brick");
+        EXPECT_EQ(number(longer, row, "tolerance"), 1e-12);
+        EXPECT_DOUBLE_EQ(number(longer, row, "duration"),
+                         number(longer, longer.rows[0], "duration") * std::pow(10.0, static_cast<double>(i)));
+    }
 }
 
 TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
@@ -78,10 +85,10 @@ TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
         "methods": ["taylor", "odeint_dopri5"], "settings": {"tolerances": [0.1]}, "samples": 10, "repeats": 1})",
                                                  "x.json"),
                                 "x.json", false);
-    const Findings result = find_kind("speed")->make(plan, quickly());
-    const Table& margins = named(result, "margins");
+    const Findings result = findings_of(plan);
+    const Table& margins = table_of(result, "margins");
     const auto& last = margins.rows.back();
-    EXPECT_EQ(text(margins, last, "peer"), "no library reaches it");
+    EXPECT_EQ(word(margins, last, "peer"), "no library reaches it");
 }
 
 }  // namespace

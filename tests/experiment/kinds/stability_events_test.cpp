@@ -12,7 +12,7 @@ namespace {
 // A step across a jump errs by h times the jump, across a jump of the derivative by h^2, and that is the order left of
 // a higher one. A symmetric place in the step, or a scheme that sees part of it, may gain.
 TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
-    const Table table = discontinuity_table(true).table;
+    const Table table = measure_discontinuities(true).table;
     const auto column = [&](const char* name) { return column_index(table, name); };
     std::map<std::string, double> orders, errors;
     for (const std::vector<Cell>& row : table.rows) {

@@ -4,29 +4,18 @@
 #include <set>
 #include <string>
 
+#include "experiment/kinds/findings_read.h"
 #include "experiment/kinds/stability.h"
 #include "integrators/analysis/linear_stability.h"
 
 namespace polhode {
 namespace {
 
-const Table& table_of(const Findings& result, const std::string& name) {
-    for (const NamedTable& named : result.tables)
-        if (named.name == name) return named.table;
-    throw std::invalid_argument(name);
-}
-double number(const Table& table, const std::vector<Cell>& row, const char* column) {
-    return std::get<double>(row[column_index(table, column)]);
-}
-std::string word(const Table& table, const std::vector<Cell>& row, const char* column) {
-    return std::get<std::string>(row[column_index(table, column)]);
-}
-
 // h lambda of drag alone: below a method's interval nothing grows, beyond it all does; what is refused has no row
 TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
     const Method* const chosen[] = {find_method("odeint_euler"), find_method("gyroscopic_explicit"),
                                     find_method("exact")};
-    const Findings result = step_maps(chosen, 2, true);
+    const Findings result = run_step_maps(chosen, 2, true);
     const Table& maps = table_of(result, "maps");
     int below = 0, beyond = 0;
     std::set<std::string> seen;
@@ -75,7 +64,7 @@ TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
 
 // the boundary of Euler's region is the circle |z + 1| = 1, of which half is drawn
 TEST(StabilityRegions, DrawEulersCircle) {
-    const std::vector<NamedFigure> figures = stability_region_figures({});
+    const std::vector<NamedFigure> figures = draw_stability_regions({});
     ASSERT_EQ(figures.size(), 2u);
     std::size_t points = 0;
     for (const Panel& panel : figures[0].figure.panels)
@@ -97,7 +86,7 @@ TEST(StabilityRegions, MarkTheEigenvaluesOfScenes) {
     drag.rotational = {0, 0, 200};
     scene.scene.loads.emplace_back(drag);
     // -c/I = -100/s, and +-i/2 of the attitude
-    const std::vector<NamedFigure> figures = stability_region_figures({&scene, 1});
+    const std::vector<NamedFigure> figures = draw_stability_regions({&scene, 1});
     for (const Panel& panel : figures[0].figure.panels) {
         const Curve& points = panel.curves.back();
         EXPECT_EQ(points.label, "slowed, h = 0.02 s");

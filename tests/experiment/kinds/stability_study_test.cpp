@@ -24,12 +24,12 @@ Plan plan_of(const std::string& scenes, const std::string& methods) {
         "x.json", false);
 }
 
-class StabilityStudy : public testing::Test {
+class StabilityStudy : public ::testing::Test {
   protected:
     StabilityStudy() {
-        options.directory =
-            (std::filesystem::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name())
-                .string();
+        options.directory = (std::filesystem::path(::testing::TempDir()) /
+                             ::testing::UnitTest::GetInstance()->current_test_info()->name())
+                                .string();
         options.quiet = true, options.jobs = 2;
         std::filesystem::remove_all(options.directory);
     }

@@ -112,7 +112,7 @@ TEST(Plan, AVariationMayAddAKey) {
         "settings": {"steps": [0.1]}, "vary": {"/tolerated": [{"attitude": 0.25}], "/about": ["varied"]}})"),
                                 "e.json", false);
     ASSERT_EQ(plan.scenes.size(), 1U);
-    EXPECT_EQ(plan.scenes[0].scene.tolerated_attitude, 0.25);
+    EXPECT_EQ(tolerated_error(plan.scenes[0].scene, "attitude"), 0.25);
 }
 
 TEST(Plan, VariesScenesInAllCombinations) {

@@ -21,11 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // A directory of its own for tables and for the cache of truths.
-class Sweep : public testing::Test {
+class Sweep : public ::testing::Test {
   protected:
     void SetUp() override {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        directory_ = fs::path(testing::TempDir()) / ("polhode_sweep_" + std::string(test->name()));
+        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+        directory_ = fs::path(::testing::TempDir()) / ("polhode_sweep_" + std::string(test->name()));
         fs::remove_all(directory_);
         fs::create_directories(directory_);
         setenv("POLHODE_CACHE", (directory_ / "cache").c_str(), 1);
@@ -146,7 +146,7 @@ TEST_F(Sweep, LeaveOutRunsEveryCaseByAllFormulations) {
     run_sweep(p, options_);
     const std::vector<Result> results = finished_results(p, options_.directory);
     ASSERT_EQ(results.size(), 36U);
-    const Table table = gain_table(p, results);
+    const Table table = gain_table(p, results).table;
     ASSERT_EQ(table.rows.size(), 6U);  // two scenes; rk4 by step, dopri5 by step and by tolerance
     for (const auto& row : table.rows) {
         EXPECT_GT(std::get<double>(row[column_index(table, "gain")]), 0);
@@ -173,7 +173,7 @@ TEST_F(Sweep, ConservationSpendsTheSameOnEveryMethod) {
         EXPECT_NEAR(spent / *r.evaluations_per_revolution, 1, 0.1) << r.method;
         EXPECT_NEAR(*r.revolutions, 100 / revolution_time(p.scenes[0].scene), 0.01);  // |w| is constant here
     }
-    const Table growth = growth_table(p, results);
+    const Table growth = growth_table(p, results).table;
     ASSERT_EQ(growth.rows.size(), 6U);
     // truncation errors of a method that conserves nothing: energy drifts like t, attitude like t^2 in the end
     const auto number = [&](std::size_t row, const char* column) {

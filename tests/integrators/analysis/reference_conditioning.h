@@ -127,7 +127,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, int d
     using Form = VariationalForm<P, translation>;
     const TaylorSettings settings{static_cast<int>(std::ceil(1.15 * digits)) + 2, static_cast<double>(digits), 1,
                                   max_steps};
-    const auto run = taylor<P, Form>(problem.scene, times, problem.scales, problem.principal.moments, settings);
+    const auto run = taylor<P, Form>(problem.scene, times, problem.scales, problem.body.principal.moments, settings);
     Conditioning result;
     result.steps = run.steps;
     std::array<double, Form::columns> scale{};

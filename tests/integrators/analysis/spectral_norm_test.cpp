@@ -17,7 +17,7 @@ TEST(SpectralNorm, IsTheLargestSingularValue) {
         Eigen::Matrix<double, 3, 6> M;
         for (double& entry : M.reshaped()) entry = normal(dice);
         M.col(i % 6) *= std::exp(10 * normal(dice));
-        const double expected = M.jacobiSvd().singularValues()[0];
+        const double expected = Eigen::MatrixXd(M).jacobiSvd().singularValues()[0];
         EXPECT_NEAR(spectral_norm(M), expected, 1e-14 * expected);
         EXPECT_NEAR(spectral_norm(Eigen::Matrix<double, 3, 6>(M * 1e250)), 1e250 * expected, 1e236 * expected);
     }

@@ -12,21 +12,22 @@
 namespace polhode {
 namespace {
 
-using R = truth::Real<50>;
+using Real50 = truth::Real<50>;
 
-double near(const R& a, const R& b) { return R(abs(R(a - b)) / (1 + abs(b))).convert_to<double>(); }
+double near(const Real50& a, const Real50& b) { return Real50(abs(Real50(a - b)) / (1 + abs(b))).convert_to<double>(); }
 
 // parameters on both sides of the change of lattice, and next to both ends
 constexpr const char* parameters[] = {"0.75", "1e-30", "1e-9", "0.1", "0.4999", "0.5001", "0.9", "0.999999999"};
 
 TEST(ArithmeticGeometricMean, GivesTheCompleteIntegral) {
     for (const char* text : parameters) {
-        const R m(text);
-        const Lattice<R> lattice(m, R(1 - m));
-        EXPECT_LT(near(lattice.quarter, boost::math::ellint_1(R(sqrt(m)))), 1e-47) << text;
+        const Real50 m(text);
+        const Lattice<Real50> lattice(m, Real50(1 - m));
+        EXPECT_LT(near(lattice.quarter, boost::math::ellint_1(Real50(sqrt(m)))), 1e-47) << text;
         // from 1 - m the digits of a small m do not come back
         const double lost = m.convert_to<double>();
-        EXPECT_LT(near(lattice.imaginary_quarter, boost::math::ellint_1(R(sqrt(R(1 - m))))), 1e-48 / lost) << text;
+        EXPECT_LT(near(lattice.imaginary_quarter, boost::math::ellint_1(Real50(sqrt(Real50(1 - m))))), 1e-48 / lost)
+            << text;
     }
     // Gauss's constant 1/agm(1, sqrt 2) (OEIS A014549)
     EXPECT_NEAR(1 / arithmetic_geometric_mean(1.0, std::sqrt(2.0)), 0.83462684167407318628, 2e-16);
@@ -38,8 +39,8 @@ TEST(CarlsonRf, AgreesWithBoostAndScales) {
         for (const double y : values)
             for (const double z : values) {
                 if ((x == 0) + (y == 0) + (z == 0) > 1) continue;
-                const R expected = boost::math::ellint_rf(R(x), R(y), R(z));
-                EXPECT_LT(near(carlson_rf(R(x), R(y), R(z)), expected), 1e-47);
+                const Real50 expected = boost::math::ellint_rf(Real50(x), Real50(y), Real50(z));
+                EXPECT_LT(near(carlson_rf(Real50(x), Real50(y), Real50(z)), expected), 1e-47);
                 const double relative = carlson_rf(x, y, z) / expected.convert_to<double>() - 1;
                 EXPECT_LT(std::abs(relative), 6e-16) << x << ' ' << y << ' ' << z;
                 // homogeneous of degree -1/2
@@ -49,19 +50,19 @@ TEST(CarlsonRf, AgreesWithBoostAndScales) {
 
 TEST(Lattice, GivesJacobisFunctions) {
     for (const char* text : parameters) {
-        const R m(text);
-        const Lattice<R> lattice(m, R(1 - m));
+        const Real50 m(text);
+        const Lattice<Real50> lattice(m, Real50(1 - m));
         for (int k = -8; k <= 8; ++k) {
-            const R u = lattice.quarter * k / 8;
-            Harmonics<R> h;
+            const Real50 u = lattice.quarter * k / 8;
+            Harmonics<Real50> h;
             lattice.harmonics<true>(u, h);
-            const Jacobi<R> f = lattice.jacobi(h);
-            R cn, dn;
-            const R sn = boost::math::jacobi_elliptic(R(sqrt(m)), u, &cn, &dn);
+            const Jacobi<Real50> f = lattice.jacobi(h);
+            Real50 cn, dn;
+            const Real50 sn = boost::math::jacobi_elliptic(Real50(sqrt(m)), u, &cn, &dn);
             EXPECT_LT(near(f.sn, sn), 1e-45) << text << ' ' << k;
             EXPECT_LT(near(f.cn, cn), 1e-45) << text << ' ' << k;
             // Boost's own dn is a quotient by cn, which vanishes at the ends
-            EXPECT_LT(near(f.dn, R(sqrt(R(1 - m * sn * sn)))), 1e-45) << text << ' ' << k;
+            EXPECT_LT(near(f.dn, Real50(sqrt(Real50(1 - m * sn * sn)))), 1e-45) << text << ' ' << k;
         }
     }
 }
@@ -85,31 +86,31 @@ TEST(Lattice, InBinary64KeepsSquaresAtOne) {
 
 // theta' / theta of the series against differences, in both lattices
 TEST(ShiftedTheta, HasTheDerivativeItSays) {
-    using Kind = ShiftedTheta<R>::Kind;
+    using Kind = ShiftedTheta<Real50>::Kind;
     for (const char* text : parameters)
         for (const Kind kind : {Kind::theta1, Kind::theta2}) {
-            const R m(text), step("1e-15");
-            const Lattice<R> lattice(m, R(1 - m));
-            const ShiftedTheta<R> theta(lattice, kind, R(lattice.imaginary_quarter / 3));
-            const auto at = [&](const R& u) {
-                Harmonics<R> h;
+            const Real50 m(text), step("1e-15");
+            const Lattice<Real50> lattice(m, Real50(1 - m));
+            const ShiftedTheta<Real50> theta(lattice, kind, Real50(lattice.imaginary_quarter / 3));
+            const auto at = [&](const Real50& u) {
+                Harmonics<Real50> h;
                 lattice.harmonics<true>(u, h);
                 // the harmonics are all scaled alike: quotients by the real theta_4 are not
-                const Complex<R> sum = theta.sum(h);
-                const R down = lattice.denominator(h);
-                return Complex<R>{R(sum.re / down), R(sum.im / down)};
+                const Complex<Real50> sum = theta.sum(h);
+                const Real50 down = lattice.denominator(h);
+                return Complex<Real50>{Real50(sum.re / down), Real50(sum.im / down)};
             };
-            const R u = lattice.quarter / 5;
-            Harmonics<R> h;
+            const Real50 u = lattice.quarter / 5;
+            Harmonics<Real50> h;
             lattice.harmonics<true>(u, h);
-            const Complex<R> sum = theta.sum(h), slope = theta.derivative(h);
-            const R down = lattice.denominator(h), down_slope = lattice.denominator_slope(h);
-            const Complex<R> before = at(R(u - step)), after = at(R(u + step));
-            const R scale = lattice.scale;
-            const R re = scale * (slope.re * down - sum.re * down_slope) / (down * down);
-            const R im = scale * (slope.im * down - sum.im * down_slope) / (down * down);
-            EXPECT_LT(near(R((after.re - before.re) / (2 * step)), re), 1e-25) << text;
-            EXPECT_LT(near(R((after.im - before.im) / (2 * step)), im), 1e-25) << text;
+            const Complex<Real50> sum = theta.sum(h), slope = theta.derivative(h);
+            const Real50 down = lattice.denominator(h), down_slope = lattice.denominator_slope(h);
+            const Complex<Real50> before = at(Real50(u - step)), after = at(Real50(u + step));
+            const Real50 scale = lattice.scale;
+            const Real50 re = scale * (slope.re * down - sum.re * down_slope) / (down * down);
+            const Real50 im = scale * (slope.im * down - sum.im * down_slope) / (down * down);
+            EXPECT_LT(near(Real50((after.re - before.re) / (2 * step)), re), 1e-25) << text;
+            EXPECT_LT(near(Real50((after.im - before.im) / (2 * step)), im), 1e-25) << text;
         }
 }
 

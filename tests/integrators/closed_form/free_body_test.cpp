@@ -8,7 +8,7 @@
 namespace polhode {
 namespace {
 
-using testing::FreeMotion;
+using testing::FreeMotion, testing::ulp;
 
 // a hundred bodies for each of RapidCheck's hundred runs
 template <class Check>
@@ -24,7 +24,6 @@ Vector3<double> momentum_B(const Vector3<double>& moments, const Vector3<double>
 double energy(const Vector3<double>& moments, const Vector3<double>& w) { return dot(w, momentum_B(moments, w)) / 2; }
 
 // round-off of a handful of operations, and the motion's own amplification of it
-constexpr double ulp = 0x1p-52;
 double allowed(const FreeMotion& m) { return testing::amplified(closed_form, m, 10 * ulp) + 20 * ulp; }
 
 RC_GTEST_PROP(FreeAsymmetricBody, KeepsMomentumEnergyAndNorm, ()) {

@@ -14,6 +14,8 @@
 
 namespace polhode::testing {
 
+inline constexpr double ulp = 0x1p-52;
+
 struct FreeMotion {
     Vector3<double> moments, w;
     Quaternion<double> q;

@@ -10,9 +10,7 @@
 namespace polhode {
 namespace {
 
-using testing::FreeMotion;
-
-constexpr double ulp = 0x1p-52;
+using testing::FreeMotion, testing::ulp;
 
 struct Top {
     double I1, I3;

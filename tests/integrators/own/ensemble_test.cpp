@@ -21,7 +21,7 @@ using testing::scene_of;
 using testing::top_scene;
 using testing::tops;
 
-constexpr std::size_t many = optimised_build ? 512 : 24, few = optimised_build ? 40 : 9;
+constexpr std::size_t many_bodies = optimised_build ? 512 : 24, few_bodies = optimised_build ? 40 : 9;
 
 struct Worst {
     double attitude = 0, w = 0, p = 0;
@@ -52,7 +52,7 @@ Worst worst_against(const char* method, const Scene& scene, const std::vector<En
 
 TEST(Ensemble, FreeBodiesAgreeWithTheClosedFormOneByOne) {
     const Scene scene = free_scene(10);
-    const auto bodies = free_bodies(many, 1);
+    const auto bodies = free_bodies(many_bodies, 1);
     const Worst worst = worst_against("exact", scene, bodies, solve_ensemble(scene, bodies));
     EXPECT_LT(worst.attitude, 1e-12);
     EXPECT_LT(worst.w, 1e-12);
@@ -61,7 +61,7 @@ TEST(Ensemble, FreeBodiesAgreeWithTheClosedFormOneByOne) {
 
 TEST(Ensemble, NextToTheSeparatrix) {
     const Scene scene = free_scene(10);
-    auto bodies = free_bodies(many, 2);
+    auto bodies = free_bodies(many_bodies, 2);
     Draw draw(3);
     for (EnsembleBody& b : bodies) {
         // I1 (I2 - I1) w1^2 = I3 (I3 - I2) w3^2 up to 1e-1 .. 1e-15 of it, for the moments in order
@@ -107,7 +107,7 @@ TEST(Ensemble, FullTensorsFlightAndWorldRates) {
     scene.loads = {Gravity{{0.1, 0, -9.8}, {1, 4}}, Drag{{0, 0, 0}, 0.3, {}},
                    Force{{0.2, 0.1, 0}, Frame::world, {0.1, 0.2, -0.3}, Frame::body, {}},
                    Impulse{{0.1, 0.4, -0.2}, Frame::world, {0.4, 0.1, 0}, Frame::body, 2}};
-    auto bodies = free_bodies(few, 4);
+    auto bodies = free_bodies(few_bodies, 4);
     Draw draw(5);
     for (EnsembleBody& b : bodies) {
         const Matrix3<double> R = rotation_matrix(draw.orientation());
@@ -124,7 +124,7 @@ TEST(Ensemble, FullTensorsFlightAndWorldRates) {
 
 TEST(Ensemble, TopsAgreeWithTheirClosedForm) {
     const Scene scene = top_scene(10);
-    const auto bodies = tops(many, true, 6);
+    const auto bodies = tops(many_bodies, true, 6);
     const Worst worst = worst_against("exact", scene, bodies, solve_ensemble(scene, bodies));
     EXPECT_LT(worst.attitude, 1e-9);
     EXPECT_LT(worst.p, 1e-9);
@@ -135,7 +135,7 @@ TEST(Ensemble, TopsAgreeWithTheirClosedForm) {
 
 TEST(Ensemble, TopsAboutAnyAxis) {
     // the same top with its axes renamed, gravity along another world axis
-    const auto upright = tops(few, true, 7);
+    const auto upright = tops(few_bodies, true, 7);
     for (const int s : {0, 1}) {
         Scene scene = top_scene(3);
         const int i = (s + 1) % 3, j = (s + 2) % 3;
@@ -174,7 +174,7 @@ TEST(Ensemble, HeavyBodiesAgreeWithTheTruth) {
 TEST(Ensemble, GeneralHeavyBodies) {
     Scene scene = top_scene(10);
     scene.body.center_of_mass = {0.1, -0.05, 0.5};
-    const auto bodies = tops(few, false, 9);
+    const auto bodies = tops(few_bodies, false, 9);
     EnsembleSettings settings;
     settings.tolerance = 1e-11;
     const Worst worst =
@@ -183,7 +183,7 @@ TEST(Ensemble, GeneralHeavyBodies) {
 }
 
 // Every load that the lanes know, in windows, with impulses.
-Scene loaded_scene(bool pivoted) {
+Scene scene_of_lane_loads(bool pivoted) {
     Scene scene = free_scene(5);
     scene.body.center_of_mass = {0.1, -0.2, 0.15};
     scene.initial.angular_velocity_frame = Frame::world;
@@ -201,8 +201,8 @@ Scene loaded_scene(bool pivoted) {
 
 TEST(Ensemble, LoadsInWindows) {
     for (const bool pivoted : {false, true}) {
-        const Scene scene = loaded_scene(pivoted);
-        auto bodies = free_bodies(few, 10);
+        const Scene scene = scene_of_lane_loads(pivoted);
+        auto bodies = free_bodies(few_bodies, 10);
         Draw draw(11);
         for (EnsembleBody& b : bodies) {
             const Matrix3<double> R = rotation_matrix(draw.orientation());
@@ -243,7 +243,7 @@ std::vector<std::pair<Scene, std::vector<EnsembleBody>>> mixed() {
     auto heavy = tops(14, true, 14);
     for (const EnsembleBody& b : tops(9, false, 15)) heavy.push_back(b);
     heavy[4].angular_velocity = {0, 0, 0};
-    return {{free_scene(10), free}, {top_scene(optimised_build ? 10 : 0.5), heavy}, {loaded_scene(false), free}};
+    return {{free_scene(10), free}, {top_scene(optimised_build ? 10 : 0.5), heavy}, {scene_of_lane_loads(false), free}};
 }
 
 TEST(Ensemble, SameBitsInAnyOrder) {

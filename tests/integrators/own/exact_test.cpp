@@ -105,6 +105,29 @@ TEST(Exact, FindsTheSymmetryOfATiltedTop) {
     EXPECT_LT(in_units_of_rounding(scene), 60);
 }
 
+// An impulse that makes the rate infinite ends every method's run with a name, at once.
+TEST(Exact, AnInfiniteRateIsANamedFailure) {
+    Scene scene;
+    scene.name = "struck beyond all bounds", scene.duration = 1;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 2.5));
+    scene.pivot = Vector3<double>(0, 0, 0);
+    for (const double at : {0.0, 0.5}) {
+        scene.loads = {Impulse{{0, 0, 1e308}, Frame::world, {1e10, 0, 0}, Frame::body, at}};
+        for (const Method* method : methods()) {
+            // in its numbers the rate is finite: it steps until its time is up
+            if (method == find_method("truth")) continue;
+            Settings settings;
+            settings.samples = 4, settings.max_steps = 10'000;
+            const Trajectory run = solve(scene, *method, settings);
+            EXPECT_NE(run.status, Status::ok) << method->name;
+            EXPECT_TRUE(run.status == Status::unsupported || !run.message.empty()) << method->name;
+        }
+        const Trajectory exact = solved(scene, 4);
+        EXPECT_EQ(exact.status, Status::diverged);
+        EXPECT_EQ(exact.message.find("not finite at t = "), 0U) << exact.message;
+    }
+}
+
 TEST(Exact, RefusesWhatItDoesNotSolve) {
     const auto status = [](const Scene& scene, Formulation formulation = Formulation::reduced) {
         Settings settings;

@@ -52,7 +52,7 @@ TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
 TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
     const double T = 4;
     const Problem problem = pose(symmetric_body(T));
-    const auto coefficients = rotation_coefficients(problem.principal_inertia, nullptr);
+    const auto coefficients = rotation_coefficients(problem.body.principal_inertia, nullptr);
     RotationAllowance allowance;
     for (double& square : allowance.squared_scale) square = 1;
     const auto error = [&](int row, int steps) {
@@ -63,7 +63,8 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
             midpoint_step_plain(*coefficients, allowance, from, T / steps, row, step);
         }
         const double* y = step.state.y;
-        return attitude_error({y[3], y[4], y[5], y[6]}, symmetric_attitude(problem.scene, T) * problem.principal.q_BP);
+        return attitude_error({y[3], y[4], y[5], y[6]},
+                              symmetric_attitude(problem.scene, T) * problem.body.principal.q_BP);
     };
     // from five columns on, rounding comes before the asymptotic slope: for them the moments above speak
     for (int row = 2; row <= 4; ++row) {

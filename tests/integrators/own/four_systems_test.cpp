@@ -35,7 +35,7 @@ void expect_solved(const Scene& scene, Formulation formulation) {
             mu.re[l] = size * (1.3 + uniform(random)), mu.im[l] = l == 3 ? 0 : 2 * size * uniform(random);
             for (Complex4& component : x) component.re[l] = uniform(random), component.im[l] = uniform(random);
         }
-        FourSystems<N> systems;
+        FourSystems<N, SystemType::rates> systems;
         systems.factor(mu, J);
         Complex4 solution[N];
         std::copy(x, x + N, solution);

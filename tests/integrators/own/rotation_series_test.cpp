@@ -13,9 +13,9 @@
 namespace polhode {
 namespace {
 
-constexpr int order = 12;
-using Narrow = RotationSeries<order, LanePair>;
-using Wide = RotationSeries<order, Lanes8>;
+constexpr int series_order = 12;
+using Narrow = RotationSeries<series_order, LanePair>;
+using Wide = RotationSeries<series_order, Lanes8>;
 
 POLHODE_TARGET_AVX2 void expand_avx2(Narrow& series, const PackedRotation& state) { series.expand(state); }
 POLHODE_TARGET_AVX512 void expand_avx512(Wide& series, const PackedRotation& state) { series.expand(state); }
@@ -47,31 +47,31 @@ RC_GTEST_PROP(RotationSeries, HasTheCoefficientsOfTheRightHandSide, ()) {
 
     double y[7] = {};
     LoadedRotation(problem).initial(y);
-    Narrow series(problem.principal_inertia);
+    Narrow series(problem.body.principal_inertia);
     series.set(segment.forcing);
     series.expand(PackedRotation(y));
     const auto same = [&](const auto& other) {
-        for (int k = 0; k <= order; ++k) {
+        for (int k = 0; k <= series_order; ++k) {
             for (int i = 0; i < 3; ++i) RC_ASSERT(other.rate(k, i) == series.rate(k, i));
             for (int i = 0; i < 4; ++i) RC_ASSERT(other.attitude(k, i) == series.attitude(k, i));
         }
     };
     if (widest_instruction_set() >= InstructionSet::avx2) {
-        Narrow other(problem.principal_inertia);
+        Narrow other(problem.body.principal_inertia);
         other.set(segment.forcing);
         expand_avx2(other, PackedRotation(y));
         same(other);
     }
     if (widest_instruction_set() >= InstructionSet::avx512) {
-        Wide other(problem.principal_inertia);
+        Wide other(problem.body.principal_inertia);
         other.set(segment.forcing);
         expand_avx512(other, PackedRotation(y));
         same(other);
     }
-    truth::Series<double> recorded(truth::record<double>(Form{LoadedRotation(problem, segment)}, 7), order);
+    truth::Series<double> recorded(truth::record<double>(Form{LoadedRotation(problem, segment)}, 7), series_order);
     recorded.expand(y);
     double growth = 1;  // of the coefficients, and of what rounding makes of them
-    for (int k = 0; k <= order; ++k) {
+    for (int k = 0; k <= series_order; ++k) {
         double size = 0;
         for (int i = 0; i < 7; ++i) size = std::max(size, std::abs(recorded.coefficient(i, k)));
         growth = std::max(growth, size);

@@ -23,7 +23,7 @@ using testing::free_body;
 
 const Method& taylor() { return *find_method("taylor"); }
 
-double attitude_error(const Scene& scene, double tolerance, long samples = 50) {
+double error_against_truth(const Scene& scene, double tolerance, long samples = 50) {
     Settings settings;
     settings.tolerance = tolerance, settings.samples = samples;
     const Trajectory run = solve(scene, taylor(), settings);
@@ -37,16 +37,16 @@ TEST(Taylor, KeepsItsToleranceUnderEveryLoad) {
     const FreshCache cache;
     for (unsigned seed = 0; seed < 6; ++seed) {
         const Scene scene = loaded_scene(seed, seed % 2 == 0);
-        EXPECT_LT(attitude_error(scene, 1e-9), 1e-7) << seed;
-        EXPECT_LT(attitude_error(scene, 1e-14), 3e-12) << seed;
+        EXPECT_LT(error_against_truth(scene, 1e-9), 1e-7) << seed;
+        EXPECT_LT(error_against_truth(scene, 1e-14), 3e-12) << seed;
     }
 }
 
 TEST(Taylor, IsAsAccurateAsItsArithmetic) {
     const FreshCache cache;
     const Scene body = free_body(100);
-    EXPECT_LT(attitude_error(body, 1e-16, 100), 2e-15);
-    EXPECT_LT(attitude_error(body, 1e-15, 100), 2e-15);
+    EXPECT_LT(error_against_truth(body, 1e-16, 100), 2e-15);
+    EXPECT_LT(error_against_truth(body, 1e-15, 100), 2e-15);
 }
 
 // The same motion at `factor` times the rate: times shorter, speeds larger, and torques and forces by its square.
@@ -102,7 +102,7 @@ TEST(Taylor, IsRightUnderEveryLoadAtAnyRate) {
     const FreshCache cache;
     for (const double rate : {1e-40, 1e40})
         for (const bool pivoted : {false, true})
-            EXPECT_LT(attitude_error(at_rate(loaded_scene(1, pivoted), rate), 1e-12, 4), 1e-10) << rate;
+            EXPECT_LT(error_against_truth(at_rate(loaded_scene(1, pivoted), rate), 1e-12, 4), 1e-10) << rate;
 }
 
 // A unit of time that is a power of two changes no bit, and so two rates a power of two apart run alike.
@@ -164,7 +164,7 @@ TEST(Taylor, StaysAtAStiffEquilibriumWithCare) {
     const FreshCache cache;
     Scene scene = find_scene("extreme/drag_torque_1e4");
     scene.duration = 0.5;
-    EXPECT_LT(attitude_error(scene, 1e-15, 5), 3e-15);
+    EXPECT_LT(error_against_truth(scene, 1e-15, 5), 3e-15);
 }
 
 // Samples are looked up: neither their number nor whether they are kept changes a step.

@@ -6,13 +6,12 @@
 #include "integrators/points/point_runs.h"
 #include "integrators/points/stiffness.h"
 #include "integrators/scenes.h"
+#include "motion/moderate_scene.h"
 
 namespace polhode {
 namespace {
 
 using namespace polhode::testing;
-
-double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 
 /// A free body that is not flat.
 Scene tumbling(double duration) {

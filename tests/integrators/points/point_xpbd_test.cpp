@@ -3,13 +3,12 @@
 
 #include "integrators/points/point_runs.h"
 #include "integrators/scenes.h"
+#include "motion/moderate_scene.h"
 
 namespace polhode {
 namespace {
 
 using namespace polhode::testing;
-
-double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 
 PointRun run_with(const Scene& scene, double step, int iterations) {
     Settings settings;

@@ -42,11 +42,7 @@ struct GrowingSession {
     Sample sample() const { return growth.at(t); }
     std::optional<Sample> sample_inside(double at) const { return growth.at(at); }
     int inside_flag() const { return 0; }
-    struct Failure {
-        Status status = Status::failed;
-        std::string message;
-    };
-    Failure failure(int) const { return {}; }
+    SolverFailure failure(int) const { return {Status::failed, {}}; }
     long steps() const { return growth.n; }
     long rhs_evaluations() const { return growth.n; }
 };

@@ -12,7 +12,7 @@ namespace {
 
 using namespace polhode::testing;
 
-constexpr double g = 9.80665;
+constexpr double falling_g = 9.80665;
 
 double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 
@@ -21,7 +21,7 @@ Scene falling(const Shape& shape, double height, double restitution) {
     scene.name = "falling", scene.duration = 2;
     scene.body = body_of(body_source(ShapedBody{shape, {2, false}}));
     scene.initial.position_W = {0, 0, height};
-    scene.loads = {Gravity{{0, 0, -g}, {}}};
+    scene.loads = {Gravity{{0, 0, -falling_g}, {}}};
     scene.planes = {{{0, 0, 1}, 0, restitution, 0}};
     return scene;
 }
@@ -34,7 +34,7 @@ Scene bouncing(double restitution, double duration) {
 }
 std::vector<double> bounce_times(double restitution, double duration) {
     std::vector<double> times;
-    const double first = std::sqrt(2 / g);
+    const double first = std::sqrt(2 / falling_g);
     for (double t = first, flight = 2 * restitution * first; t < duration; t += flight, flight *= restitution)
         times.push_back(t);
     return times;
@@ -42,10 +42,10 @@ std::vector<double> bounce_times(double restitution, double duration) {
 double height_of_ball(double restitution, double t) {
     double from = 0;
     for (double time : bounce_times(restitution, t)) from = time;
-    if (from == 0) return 1.25 - g * t * t / 2;
+    if (from == 0) return 1.25 - falling_g * t * t / 2;
     const auto bounces = static_cast<double>(bounce_times(restitution, t).size());
-    const double up = std::pow(restitution, bounces) * std::sqrt(2 * g), after = t - from;
-    return 0.25 + up * after - g * after * after / 2;
+    const double up = std::pow(restitution, bounces) * std::sqrt(2 * falling_g), after = t - from;
+    return 0.25 + up * after - falling_g * after * after / 2;
 }
 
 Trajectory by_impacts(const Scene& scene, double tolerance, long samples = 100) {
@@ -92,7 +92,9 @@ TEST(CvodeImpacts, OfATurningBoxStartWhereTheCornerComesDown) {
     scene.initial.angular_velocity = {2, 0, 0};
     scene.duration = 0.5;
     // the lowest corner is 0.3 cos a + 0.2 sin a below the centre at the angle a = 2 t
-    const auto height = [](double t) { return 1 - g * t * t / 2 - 0.3 * std::cos(2 * t) - 0.2 * std::sin(2 * t); };
+    const auto height = [](double t) {
+        return 1 - falling_g * t * t / 2 - 0.3 * std::cos(2 * t) - 0.2 * std::sin(2 * t);
+    };
     double low = 0.1, high = 0.5;
     for (int i = 0; i < 60; ++i) (height((low + high) / 2) > 0 ? low : high) = (low + high) / 2;
     const Trajectory run = by_impacts(scene, 1e-11, 1000);
@@ -101,9 +103,9 @@ TEST(CvodeImpacts, OfATurningBoxStartWhereTheCornerComesDown) {
     EXPECT_NEAR(run.impact_times[0], low, 1e-10);
     // plane motion: the edge along x meets the floor, r = (0, y, -h); j = 2 u / (1/m + y^2/I), e = 1
     const double t = low, y = 0.3 * std::sin(2 * t) - 0.2 * std::cos(2 * t), I = 2.0 / 3 * (0.04 + 0.09);
-    const double u = -(-g * t + 2 * y), j = 2 * u / (1 / 2.0 + y * y / I);
+    const double u = -(-falling_g * t + 2 * y), j = 2 * u / (1 / 2.0 + y * y / I);
     const Sample& last = run.samples.back();
-    EXPECT_NEAR(last.velocity_W[2], -g * 0.5 + j / 2, 1e-8);
+    EXPECT_NEAR(last.velocity_W[2], -falling_g * 0.5 + j / 2, 1e-8);
     EXPECT_NEAR(last.angular_velocity_B[0], 2 + y * j / I, 1e-8);
     EXPECT_NEAR(last.angular_velocity_B[1], 0, 1e-9);
 }
@@ -159,7 +161,7 @@ TEST(CvodeImpacts, WithFrictionTakeTheSlipAndNeverAddEnergy) {
     // much, which is more than is left to rolling at 5/7 of 3 m/s
     const Trajectory run = by_impacts(scene, 1e-10);
     ASSERT_EQ(run.status, Status::ok) << run.message;
-    EXPECT_NEAR(run.samples[60].velocity_W[0], 3 - 0.15 * std::sqrt(2 * g), 1e-8);
+    EXPECT_NEAR(run.samples[60].velocity_W[0], 3 - 0.15 * std::sqrt(2 * falling_g), 1e-8);
     EXPECT_NEAR(run.samples.back().velocity_W[0], 3 * 5.0 / 7, 1e-8);
     EXPECT_NEAR(rotate(run.samples.back().q, run.samples.back().angular_velocity_B)[1], 3 * 5.0 / 7 / 0.25, 1e-7);
     for (std::size_t i = 1; i < run.samples.size(); ++i)
@@ -219,7 +221,7 @@ TEST(ImpactStepping, IsLateByAStepAtMost) {
         ASSERT_EQ(run.status, Status::ok) << run.message;
         ASSERT_FALSE(run.impact_times.empty());
         // semi-implicit Euler is below the parabola by g h t / 2: it may also come early
-        EXPECT_NEAR(run.impact_times[0], std::sqrt(2 / g), 2 * step);
+        EXPECT_NEAR(run.impact_times[0], std::sqrt(2 / falling_g), 2 * step);
     }
 }
 
@@ -231,8 +233,8 @@ TEST(ImpactHalving, MeetsThePlaneOfItsOwnMotion) {
         // whole steps of semi-implicit Euler fall by g h^2 k (k + 1) / 2, then a part s of one by (k g h + s g) s
         double fallen = 0, v = 0, t = 0;
         while (true) {
-            if (fallen + (v + g * step) * step > 1) break;
-            v += g * step, fallen += v * step, t += step;
+            if (fallen + (v + falling_g * step) * step > 1) break;
+            v += falling_g * step, fallen += v * step, t += step;
         }
         // the part is reached by halves, each an update of its own; within a step of the whole in any case
         EXPECT_GE(run.impact_times[0], t - 1e-12);
@@ -278,7 +280,7 @@ TEST(TruthOfImpacts, LocatesThemToItsDigits) {
     ASSERT_TRUE(truth.available) << truth.message;
     ASSERT_EQ(truth.impact_times.size(), 1U);
     const Wide t = Wide(truth.impact_times[0].high) + truth.impact_times[0].low;
-    const Wide residual = t * t * Wide(g) / 2 - 1;
+    const Wide residual = t * t * Wide(falling_g) / 2 - 1;
     EXPECT_LT(std::abs(double(residual)), 1e-29);
 }
 

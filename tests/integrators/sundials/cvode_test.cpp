@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -14,8 +13,6 @@
 
 namespace polhode {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Eigen::Quaterniond eigen(const Quaternion<double>& q) { return {q.w, q.x, q.y, q.z}; }
 Eigen::Vector3d eigen(const Vector3<double>& v) { return {v[0], v[1], v[2]}; }
@@ -41,8 +38,8 @@ Trajectory run(const Scene& scene, const char* method, double tolerance, Setting
 
 void expect_ok(const Trajectory& t) { ASSERT_EQ(t.status, Status::ok) << t.message; }
 
-class Cvode : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Methods, Cvode, testing::Values("cvode_adams", "cvode_bdf"));
+class Cvode : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Cvode, ::testing::Values("cvode_adams", "cvode_bdf"));
 
 // Free symmetric body, I1 = I2: it precesses about L at |L|/I1 and spins about its axis at w3 (1 - I3/I1):
 // q = exp(t/2 L/I1) q0 exp(t/2 spin e3).
@@ -129,13 +126,13 @@ TEST_P(Cvode, StopsAtTheLimitOfSteps) {
 }
 
 TEST_P(Cvode, SaysWhichToleranceIsTooSmallAndWritesNothing) {
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     for (const double tolerance : {1e-17, 1e-20, 1e-100, 1e-300, 5e-324}) {
         const Trajectory t = run(body(1, 2, 3, {1, 1, 1}, 1), GetParam(), tolerance);
         EXPECT_EQ(t.status, Status::tolerance_not_met) << tolerance << ": " << t.message;
         EXPECT_NE(t.message.find("CVODE: At t = 0, too much accuracy requested."), std::string::npos) << t.message;
     }
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 // At the edge of what CVODE accepts a run goes through or says why it does not, in bounded time.
@@ -156,9 +153,9 @@ TEST(CvodeFamily, EndsAtOnceWhereATorqueIsNotFinite) {
             UserTorque{"nan after a while",
                        [from](const LoadState& s) { return Vector3<double>(s.t >= from ? std::nan("") : 0, 0, 0); },
                        {}}};
-        testing::internal::CaptureStderr();
+        ::testing::internal::CaptureStderr();
         const Trajectory t = run(scene, "cvode_adams", 1e-9);
-        EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+        EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
         EXPECT_EQ(t.status, Status::diverged);
         EXPECT_NE(t.message.find("not finite at t = "), std::string::npos) << t.message;
         // one second at 1e-9 takes some 60 evaluations; a run that kept trying would spend thousands
@@ -256,7 +253,7 @@ TEST_P(Cvode, ShowsAnImpulseAtTheVeryEnd) {
 TEST_P(Cvode, PassesASegmentOfOneRoundingError) {
     Scene scene = body(1, 2, 3, {1, 0.3, 0}, 2);
     const Trajectory plain = run(scene, GetParam(), 1e-10);
-    scene.loads = {Torque{{1, 0, 0}, Frame::body, {1, std::nextafter(1, infinity)}}};
+    scene.loads = {Torque{{1, 0, 0}, Frame::body, {1, std::nextafter(1, HUGE_VAL)}}};
     const Trajectory t = run(scene, GetParam(), 1e-10);
     expect_ok(t), expect_ok(plain);
     // a restart more: both within steps * 2 R * sqrt(7) * 2 * T of the truth

@@ -67,7 +67,7 @@ TEST(TruthCache, IsWhatIsUsed) {
 
 TEST(TruthCache, KeyIsTheMotionNotTheTexts) {
     Scene renamed = scene_of(1), longer = scene_of(1);
-    renamed.name = "other", renamed.about = "told differently", renamed.tolerated_attitude = 1;
+    renamed.name = "other", renamed.about = "told differently", renamed.tolerated["attitude"] = 1;
     longer.duration = 2;
     const std::string key = cache_key(scene_of(1), 5, 25);
     EXPECT_EQ(cache_key(renamed, 5, 25), key);

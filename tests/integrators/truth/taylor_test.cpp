@@ -48,7 +48,7 @@ class SideBySide {
         std::size_t i = 0;
         each([&](const Form& form, int first) {
             const Problem& problem = problems[i++];
-            for (truth::Block block : form.blocks(problem.scales, problem.principal.moments))
+            for (truth::Block block : form.blocks(problem.scales, problem.body.principal.moments))
                 block.first += first, all.push_back(block);
         });
         return all;
@@ -86,7 +86,7 @@ TEST(TruthTaylor, BodiesSideBySideMoveAsEachDoesAlone) {
     for (std::size_t body = 0; body < scenes.size(); ++body) {
         const Problem& problem = problems[body];
         const auto alone =
-            truth::taylor<P, Form>(scenes[body], times, problem.scales, problem.principal.moments, settings);
+            truth::taylor<P, Form>(scenes[body], times, problem.scales, problem.body.principal.moments, settings);
         ASSERT_EQ(alone.fault, "");
         EXPECT_LE(alone.steps, all.steps);
         for (std::size_t k = 0; k < times.size(); ++k) {

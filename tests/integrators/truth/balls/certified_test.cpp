@@ -28,8 +28,8 @@ Table by_momentum_form(const Scene& scene, long samples) {
     std::vector<double> times;
     for (long k = 0; k <= samples; ++k) times.push_back(sample_time(scene.duration, k, samples));
     const truth::TaylorSettings settings{76, 65, 1, 100'000};
-    const truth::Run<R> run =
-        truth::taylor<R, truth::MomentumForm<R>>(scene, times, problem.scales, problem.principal.moments, settings);
+    const truth::Run<R> run = truth::taylor<R, truth::MomentumForm<R>>(scene, times, problem.scales,
+                                                                       problem.body.principal.moments, settings);
     EXPECT_EQ(run.fault, "");
     Table table;
     for (const truth::Motion<R>& m : run.motions) {

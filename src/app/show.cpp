@@ -1,0 +1,27 @@
+// polhode show: a scene's file as it is written.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "app/commands.h"
+#include "scene/scene_file.h"
+#include "text/json_document.h"
+
+namespace polhode {
+
+void add_show(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand("show", "A scene's JSON as it is written, comments and all.");
+    const auto scene = std::make_shared<std::string>();
+    command->add_option("SCENE", *scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    command->callback([scene, &exit_code] {
+        // a file that is no scene is refused like everywhere
+        find_scene(*scene);
+        const std::string_view builtin = builtin_scene_text(*scene);
+        std::string text = builtin.empty() ? read_text(*scene) : std::string(builtin);
+        if (!text.ends_with('\n')) text += '\n';
+        write_output("", text);
+        exit_code = 0;
+    });
+}
+
+}  // namespace polhode

@@ -1,0 +1,283 @@
+#include "check/engine_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "body/elementary.h"
+#include "body/mass_properties.h"
+#include "body/orientation.h"
+
+namespace polhode {
+namespace {
+
+using Vector = Vector3<double>;
+
+constexpr UpdateRule rules[] = {
+    {"accurate steps", RateUpdate::accurate},
+    {"semi-implicit Euler with an explicit gyroscopic term", RateUpdate::after_loads},
+    {"semi-implicit Euler with an implicit gyroscopic term", RateUpdate::implicit_newton},
+    {"semi-implicit Euler with a gyroscopic term that keeps |L|", RateUpdate::rescaled_momentum},
+    {"semi-implicit Euler", RateUpdate::together},
+    {"semi-implicit Euler of the angular momentum", RateUpdate::momentum},
+    {"the explicit midpoint rule", RateUpdate::midpoint},
+    {"explicit Euler", RateUpdate::together, false},
+    {"explicit Euler, the gyroscopic term after the loads", RateUpdate::after_loads, false},
+    {"explicit Euler of the angular momentum", RateUpdate::momentum, false},
+    {"semi-implicit Euler with an explicit gyroscopic term and a first-order quaternion", RateUpdate::after_loads, true,
+     true},
+    {"semi-implicit Euler with an implicit gyroscopic term and a first-order quaternion", RateUpdate::implicit_newton,
+     true, true},
+    {"semi-implicit Euler with a gyroscopic term that keeps |L| and a first-order quaternion",
+     RateUpdate::rescaled_momentum, true, true},
+    {"semi-implicit Euler with a first-order quaternion", RateUpdate::together, true, true},
+    {"semi-implicit Euler of the angular momentum with a first-order quaternion", RateUpdate::momentum, true, true},
+    {"explicit Euler with a first-order quaternion", RateUpdate::together, false, true},
+    {"explicit Euler of the angular momentum with a first-order quaternion", RateUpdate::momentum, false, true},
+};
+
+// an accurate step turns by no more than this, rad: (h w)^5 / 120 = 3e-9 of a radian is lost in each
+constexpr double most_turned = 0.05;
+constexpr int most_small_steps = 200;
+
+}  // namespace
+
+std::span<const UpdateRule> update_rules() { return rules; }
+
+EngineModel::EngineModel(const Cause& cause)
+    : fault_(cause.engine),
+      problem_(pose(cause.scene, Formulation::full)),
+      inertia_(problem_.body.full_inertia.tensor),
+      inverse_inertia_(problem_.body.full_inertia.inverse) {}
+
+EngineState EngineModel::start() const {
+    const ExactBody<double>& b = problem_.body;
+    EngineState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W};
+    strike(s, problem_.segments.front());
+    place_at_pivot(s);
+    return s;
+}
+
+bool EngineModel::takes(const UpdateRule& rule) const {
+    return rule.rate != RateUpdate::momentum || (fault_.gyroscopic == 1 && fault_.turned_by == TurnedBy::own_rate);
+}
+
+bool EngineModel::has_event(double t, double dt) const {
+    return std::any_of(problem_.segments.begin() + 1, problem_.segments.end(),
+                       [&](const Segment& segment) { return t < segment.begin && segment.begin <= t + dt; });
+}
+
+EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double t, const EngineState& s) const {
+    const Matrix3<double> A = rotation_matrix(s.q);
+    const Vector torque = loads.torque_W(
+        t, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
+    Action a{transposed(A) * torque, {}};
+    if (!problem_.body.pivoted) a.acceleration_W = loads.acceleration_W(A, s.velocity_W);
+    return a;
+}
+
+void EngineModel::limit(EngineState& s) const {
+    const double speed = length(s.angular_velocity_B);
+    if (speed > fault_.speed_limit) s.angular_velocity_B = (fault_.speed_limit / speed) * s.angular_velocity_B;
+}
+
+void EngineModel::place_at_pivot(EngineState& s) const {
+    if (problem_.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem_.body.arm, s.position_W, s.velocity_W);
+}
+
+void EngineModel::strike(EngineState& s, const Segment& segment) const {
+    if (segment.impulses.empty()) return;
+    const Matrix3<double> A = rotation_matrix(s.q);
+    Vector kick;
+    WorldLoads<double>::strike(problem_, segment, A, s.position_W, kick, s.velocity_W);
+    s.angular_velocity_B = s.angular_velocity_B + inverse_inertia_ * (transposed(A) * kick);
+    place_at_pivot(s);
+}
+
+// w after a time h of the gyroscopic term alone
+Vector EngineModel::turned(const Vector& w, double h, const UpdateRule& rule) const {
+    const double g = fault_.gyroscopic;
+    if (g == 0) return w;
+    const Vector L = inertia_ * w;
+    if (rule.rate == RateUpdate::implicit_newton) {
+        Matrix3<double> J = skew(w) * inertia_;
+        const Matrix3<double> skew_L = skew(L);
+        for (int i = 0; i < 3; ++i) J[i] = (g * h) * (J[i] - skew_L[i]);
+        J = inverse_inertia_ * J;
+        for (int i = 0; i < 3; ++i) J[i][i] += 1;
+        return w + inverse(J) * ((g * h) * (inverse_inertia_ * cross(L, w)));
+    }
+    const Vector after = L + (g * h) * cross(L, w);
+    if (rule.rate != RateUpdate::rescaled_momentum) return inverse_inertia_ * after;
+    const double is = hypotenuse(after);
+    return is > 0 ? inverse_inertia_ * ((hypotenuse(L) / is) * after) : w;
+}
+
+// The attitude goes on by a rate in body axes; one that belongs to the other side is taken there as it stands.
+void EngineModel::turn(EngineState& s, const Vector& rate_B, double h, bool first_order) const {
+    if (fault_.no_rotation) return;
+    const Vector by = (fault_.turn * h) * rate_B;
+    const auto factor = [&](const Vector& angle) {
+        if (!first_order) return quaternion_from_rotation_vector(angle);
+        return normalized(Quaternion<double>{1, angle[0] / 2, angle[1] / 2, angle[2] / 2});
+    };
+    switch (fault_.turned_by) {
+        case TurnedBy::own_rate:
+            s.q = normalized(s.q * factor(by));
+            break;
+        case TurnedBy::body_rate_in_world:
+            s.q = normalized(factor(by) * s.q);
+            break;
+        case TurnedBy::world_rate_in_body: {
+            // what such an engine keeps is the rate in world axes
+            const Vector w_W = rotate(s.q, s.angular_velocity_B);
+            s.q = normalized(s.q * factor(rotate(s.q, by)));
+            s.angular_velocity_B = rotate_back(s.q, w_W);
+            break;
+        }
+    }
+}
+
+// half a step with the rates of its begin, then all of it with those of the middle
+Vector EngineModel::midpoint_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const {
+    const EngineState old = s;
+    const auto go = [&](double at, const EngineState& from, double dt) {
+        const Action a = action(loads, at, from);
+        const Vector& w = from.angular_velocity_B;
+        const Vector dw = inverse_inertia_ * (a.torque_B + fault_.gyroscopic * cross(inertia_ * w, w));
+        const Vector v = from.velocity_W;
+        EngineState next = old;
+        turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
+             false);
+        next.angular_velocity_B = next.angular_velocity_B + dt * dw;
+        next.velocity_W = old.velocity_W + dt * a.acceleration_W;
+        if (!fault_.no_translation) next.position_W = old.position_W + dt * v;
+        place_at_pivot(next);
+        return next;
+    };
+    s = go(t + h / 2, go(t, old, h / 2), h);
+    s.angular_velocity_B = std::max(0.0, 1 - fault_.angular_damping * h) * s.angular_velocity_B;
+    s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * s.velocity_W;
+    limit(s);
+    place_at_pivot(s);
+    return {};
+}
+
+Vector EngineModel::step(EngineState& s, const WorldLoads<double>& loads, double t, double h,
+                         const UpdateRule& rule) const {
+    if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
+    const Action a = action(loads, t, s);
+    const Vector old_w = s.angular_velocity_B, old_v = s.velocity_W;
+    const Vector by_loads = h * (inverse_inertia_ * a.torque_B);
+    Vector w = old_w, momentum_W;
+    switch (rule.rate) {
+        case RateUpdate::together:
+            w = old_w + by_loads + (turned(old_w, h, rule) - old_w);
+            break;
+        case RateUpdate::momentum:
+            momentum_W = rotate(s.q, inertia_ * old_w + h * a.torque_B);
+            w = old_w + by_loads;
+            break;
+        default:
+            w = turned(old_w + by_loads, h, rule);
+    }
+    const double kept = std::max(0.0, 1 - fault_.angular_damping * h);
+    s.angular_velocity_B = kept * w;
+    limit(s);
+    s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * (old_v + h * a.acceleration_W);
+    turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
+    if (rule.rate == RateUpdate::momentum) {
+        s.angular_velocity_B = inverse_inertia_ * rotate_back(s.q, kept * momentum_W);
+        limit(s);
+    }
+    if (fault_.no_translation) return {};
+    s.position_W = s.position_W + h * s.velocity_W;
+    const Vector further = h * (s.velocity_W - old_v);
+    place_at_pivot(s);
+    return further;
+}
+
+// the classical Runge-Kutta method on (q, w, p, v)
+void EngineModel::small_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const {
+    struct Rate {
+        Quaternion<double> q;
+        Vector w, p, v;
+    };
+    const auto rate = [&](double at, const EngineState& y) {
+        EngineState unit = y;
+        unit.q = normalized(y.q);
+        place_at_pivot(unit);
+        const Action a = action(loads, at, unit);
+        const Vector& w = y.angular_velocity_B;
+        Rate r;
+        r.w = inverse_inertia_ * (a.torque_B + fault_.gyroscopic * cross(inertia_ * w, w)) - fault_.angular_damping * w;
+        Vector turning = fault_.turn * w;
+        if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
+        if (fault_.turned_by == TurnedBy::world_rate_in_body) {
+            turning = rotate(unit.q, turning);
+            // w_W is what changes by torques alone
+            r.w = r.w - cross(turning, w);
+        }
+        if (fault_.no_rotation) turning = {};
+        r.q = attitude_rate(0.5, y.q, turning);
+        r.p = fault_.no_translation ? Vector() : y.velocity_W;
+        r.v = a.acceleration_W - fault_.linear_damping * y.velocity_W;
+        return r;
+    };
+    const auto moved = [&](const Rate& r, double by) {
+        EngineState y = s;
+        y.q = {s.q.w + by * r.q.w, s.q.x + by * r.q.x, s.q.y + by * r.q.y, s.q.z + by * r.q.z};
+        y.angular_velocity_B = s.angular_velocity_B + by * r.w;
+        y.position_W = s.position_W + by * r.p, y.velocity_W = s.velocity_W + by * r.v;
+        return y;
+    };
+    const Rate a = rate(t, s), b = rate(t + h / 2, moved(a, h / 2)), c = rate(t + h / 2, moved(b, h / 2)),
+               d = rate(t + h, moved(c, h));
+    const auto mean = [](const auto& k1, const auto& k2, const auto& k3, const auto& k4) {
+        return (1.0 / 6) * (k1 + 2.0 * (k2 + k3) + k4);
+    };
+    const Quaternion<double> q{(a.q.w + 2 * (b.q.w + c.q.w) + d.q.w) / 6, (a.q.x + 2 * (b.q.x + c.q.x) + d.q.x) / 6,
+                               (a.q.y + 2 * (b.q.y + c.q.y) + d.q.y) / 6, (a.q.z + 2 * (b.q.z + c.q.z) + d.q.z) / 6};
+    s = moved({q, mean(a.w, b.w, c.w, d.w), mean(a.p, b.p, c.p, d.p), mean(a.v, b.v, c.v, d.v)}, h);
+    s.q = normalized(s.q);
+    limit(s);
+    place_at_pivot(s);
+}
+
+void EngineModel::go_on(EngineState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
+                        int steps, Vector& further) const {
+    if (!(dt > 0)) return;
+    if (rule.rate == RateUpdate::accurate) {
+        const double turned_by =
+            dt * fault_.time * std::max(length(s.angular_velocity_B), problem_.scales.angular_velocity);
+        // of a state that is no longer finite as of one that turns too fast
+        const double wanted = std::ceil(turned_by / most_turned);
+        steps = wanted < most_small_steps ? std::max(2, static_cast<int>(wanted)) : most_small_steps;
+    }
+    const double part = dt / steps, h = part * fault_.time;
+    for (int i = 0; i < steps; ++i) {
+        if (rule.rate == RateUpdate::accurate)
+            small_step(s, loads, t + i * part, h);
+        else
+            further = further + step(s, loads, t + i * part, h, rule);
+    }
+}
+
+Vector EngineModel::advance(EngineState& s, double t, double dt, const UpdateRule& rule, int steps) const {
+    WorldLoads<double> loads(problem_);
+    const std::size_t first = segment_at(problem_, t);
+    loads.enter(problem_.segments[first]);
+    Vector further;
+    const double end = t + dt;
+    for (std::size_t k = first + 1; k < problem_.segments.size() && problem_.segments[k].begin <= end; ++k) {
+        const Segment& next = problem_.segments[k];
+        go_on(s, loads, t, next.begin - t, rule, steps, further);
+        t = std::max(t, next.begin);
+        loads.enter(next);
+        strike(s, next);
+    }
+    go_on(s, loads, t, end - t, rule, steps, further);
+    return further;
+}
+
+}  // namespace polhode

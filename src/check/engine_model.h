@@ -1,0 +1,88 @@
+// A small engine that has the faults of a hypothesis and steps as game engines do: what known faults predict.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "check/hypothesis.h"
+#include "motion/problem.h"
+#include "motion/world_loads.h"
+
+namespace polhode {
+
+/// What an update makes of the gyroscopic term and of the loads.
+enum class RateUpdate {
+    accurate,           ///< as good as can be: many small steps of order 4
+    after_loads,        ///< the loads, then an explicit Euler step of the gyroscopic term
+    implicit_newton,    ///< the loads, then one Newton step of the implicit one
+    rescaled_momentum,  ///< the loads, then L + h L x w brought back to its length
+    together,           ///< an explicit Euler step of both together
+    midpoint,           ///< the explicit midpoint rule
+    momentum,           ///< L in world axes by the loads, w by L and the old attitude
+};
+
+/// One step of a known kind of update.
+struct UpdateRule {
+    std::string_view name;     ///< for people: "semi-implicit Euler, gyroscopic term explicit"
+    RateUpdate rate;           ///< of the angular velocity
+    bool by_new_rate = true;   ///< the attitude turns by the rate after the step (semi-implicit), else by the old one
+    bool first_order = false;  ///< q + (h/2) w q, normalised, in place of the exponential
+};
+
+/// The updates that are tried; the first is the accurate one.
+std::span<const UpdateRule> update_rules();
+
+/// The state of an engine.
+struct EngineState {
+    Quaternion<double> q;                ///< body to world, of unit length
+    Vector3<double> angular_velocity_B;  ///< rad/s
+    Vector3<double> position_W;          ///< of the centre of mass, m
+    Vector3<double> velocity_W;          ///< of the centre of mass, m/s
+};
+
+/// An engine that was given a cause's scene and has its faults.
+class EngineModel {
+  public:
+    /// Throws InputError where the scene is none.
+    explicit EngineModel(const Cause& cause);
+
+    /// The scene's start as the engine was given it; impulses at t = 0 have acted.
+    EngineState start() const;
+    /// Goes on from t by dt (s) in `steps` steps of the rule; events in between end steps of their own. Positions
+    /// follow the new velocities. Returns how much further they are than by the old ones: nothing where the rule is
+    /// accurate.
+    Vector3<double> advance(EngineState& state, double t, double dt, const UpdateRule& rule, int steps) const;
+
+    /// |w| brought to the engine's limit.
+    void limit(EngineState& s) const;
+
+    /// Whether a rule makes sense for it: the momentum's has no gyroscopic term that could be missing.
+    bool takes(const UpdateRule& rule) const;
+    /// Whether an event of the scene falls in t < event <= t + dt.
+    bool has_event(double t, double dt) const;
+    const Problem& problem() const { return problem_; }
+    const ExactBody<double>& body() const { return problem_.body; }
+
+  private:
+    EngineFault fault_;
+    Problem problem_;
+    Matrix3<double> inertia_, inverse_inertia_;
+
+    // what acts on a state: torque in body axes, acceleration of the centre of mass in world axes
+    struct Action {
+        Vector3<double> torque_B, acceleration_W;
+    };
+    Action action(const WorldLoads<double>& loads, double t, const EngineState& s) const;
+    Vector3<double> step(EngineState& s, const WorldLoads<double>& loads, double t, double h,
+                         const UpdateRule& rule) const;
+    Vector3<double> midpoint_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const;
+    void small_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const;
+    void go_on(EngineState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule, int steps,
+               Vector3<double>& further) const;
+    Vector3<double> turned(const Vector3<double>& w, double h, const UpdateRule& rule) const;
+    void turn(EngineState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
+    void strike(EngineState& s, const Segment& segment) const;
+    void place_at_pivot(EngineState& s) const;
+};
+
+}  // namespace polhode

@@ -1,0 +1,185 @@
+#include "check/foreign_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <stdexcept>
+
+#include "body/orientation.h"
+#include "text/csv_lines.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::array own_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
+                               "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
+
+std::string matrix_entry(int i) { return fmt::format("r{}{}", i / 3 + 1, i % 3 + 1); }
+
+// small letters and digits alone: "Rot.W" and "rot_w" are one
+std::string plain_name(std::string_view name) {
+    std::string result;
+    for (const char c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)))
+            result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
+// What other programs call our columns, in plain names without the component's letter.
+struct KnownNames {
+    char own;  // the letter of our block
+    std::vector<std::string_view> names;
+};
+const std::vector<KnownNames>& known_names() {
+    static const std::vector<KnownNames> all{
+        {'q', {"q", "quat", "quaternion", "rot", "rotation", "orientation", "attitude"}},
+        {'w', {"w", "omega", "angularvelocity", "angvel", "avel", "av", "gyro"}},
+        {'p', {"p", "pos", "position", "com", "translation", ""}},
+        {'v', {"v", "vel", "velocity", "linearvelocity", "linvel", "lv"}},
+    };
+    return all;
+}
+
+// Our name for a column of another program's, if one is known.
+std::optional<std::string> recognised(std::string_view name) {
+    const std::string plain = plain_name(name);
+    for (const char* time : {"t", "time", "times", "timestamp", "seconds", "sec", "simtime"})
+        if (plain == time) return "t";
+    if (plain.empty()) return {};
+    const char component = plain.back();
+    const std::string stem = plain.substr(0, plain.size() - 1);
+    if (component != 'w' && component != 'x' && component != 'y' && component != 'z') return {};
+    for (const KnownNames& block : known_names())
+        if (std::ranges::find(block.names, stem) != block.names.end() && (block.own == 'q' || component != 'w'))
+            return std::string{block.own, component};
+    return {};
+}
+
+std::vector<std::string> split(std::string_view text, char at) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0;;) {
+        const std::size_t end = text.find(at, begin);
+        parts.emplace_back(text.substr(begin, end - begin));
+        if (end == text.npos) return parts;
+        begin = end + 1;
+    }
+}
+
+}  // namespace
+
+ColumnNames parse_columns(std::string_view text) {
+    ColumnNames names;
+    const auto refuse = [](const std::string& fault) {
+        throw std::invalid_argument(
+            fault +
+            "; give time=T,rotation=X:Y:Z:W and, where they are, angular_velocity=X:Y:Z, position=.., origin=.., "
+            "velocity=..");
+    };
+    for (const std::string& part : split(text, ',')) {
+        const std::size_t equals = part.find('=');
+        const std::string block = part.substr(0, equals);
+        const std::vector<std::string> given =
+            equals == part.npos ? std::vector<std::string>() : split(std::string_view(part).substr(equals + 1), ':');
+        std::vector<std::string> ours;
+        if (block == "time") ours = {"t"};
+        if (block == "rotation" && given.size() != 9) ours = {"qx", "qy", "qz", "qw"};
+        if (block == "rotation" && given.size() == 9)
+            for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i));
+        for (const auto& [word, letter] :
+             {std::pair{"angular_velocity", "w"}, {"position", "p"}, {"origin", "o"}, {"velocity", "v"}})
+            if (block == word)
+                for (const char* axis : {"x", "y", "z"}) ours.push_back(std::string(letter) + axis);
+        if (ours.empty()) refuse(fmt::format("{} is no block of a trajectory", one_line(part, 60)));
+        if (given.size() != ours.size())
+            refuse(fmt::format("{} has {} columns where {} belong", block, given.size(), ours.size()));
+        for (std::size_t i = 0; i < ours.size(); ++i)
+            if (given[i].empty() || !names.emplace(ours[i], given[i]).second)
+                refuse(fmt::format("{} is named twice, or not at all", block));
+    }
+    return names;
+}
+
+ForeignTable own_columns(std::string text, const std::string& file, const ColumnNames& names) {
+    ForeignTable table;
+    CsvLines lines(text, file);
+    if (!lines.next()) return {std::move(text), {}};
+    const std::vector<std::string> header(lines.cells().begin(), lines.cells().end());
+    // the place in the file of each of our columns
+    std::map<std::string, std::size_t> places;
+    std::vector<std::string> ignored;
+    if (names.empty()) {
+        const auto is_ours = [](const std::string& name) {
+            return std::ranges::find(own_names, name) != own_names.end();
+        };
+        const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
+        if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {std::move(text), {}};
+        for (std::size_t i = 0; i < header.size(); ++i) {
+            const std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
+            if (!own)
+                ignored.push_back(header[i]);
+            else if (!places.emplace(*own, i).second)
+                return {std::move(text), {}};
+        }
+        for (const char* needed : {"t", "qw", "qx", "qy", "qz"})
+            if (!places.contains(needed)) return {std::move(text), {}};
+    } else {
+        for (const auto& [own, name] : names) {
+            const auto place = std::ranges::find(header, name);
+            if (place == header.end())
+                throw InputError(file, "line 1", fmt::format("has no column {}", one_line(name, 60)),
+                                 fmt::format("its columns are {}", one_line(listed(header), 300)));
+            places.emplace(own, static_cast<std::size_t>(place - header.begin()));
+        }
+        for (std::size_t i = 0; i < header.size(); ++i)
+            if (std::ranges::none_of(places, [&](const auto& p) { return p.second == i; }))
+                ignored.push_back(header[i]);
+    }
+    const bool matrix = places.contains("r11");
+    std::string taken;
+    for (const auto& [own, place] : places) {
+        if (own != header[place]) taken += fmt::format("{}{} for {}", taken.empty() ? "" : ", ", header[place], own);
+        if (own[0] != 'r') table.text += (table.text.empty() ? "" : ",") + own;
+    }
+    table.text += matrix ? ",qw,qx,qy,qz\n" : "\n";
+    if (!taken.empty()) table.remarks.push_back("columns taken: " + one_line(taken, 400));
+    if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(listed(ignored), 400));
+    while (lines.next()) {
+        const std::vector<std::string_view>& cells = lines.cells();
+        if (cells.size() != header.size())
+            throw InputError(file, fmt::format("line {}", lines.number()),
+                             fmt::format("has {} cells under {} columns", cells.size(), header.size()),
+                             "give a cell for each column");
+        std::string line;
+        Matrix3<double> A;
+        for (const auto& [own, place] : places) {
+            if (own[0] != 'r') {
+                line += (line.empty() ? "" : ",") + std::string(cells[place]);
+                continue;
+            }
+            const std::optional<double> entry = parse_decimal(cells[place]);
+            if (!entry)
+                throw InputError(file, fmt::format("line {}, column {}", lines.number(), one_line(header[place], 60)),
+                                 fmt::format("is {}", one_line(std::string(cells[place]), 60)), "give a number");
+            A[static_cast<std::size_t>(own[1] - '1')][static_cast<std::size_t>(own[2] - '1')] = *entry;
+        }
+        if (matrix) {
+            try {
+                require_rotation(A, 1e-3);
+            } catch (const std::invalid_argument& error) {
+                throw InputError(file, fmt::format("line {}", lines.number()), error.what(),
+                                 "give a rotation matrix row by row");
+            }
+            const Quaternion<double> q = quaternion_from_rotation(A);
+            for (const double x : {q.w, q.x, q.y, q.z}) line += "," + shortest_decimal(x);
+        }
+        table.text += line + "\n";
+    }
+    return table;
+}
+
+}  // namespace polhode

@@ -1,0 +1,91 @@
+#include "check/limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+constexpr JudgedBlock blocks[] = {
+    {"attitude", "attitude", "attitude", "rad", 0, 0.05},
+    {"angular_velocity", "angular velocity", "omega", "rad/s", 0.05, 0.01},
+    {"position", "position", "position", "m", 0.05, 0.01},
+    {"velocity", "velocity", "velocity", "m/s", 0.05, 0.01},
+    {"energy", "energy", "energy", "", 0.05, 0},
+    {"momentum", "angular momentum", "momentum", "", 0.05, 0},
+};
+
+std::size_t index_of(std::string_view name) {
+    const auto found = std::ranges::find(blocks, name, &JudgedBlock::name);
+    if (found == std::end(blocks)) throw std::invalid_argument(fmt::format("there is no block {}", name));
+    return static_cast<std::size_t>(found - std::begin(blocks));
+}
+
+}  // namespace
+
+std::span<const JudgedBlock> judged_blocks() { return blocks; }
+
+ErrorLimits::ErrorLimits(const Scene& scene) {
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+        const JudgedBlock& block = blocks[i];
+        limits_[i] = {block.relative > 0 ? block.relative : block.absolute, block.relative > 0, "by default"};
+        if (const std::optional<double> error = tolerated_error(scene, block.name))
+            limits_[i] = {*error, block.unit.empty(), "tolerated by the scene"};
+    }
+}
+
+void ErrorLimits::set(std::string_view name, std::string_view text) {
+    const std::size_t i = index_of(name);
+    const JudgedBlock& block = blocks[i];
+    std::string option = "--max-" + std::string(name);
+    std::ranges::replace(option, '_', '-');
+    const bool percent = text.ends_with('%');
+    const std::optional<double> value = parse_decimal(percent ? text.substr(0, text.size() - 1) : text);
+    const std::string remedy = block.relative > 0
+                                   ? fmt::format("give a number above 0{}, or a part of the motion's size such as 5%",
+                                                 block.unit.empty() ? "" : fmt::format(" in {}", block.unit))
+                                   : fmt::format("give a number above 0 in {}", block.unit);
+    if (!value || !std::isfinite(*value) || !(*value > 0) || (percent && !(block.relative > 0)))
+        throw std::invalid_argument(fmt::format("{}: is {}; {}", option, one_line(text, 40), remedy));
+    limits_[i] = {percent ? *value / 100 : *value, percent || block.unit.empty(), option};
+}
+
+const ErrorLimit& ErrorLimits::operator[](std::string_view block) const { return limits_[index_of(block)]; }
+
+std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) const {
+    std::vector<BlockVerdict> all;
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+        const JudgedBlock& block = blocks[i];
+        const std::size_t m = measure_index(block.measure);
+        BlockVerdict v{&block, {}, {}, limits_[i], false};
+        if (const std::optional<ErrorSummary>& error = judgement[m]) {
+            const bool is_relative = static_cast<bool>(measures()[m].scale);
+            const double size = judgement.size[m];
+            // energy and momentum are told as they are measured
+            v.error = is_relative && !block.unit.empty() && size > 0 ? error->max * size : error->max;
+            if (is_relative)
+                v.relative = error->max;
+            else if (size > 0)
+                v.relative = error->max / size;
+            // a body that hardly moves is held to the absolute default
+            const double allowed = v.limit.relative && !block.unit.empty() && v.limit.from == "by default"
+                                       ? std::max(v.limit.value * size, block.absolute)
+                                       : v.limit.value * (v.limit.relative && !block.unit.empty() ? size : 1.0);
+            v.failed = !(*v.error <= allowed);
+        }
+        all.push_back(v);
+    }
+    return all;
+}
+
+bool ErrorLimits::exceeded_by(const Judgement& judgement) const {
+    return std::ranges::any_of(verdicts(judgement), &BlockVerdict::failed);
+}
+
+}  // namespace polhode

@@ -1,0 +1,281 @@
+#include "check/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace polhode {
+namespace {
+
+// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
+constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike = 0.15;
+// so many of the best single faults are taken into pairs
+constexpr std::size_t beam = 10;
+constexpr std::size_t most_alike = 3;
+// Pairs are tried where some question is so many decades above what it could be: less is the small steps' own error.
+constexpr double plainly_left = 3.5;
+
+// x to so many significant digits
+double rounded_to(int digits, double x) {
+    if (!(std::abs(x) > 0) || !std::isfinite(x)) return x;
+    const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - (digits - 1));
+    return std::round(x / unit) * unit;
+}
+
+double needed_gain(const Hypothesis& h) { return h.values ? gain_of_fitted : gain_of_fixed; }
+
+class Searcher {
+  public:
+    Searcher(const FileEvidence& evidence, bool all) : evidence_(evidence), all_(all) {}
+
+    Search run();
+
+  private:
+    const FileEvidence& evidence_;
+    bool all_;
+    std::vector<int> steps_{1};
+
+    // rule and number of steps
+    struct Update {
+        const UpdateRule* rule;
+        int steps;
+    };
+
+    Update usual_{nullptr, 1};  // what fits best without any fault
+
+    std::vector<Update> all_updates() const;
+    Explanation explained(std::vector<Supposed> faults, const std::vector<Update>& updates) const;
+    std::optional<Explanation> supposed(const std::vector<Supposed>& others, const Hypothesis& h,
+                                        const std::vector<Update>& updates, double hopeless) const;
+    void find_steps();
+    std::vector<Update> usual_updates(const Explanation& first) const;
+    Explanation without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const;
+};
+
+// every rule, by each number of steps that an engine could take from row to row
+std::vector<Searcher::Update> Searcher::all_updates() const {
+    std::vector<Update> updates;
+    for (const UpdateRule& rule : update_rules()) {
+        if (rule.rate == RateUpdate::accurate)
+            updates.push_back({&rule, 1});
+        else
+            for (const int steps : steps_) updates.push_back({&rule, steps});
+    }
+    return updates;
+}
+
+bool applied(Cause& cause, const std::vector<Supposed>& faults) {
+    return std::all_of(faults.begin(), faults.end(),
+                       [&](const Supposed& s) { return s.hypothesis->apply(cause, s.x); });
+}
+
+Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<Update>& updates) const {
+    Explanation best;
+    best.residual.total = std::numeric_limits<double>::infinity();
+    Cause cause = evidence_.sound();
+    if (!applied(cause, faults)) return best;
+    best.faults = std::move(faults);
+    const EngineModel model(cause);
+    for (const Update& update : updates) {
+        if (!model.takes(*update.rule)) continue;
+        const Residual r = evidence_.residual(cause, model, *update.rule, update.steps);
+        if (!(r.total < best.residual.total)) continue;
+        best.rule = update.rule, best.steps = update.steps, best.residual = r;
+    }
+    return best;
+}
+
+// A fault on top of others; its number, if it has one, is the best on a grid, refined between that one's neighbours by
+// golden section.
+std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& others, const Hypothesis& h,
+                                              const std::vector<Update>& updates, double hopeless) const {
+    const auto at = [&](double x, const std::vector<Update>& by) {
+        std::vector<Supposed> faults = others;
+        faults.push_back({&h, x});
+        return explained(std::move(faults), by);
+    };
+    if (!h.values) {
+        Explanation e = at(1, updates);
+        return e.rule ? std::optional(std::move(e)) : std::nullopt;
+    }
+    // the grid by few updates, then the best of it by all
+    std::vector<Update> few;
+    for (const Update& u : updates)
+        if (u.rule->rate == RateUpdate::accurate || updates.size() <= 5 ||
+            (u.rule == usual_.rule && u.steps == usual_.steps) ||
+            (u.rule->rate == RateUpdate::after_loads && u.rule->by_new_rate && !u.rule->first_order))
+            few.push_back(u);
+    const std::vector<double> values = h.values(evidence_.facts());
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (const Explanation e = at(values[i], few); e.residual.total < least) best = i, least = e.residual.total;
+    if (!std::isfinite(least)) return {};
+    Explanation result = at(values[best], updates);
+    const double ratio = (std::sqrt(5.0) - 1) / 2;
+    const auto refine = [&] {
+        const std::vector<Update> chosen{{result.rule, result.steps}};
+        const auto keep = [&](double x) {
+            Explanation e = at(x, chosen);
+            const double total = e.residual.total;
+            if (total < result.residual.total) result = std::move(e);
+            return total;
+        };
+        double a = values[best > 0 ? best - 1 : 0], b = values[std::min(best + 1, values.size() - 1)];
+        double x = b - ratio * (b - a), y = a + ratio * (b - a), fx = keep(x), fy = keep(y);
+        for (int i = 0; i < 36; ++i) {
+            // nothing to be had here
+            if (i == 6 && result.residual.total > hopeless) return;
+            if (fx < fy)
+                b = y, y = x, fy = fx, x = b - ratio * (b - a), fx = keep(x);
+            else
+                a = x, x = y, fx = fy, y = a + ratio * (b - a), fy = keep(y);
+        }
+        // one of few digits, where that fits as well: 0.1 of 0.100003
+        keep(rounded_to(4, result.faults.back().x));
+    };
+    for (int round = 0; round < 2; ++round) {
+        const UpdateRule* const by = result.rule;
+        refine();
+        if (result.residual.total > hopeless) break;
+        Explanation again = at(result.faults.back().x, updates);
+        if (!(again.residual.total < result.residual.total)) break;
+        result = std::move(again);
+        if (result.rule == by) break;
+    }
+    return result;
+}
+
+// How many steps a row an engine could take: what its attitude makes of its own rate shows it whatever else is wrong.
+void Searcher::find_steps() {
+    constexpr int candidates[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 16, 20};
+    std::vector<std::pair<double, int>> scores;
+    for (const int steps : candidates) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const double gyroscopic : {1.0, 0.0}) {
+            Cause cause = evidence_.sound();
+            cause.engine.gyroscopic = gyroscopic;
+            const EngineModel model(cause);
+            for (const UpdateRule& rule : update_rules())
+                if (rule.rate != RateUpdate::accurate && model.takes(rule))
+                    least = std::min(least, evidence_.residual(cause, model, rule, steps).total);
+        }
+        scores.emplace_back(least, steps);
+    }
+    // one step a row, and the best of the other counts where it is plainly better
+    const auto [score, steps] = *std::min_element(scores.begin() + 1, scores.end());
+    if (score < scores.front().first - 0.3) steps_.push_back(steps);
+}
+
+// Those that stand for all: of engines in use, and what fits best with one fault.
+std::vector<Searcher::Update> Searcher::usual_updates(const Explanation& first) const {
+    std::vector<Update> few{{first.rule, first.steps}};
+    for (const UpdateRule& rule : update_rules())
+        if (&rule != first.rule && !rule.first_order && rule.by_new_rate &&
+            (rule.rate == RateUpdate::accurate || rule.rate == RateUpdate::after_loads ||
+             rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
+            few.push_back({&rule, rule.rate == RateUpdate::accurate ? 1 : first.steps});
+    return few;
+}
+
+Explanation Searcher::without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const {
+    std::vector<Supposed> rest = e.faults;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fault));
+    return explained(std::move(rest), updates);
+}
+
+// Whether all numbers fitted are of two digits: who writes a fault by hand gives such a number, a fit seldom does.
+bool is_round(const Explanation& e) {
+    return std::all_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) {
+        return !s.hypothesis->values || std::abs(s.x - rounded_to(2, s.x)) < 1e-3 * std::abs(s.x);
+    });
+}
+
+bool better(const Explanation& a, const Explanation& b) { return a.residual.total < b.residual.total; }
+
+Search Searcher::run() {
+    Search found;
+    find_steps();
+    const std::vector<Update> updates = all_updates();
+    found.sound = found.best = explained({}, updates);
+    usual_ = {found.sound.rule, found.sound.steps};
+    // no fault could gain enough
+    if (!all_ && found.sound.residual.total - found.sound.residual.least < gain_of_fixed) return found;
+    std::vector<Explanation> singles;
+    for (const Hypothesis& h : known_faults())
+        if (std::optional<Explanation> e = supposed({}, h, updates, found.sound.residual.total - 0.2))
+            singles.push_back(std::move(*e));
+    std::stable_sort(singles.begin(), singles.end(), better);
+    found.tried = singles;
+    const double sound = found.sound.residual.total;
+    const auto gains = [&](const Explanation& e) {
+        return sound - e.residual.total >= needed_gain(*e.faults.front().hypothesis);
+    };
+    std::vector<Explanation> accepted;
+    for (const Explanation& e : singles)
+        if (gains(e)) accepted.push_back(e);
+    // pairs of the best with any other, each of the two being needed
+    std::vector<Explanation> pairs;
+    const double single = accepted.empty() ? sound : accepted.front().residual.total,
+                 left = (accepted.empty() ? found.sound : accepted.front()).residual.worst;
+    std::size_t taken = 0;
+    for (std::size_t i = 0; i < singles.size() && taken < beam && left > plainly_left; ++i) {
+        const Explanation& first = singles[i];
+        // engines without a gyroscopic term have other faults beside it more often than not
+        const bool usual = first.faults.front().hypothesis->subject == Subject::gyroscopic;
+        if (first.residual.total > sound - 0.3 && !usual) continue;
+        ++taken;
+        const std::vector<Update> few = usual_updates(first);
+        for (const Hypothesis& h : known_faults()) {
+            if (h.subject == first.faults.front().hypothesis->subject) continue;
+            // two fitted numbers explain anything
+            if (h.values && first.faults.front().hypothesis->values) continue;
+            std::optional<Explanation> e = supposed(first.faults, h, few, first.residual.total - 0.2);
+            if (!e || single - e->residual.total < gain_of_fitted) continue;
+            const double total = e->residual.total;
+            const bool needs_first =
+                           without(*e, 0, updates).residual.total - total >= needed_gain(*e->faults[0].hypothesis),
+                       needs_second = first.residual.total - total >= needed_gain(h);
+            if (needs_first && needs_second) pairs.push_back(explained(e->faults, updates));
+        }
+    }
+    std::stable_sort(pairs.begin(), pairs.end(), better);
+    const std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
+    if (candidates.empty()) return found;
+    found.best = candidates.front();
+    // of explanations as good as the best those that needed nothing fitted go first
+    const double limit = found.best.residual.total + alike;
+    const auto fitted = [](const Explanation& e) {
+        return std::any_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) { return !!s.hypothesis->values; });
+    };
+    std::vector<Explanation> near;
+    for (const Explanation& e : candidates)
+        if (e.residual.total <= limit) near.push_back(e);
+    // a number that is known beforehand needs no fit: half a decade is what fitting gains by itself
+    if (!near.empty() && fitted(near.front()))
+        for (const Explanation& e : candidates)
+            if (!fitted(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&
+                e.faults.size() == near.front().faults.size() &&
+                e.faults.back().hypothesis->subject == near.front().faults.back().hypothesis->subject)
+                near.push_back(e);
+    bool first = true;
+    for (const Explanation& e : near) {
+        const auto needs_no_fit = [&](const Explanation& other) {
+            return !fitted(other) && other.faults.size() == e.faults.size() &&
+                   (!is_round(e) || other.faults.back().hypothesis->subject == e.faults.back().hypothesis->subject);
+        };
+        if (fitted(e) && std::any_of(near.begin(), near.end(), needs_no_fit)) continue;
+        if (first)
+            found.best = e, first = false;
+        else if (found.alike.size() < most_alike)
+            found.alike.push_back(e);
+    }
+    return found;
+}
+
+}  // namespace
+
+Search search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).run(); }
+
+}  // namespace polhode

@@ -1,0 +1,61 @@
+#include "experiment/run/search.h"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "experiment/plan/pattern.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/progress.h"
+#include "text/content_hash.h"
+#include "text/parallel.h"
+
+namespace polhode {
+
+std::vector<Search> find_searches(const Plan& plan, const std::string& directory) {
+    std::vector<Search> searches;
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s)
+        for (const PlannedCurve& curve : plan.curves) {
+            std::string identity = case_key(plan, plan.scenes[s], curve, 0);
+            for (const double setting : curve.settings) identity += fmt::format(" {}", setting);
+            std::string key = content_hash(identity);
+            std::optional<Table> rows = load_rows(directory, key);
+            searches.push_back({s, &curve, std::move(key), std::move(rows)});
+        }
+    return searches;
+}
+
+void run_searches(const Plan& plan, const RunOptions& options, std::vector<Search>& searches,
+                  const std::function<void(std::size_t scene, bool needed)>& prepare,
+                  const std::function<Table(std::size_t search)>& run) {
+    const Pattern filter(options.filter);
+    std::vector<std::size_t> pending;
+    std::vector<bool> needed(plan.scenes.size());
+    for (std::size_t i = 0; i < searches.size(); ++i) {
+        const Search& search = searches[i];
+        if (search.rows || !is_asked_for(plan, search.scene, *search.curve, filter, options)) continue;
+        pending.push_back(i), needed[search.scene] = true;
+    }
+    Progress progress(static_cast<long>(plan.scenes.size() + pending.size()), options.quiet);
+    std::mutex progress_mutex;
+    const auto advance = [&](const std::string& what) {
+        const std::lock_guard lock(progress_mutex);
+        progress.advance(what);
+    };
+    parallel_for(plan.scenes.size(), options.jobs, [&](std::size_t s) {
+        if (sweep_interrupted()) return;
+        prepare(s, needed[s]);
+        advance(plan.scenes[s].label);
+    });
+    parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
+        Search& search = searches[pending[i]];
+        if (sweep_interrupted()) return;
+        Table rows = run(pending[i]);
+        if (sweep_interrupted()) return;
+        save_rows(options.directory, search.key, rows);
+        search.rows = std::move(rows);
+        advance(plan.scenes[search.scene].label + " " + std::string(search.curve->method->name));
+    });
+}
+
+}  // namespace polhode

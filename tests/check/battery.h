@@ -1,0 +1,584 @@
+// A battery for `check`: three small engines, written apart from the catalogue's, each broken in some fifty ways, on a
+// dozen scenes.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "check/convention.h"
+#include "motion/exact_body.h"
+#include "motion/trajectory_csv.h"
+#include "scene/scene.h"
+
+namespace polhode::battery {
+
+using V3 = Vector3<double>;
+
+/// What is broken in an engine's own code.
+struct Knobs {
+    double gyroscopic = 1, damping = 0, linear_damping = 0, gravity = 1, torque = 1, turn = 1, clock = 1;
+    double speed_limit = std::numeric_limits<double>::infinity();
+    bool first_order = false, swap_torque_axes = false, wrong_side = false, frozen = false, stuck = false;
+    double asleep_after = std::numeric_limits<double>::infinity();  ///< s
+    double damping_a_step = 0;                                      ///< part of w and v lost in each step
+};
+
+enum class EngineKind {
+    world_rate,  ///< semi-implicit Euler: w in world axes, the gyroscopic term explicit
+    momentum,    ///< semi-implicit Euler: L in world axes, an orientation matrix
+    midpoint,    ///< the explicit midpoint rule in body axes
+};
+
+/// A vehicle of state for all three.
+template <class Real>
+class Engine {
+    using V = Vector3<Real>;
+    using Q = Quaternion<Real>;
+
+  public:
+    Engine(const Scene& scene, const Knobs& knobs, EngineKind kind) : scene_(scene), k_(knobs), kind_(kind) {
+        const ExactBody<double> b = exact_body<double>(scene);
+        mass_ = Real(b.mass), held_ = b.pivoted;
+        I_ = cast<Real>(b.inertia_B), inverse_I_ = cast<Real>(inverse(b.inertia_B));
+        arm_ = cast<Real>(b.arm), center_ = cast<Real>(b.center), origin_ = cast<Real>(b.origin);
+        q_ = cast<Real>(b.q), w_ = cast<Real>(b.angular_velocity_B);
+        x_ = cast<Real>(b.position_W), v_ = cast<Real>(b.velocity_W);
+        kick(-1, 0);
+        place();
+    }
+
+    void step(double t, double h) {
+        if (t + 0.5 * h > k_.asleep_after || k_.frozen) return;
+        const Real dt = static_cast<Real>(h * k_.clock);
+        const V w0 = w_, v0 = v_;
+        const Q q0 = q_;
+        if (kind_ == EngineKind::midpoint) {
+            const V x0 = x_;
+            const V dw = rate(t, dt / 2), dv = acceleration(t);
+            const Q turn0 = quarter(turning(q0, w0), dt / 2);
+            w_ = w0 + (dt / 2) * dw, v_ = v0 + (dt / 2) * dv, x_ = x0 + (dt / 2) * v0;
+            q_ = unit(side(q0, turn0));
+            const V dw2 = rate(t + 0.5 * h, dt / 2), dv2 = acceleration(t + 0.5 * h), middle = turning(q_, w_);
+            const V v_middle = v_;
+            w_ = w0 + dt * dw2, v_ = v0 + dt * dv2, x_ = x0 + dt * v_middle;
+            q_ = unit(side(q0, quarter(middle, dt)));
+        } else if (kind_ == EngineKind::world_rate) {
+            const V tau = torque(t);
+            V w = w0 + dt * (inverse_I_ * tau);
+            w = w - (dt * Real(k_.gyroscopic)) * (inverse_I_ * cross(w, I_ * w));
+            w_ = w;
+            lose(dt);
+            v_ = v0 + dt * acceleration(t);
+            lose_speed(dt);
+            q_ = unit(side(q0, quarter(turning(q0, w_), dt)));
+            x_ = x_ + dt * v_;
+        } else {
+            const V tau = torque(t);
+            const V L = rotated(q0, I_ * w0) + dt * rotated(q0, tau);
+            const V w = inverse_I_ * rotated_back(q0, L);
+            w_ = w;
+            lose(dt);
+            const Real kept = length_of(w) > 0 ? length_of(w_) / length_of(w) : Real(1);
+            v_ = v0 + dt * acceleration(t);
+            lose_speed(dt);
+            q_ = unit(side(q0, quarter(turning(q0, w_), dt)));
+            if (k_.gyroscopic == 1 && !k_.wrong_side) w_ = kept * (inverse_I_ * rotated_back(q_, L));
+            x_ = x_ + dt * v_;
+        }
+        if (kind_ == EngineKind::midpoint) lose(dt), lose_speed(dt);
+        if (k_.stuck) q_ = q0;
+        kick(t, t + h);
+        place();
+    }
+
+    TrajectoryRow row(double t) const {
+        TrajectoryRow r;
+        r.t = t, r.q = cast<double>(q_), r.angular_velocity_W = cast<double>(rotated(q_, w_));
+        r.position_W = cast<double>(x_), r.velocity_W = cast<double>(v_);
+        return r;
+    }
+
+  private:
+    const Scene& scene_;
+    Knobs k_;
+    EngineKind kind_;
+    Real mass_;
+    bool held_;
+    Matrix3<Real> I_, inverse_I_;
+    V arm_, center_, origin_;
+    Q q_;
+    V w_, x_, v_;
+
+    static Real length_of(const V& v) { return std::sqrt(dot(v, v)); }
+    static Q unit(const Q& q) {
+        const Real n = std::sqrt(squared_norm(q));
+        return {q.w / n, q.x / n, q.y / n, q.z / n};
+    }
+    static V rotated(const Q& q, const V& v) { return rotation_matrix(q) * v; }
+    static V rotated_back(const Q& q, const V& v) { return transposed(rotation_matrix(q)) * v; }
+
+    // the quaternion of a turn by w for a time dt
+    Q quarter(const V& w, Real dt) const {
+        const V half = (Real(k_.turn) * dt / 2) * w;
+        if (k_.first_order) return {1, half[0], half[1], half[2]};
+        const Real angle = length_of(half), s = angle > 0 ? std::sin(angle) / angle : Real(1);
+        return {std::cos(angle), s * half[0], s * half[1], s * half[2]};
+    }
+    V turning(const Q&, const V& w) const { return w; }
+    Q side(const Q& q, const Q& turn) const { return k_.wrong_side ? turn * q : q * turn; }
+
+    void lose(Real dt) {
+        w_ = (std::max(Real(0), 1 - Real(k_.damping) * dt) * Real(1 - k_.damping_a_step)) * w_;
+        const Real speed = length_of(w_);
+        if (double(speed) > k_.speed_limit) w_ = (Real(k_.speed_limit) / speed) * w_;
+    }
+    void lose_speed(Real dt) {
+        v_ = (std::max(Real(0), 1 - Real(k_.linear_damping) * dt) * Real(1 - k_.damping_a_step)) * v_;
+    }
+    static bool on(const Window& window, double t) { return window.from <= t && t < window.until; }
+
+    V rate(double t, Real) const { return inverse_I_ * (torque(t) - Real(k_.gyroscopic) * cross(w_, I_ * w_)); }
+    V force_W(const Force& f) const {
+        return f.frame == Frame::world ? cast<Real>(f.vector) : rotated(q_, cast<Real>(f.vector));
+    }
+    // in body axes
+    V torque(double t) const {
+        V sum;
+        for (const Load& load : scene_.loads) {
+            if (const auto* g = std::get_if<Gravity>(&load); g && held_ && on(g->window, t))
+                sum = sum + cross(arm_, rotated_back(q_, (Real(k_.gravity) * mass_) * cast<Real>(g->acceleration_W)));
+            if (const auto* c = std::get_if<Torque>(&load); c && on(c->window, t)) {
+                const V given = Real(k_.torque) * cast<Real>(c->vector);
+                sum = sum + ((c->frame == Frame::body) != k_.swap_torque_axes ? given : rotated_back(q_, given));
+            }
+            if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t)) {
+                for (int i = 0; i < 3; ++i) sum[i] -= Real(d->rotational[i]) * w_[i];
+                if (held_) sum = sum - Real(d->translational) * cross(arm_, cross(w_, arm_));
+            }
+            if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) {
+                const V point = f->point_frame == Frame::body
+                                    ? V(cast<Real>(f->point) - origin_)
+                                    : rotated_back(q_, held_ ? cast<Real>(f->point) : V(cast<Real>(f->point) - x_));
+                sum = sum + cross(point, rotated_back(q_, force_W(*f)));
+            }
+            if (const auto* s = std::get_if<Spring>(&load); s && on(s->window, t)) {
+                const Q r = conjugate(unit(cast<Real>(s->rest_orientation))) * q_;
+                sum = sum - (2 * Real(s->stiffness) * r.w) * V(r.x, r.y, r.z);
+            }
+        }
+        return sum;
+    }
+    V acceleration(double t) const {
+        V sum;
+        if (held_) return sum;
+        for (const Load& load : scene_.loads) {
+            if (const auto* g = std::get_if<Gravity>(&load); g && on(g->window, t))
+                sum = sum + Real(k_.gravity) * cast<Real>(g->acceleration_W);
+            if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t))
+                sum = sum - (Real(d->translational) / mass_) * v_;
+            if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) sum = sum + (1 / mass_) * force_W(*f);
+        }
+        return sum;
+    }
+    // impulses at from < t <= until
+    void kick(double from, double until) {
+        for (const Load& load : scene_.loads)
+            if (const auto* i = std::get_if<Impulse>(&load); i && from < i->at && i->at <= until + 1e-12) {
+                const V J = i->frame == Frame::world ? rotated_back(q_, cast<Real>(i->vector)) : cast<Real>(i->vector);
+                const V point = i->point_frame == Frame::body
+                                    ? V(cast<Real>(i->point) - origin_)
+                                    : rotated_back(q_, held_ ? cast<Real>(i->point) : V(cast<Real>(i->point) - x_));
+                w_ = w_ + inverse_I_ * cross(point, J);
+                if (!held_) v_ = v_ + (1 / mass_) * rotated(q_, J);
+            }
+    }
+    void place() {
+        if (!held_) return;
+        x_ = rotated(q_, arm_), v_ = rotated(q_, cross(w_, arm_));
+    }
+};
+
+/// Whether an engine has what is broken: one of the angular momentum has no gyroscopic term.
+inline bool has(EngineKind kind, const Knobs& knobs) {
+    return kind != EngineKind::momentum || (knobs.gyroscopic >= 0 && !knobs.wrong_side);
+}
+
+/// A run of an engine: steps of h, a row each `every` of them, for so many rows.
+template <class Real>
+TrajectoryFile run(const Scene& scene, const Knobs& knobs, EngineKind kind, double h, int every, int rows) {
+    Engine<Real> engine(scene, knobs, kind);
+    TrajectoryFile file;
+    file.has_angular_velocity = file.has_position = file.has_velocity = true;
+    file.rows.push_back(engine.row(0));
+    for (int k = 1; k <= rows; ++k) {
+        for (int i = 0; i < every; ++i) engine.step(((k - 1) * every + i) * h, h);
+        file.rows.push_back(engine.row(k * every * h));
+    }
+    return file;
+}
+
+/// A way to break an engine or its file.
+struct Fault {
+    std::string name;
+    std::vector<std::string> words;  ///< those that name it rightly
+    /// What the engine is given in place of the scene, and how it is broken; false: it means nothing in the scene.
+    std::function<bool(Scene&, Knobs&)> engine = [](Scene&, Knobs&) { return true; };
+    std::function<bool(const Scene&, TrajectoryFile&)> file = [](const Scene&, TrajectoryFile&) { return true; };
+    bool needs_rates = false;  ///< means nothing in a file without w
+};
+
+template <class T>
+bool any(const Scene& scene) {
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<T>(load)) return true;
+    return false;
+}
+template <class T, class F>
+bool change_each(Scene& scene, F change) {
+    for (Load& load : scene.loads)
+        if (T* one = std::get_if<T>(&load)) change(*one);
+    return any<T>(scene);
+}
+inline bool turns(const Scene& scene) {
+    return dot(scene.initial.angular_velocity, scene.initial.angular_velocity) > 0;
+}
+inline bool asymmetric(const Scene& scene) {
+    const Matrix3<double>& I = scene.body.inertia_B;
+    return std::abs(I[0][0] - I[1][1]) > 1e-3 && std::abs(I[1][1] - I[2][2]) > 1e-3;
+}
+inline bool has_products(const Scene& scene) {
+    const Matrix3<double>& I = scene.body.inertia_B;
+    return I[0][1] != 0 || I[0][2] != 0 || I[1][2] != 0;
+}
+inline bool each_row(TrajectoryFile& file, const std::function<void(TrajectoryRow&)>& change) {
+    for (TrajectoryRow& row : file.rows) change(row);
+    return true;
+}
+inline bool moves(const Scene& scene) {
+    return !scene.pivot && dot(scene.initial.velocity_W, scene.initial.velocity_W) > 0;
+}
+
+inline std::vector<Fault> faults() {
+    std::vector<Fault> all;
+    const auto engine = [&](std::string name, std::vector<std::string> words, std::function<bool(Scene&, Knobs&)> f) {
+        all.push_back({std::move(name), std::move(words), std::move(f), {}, false});
+        all.back().file = [](const Scene&, TrajectoryFile&) { return true; };
+    };
+    const auto file = [&](std::string name, std::vector<std::string> words,
+                          std::function<bool(const Scene&, TrajectoryFile&)> f, bool rates = false) {
+        all.push_back({std::move(name), std::move(words), [](Scene&, Knobs&) { return true; }, std::move(f), rates});
+    };
+    const auto spins = [](const Scene& s) { return turns(s); };
+    engine("gyroscopic term missing", {"gyroscopic_term_missing"}, [=](Scene& s, Knobs& k) {
+        k.gyroscopic = 0;
+        return spins(s) && asymmetric(s);
+    });
+    engine("gyroscopic term reversed", {"gyroscopic_term_reversed"}, [=](Scene& s, Knobs& k) {
+        k.gyroscopic = -1;
+        return spins(s) && asymmetric(s);
+    });
+    engine("damping left on", {"damping_left_on"}, [=](Scene& s, Knobs& k) {
+        k.damping = 0.1;
+        return spins(s);
+    });
+    engine("damping per step", {"damping_left_on"}, [=](Scene& s, Knobs& k) {
+        k.damping_a_step = 0.002;
+        return spins(s);
+    });
+    engine("linear damping", {"linear_damping_left_on"}, [](Scene& s, Knobs& k) {
+        k.linear_damping = 0.2;
+        return moves(s);
+    });
+    engine("speed clamped", {"speed_clamped"}, [=](Scene& s, Knobs& k) {
+        k.speed_limit = 0.7 * std::sqrt(dot(s.initial.angular_velocity, s.initial.angular_velocity));
+        return spins(s);
+    });
+    engine("half rate", {"attitude_turned_at_half_rate"}, [=](Scene& s, Knobs& k) {
+        k.turn = 0.5;
+        return spins(s);
+    });
+    engine("double rate", {"attitude_turned_at_twice_the_rate"}, [=](Scene& s, Knobs& k) {
+        k.turn = 2;
+        return spins(s);
+    });
+    engine("turned backwards", {"attitude_turned_backwards", "angular_velocity_negated"}, [=](Scene& s, Knobs& k) {
+        k.turn = -1;
+        return spins(s);
+    });
+    engine("body rate on the left", {"body_rate_multiplied_on_the_left", "angular_velocity_in_body_axes"},
+           [=](Scene& s, Knobs& k) {
+               k.wrong_side = true;
+               return spins(s) && asymmetric(s);
+           });
+    for (const double factor : {0.5, 1.2, 5.0 / 6})
+        engine("clock " + std::to_string(factor).substr(0, 4), {"wrong_time_step"}, [=](Scene& s, Knobs& k) {
+            k.clock = factor;
+            return spins(s);
+        });
+    engine("rotation frozen", {"rotation_frozen", "motion_stopped"}, [=](Scene& s, Knobs& k) {
+        k.stuck = true;
+        return spins(s);
+    });
+    engine("never moves", {"motion_stopped"}, [=](Scene& s, Knobs& k) {
+        k.frozen = true;
+        return spins(s);
+    });
+    engine("falls asleep", {"motion_stopped"}, [=](Scene& s, Knobs& k) {
+        k.asleep_after = 0.4;
+        return spins(s);
+    });
+    const auto permuted = [](Scene& s, int a, int b, int c) {
+        const std::array order{a, b, c};
+        const Matrix3<double> I = s.body.inertia_B;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j)
+                s.body.inertia_B[i][j] = I[static_cast<std::size_t>(order[i])][static_cast<std::size_t>(order[j])];
+        return asymmetric(s) && turns(s);
+    };
+    engine("moments x, y exchanged", {"inertia_axes_permuted"}, [=](Scene& s, Knobs&) { return permuted(s, 1, 0, 2); });
+    engine("moments y, z exchanged", {"inertia_axes_permuted"}, [=](Scene& s, Knobs&) { return permuted(s, 0, 2, 1); });
+    engine("moments rolled", {"inertia_axes_permuted"}, [=](Scene& s, Knobs&) { return permuted(s, 1, 2, 0); });
+    const auto products = [](Scene& s, double factor) {
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j)
+                if (i != j) s.body.inertia_B[i][j] *= factor;
+        return true;
+    };
+    engine("products dropped", {"products_of_inertia_dropped"},
+           [=](Scene& s, Knobs&) { return has_products(s) && products(s, 0); });
+    engine("products reversed", {"products_of_inertia_reversed", "principal_frame_transposed"},
+           [=](Scene& s, Knobs&) { return has_products(s) && products(s, -1); });
+    engine("taken for a ball", {"inertia_taken_for_a_ball", "gyroscopic_term_missing"}, [=](Scene& s, Knobs&) {
+        const Matrix3<double>& I = s.body.inertia_B;
+        const double mean = (I[0][0] + I[1][1] + I[2][2]) / 3;
+        s.body.inertia_B = diagonal(V3(mean, mean, mean));
+        return spins(s);
+    });
+    const auto driven = [](const Scene& s) {
+        return any<Torque>(s) || any<Force>(s) || any<Spring>(s) || any<Drag>(s) || (s.pivot && any<Gravity>(s));
+    };
+    engine("inertia ten times", {"inertia_scaled", "density_scaled", "mass_scaled"}, [=](Scene& s, Knobs&) {
+        for (std::size_t i = 0; i < 3; ++i) s.body.inertia_B[i] = 10.0 * s.body.inertia_B[i];
+        return driven(s);
+    });
+    engine("centre of mass at origin", {"center_of_mass_for_origin"}, [](Scene& s, Knobs&) {
+        const bool off = dot(s.body.center_of_mass, s.body.center_of_mass) > 0;
+        s.body.center_of_mass = {};
+        return off && s.pivot;
+    });
+    engine("start in degrees", {"degrees_for_radians"}, [=](Scene& s, Knobs&) {
+        s.initial.angular_velocity = (std::numbers::pi / 180) * s.initial.angular_velocity;
+        return spins(s);
+    });
+    engine("start negated", {"start_rate_negated"}, [=](Scene& s, Knobs&) {
+        s.initial.angular_velocity = -s.initial.angular_velocity;
+        return spins(s);
+    });
+    const auto tilted = [](const Scene& s) {
+        return std::abs(s.initial.orientation.x) + std::abs(s.initial.orientation.y) > 0.1;
+    };
+    engine("start's w in world axes", {"body_for_world_angular_velocity"}, [=](Scene& s, Knobs&) {
+        s.initial.angular_velocity_frame = Frame::world;
+        return spins(s) && tilted(s);
+    });
+    engine("start inverted", {"inverted_initial_orientation"}, [=](Scene& s, Knobs&) {
+        s.initial.orientation = conjugate(s.initial.orientation);
+        return tilted(s);
+    });
+    engine("start without orientation", {"start_without_orientation"}, [=](Scene& s, Knobs&) {
+        s.initial.orientation = {};
+        return tilted(s);
+    });
+    const auto weighs = [](const Scene& s) { return any<Gravity>(s); };
+    engine("gravity reversed", {"gravity_reversed"}, [=](Scene& s, Knobs& k) {
+        k.gravity = -1;
+        return weighs(s);
+    });
+    engine("gravity missing", {"gravity_missing"}, [=](Scene& s, Knobs& k) {
+        k.gravity = 0;
+        return weighs(s);
+    });
+    engine("gravity twice", {"gravity_twice"}, [=](Scene& s, Knobs& k) {
+        k.gravity = 2;
+        return weighs(s);
+    });
+    engine("gravity in centimetres", {"gravity_scaled"}, [=](Scene& s, Knobs& k) {
+        k.gravity = 0.37;
+        return weighs(s);
+    });
+    engine("gravity along y", {"gravity_along_y"}, [](Scene& s, Knobs&) {
+        return change_each<Gravity>(s, [](Gravity& g) { std::swap(g.acceleration_W[1], g.acceleration_W[2]); });
+    });
+    engine("torque missing", {"torque_missing"}, [](Scene& s, Knobs& k) {
+        k.torque = 0;
+        return any<Torque>(s);
+    });
+    engine("torque reversed", {"torque_reversed"}, [](Scene& s, Knobs& k) {
+        k.torque = -1;
+        return any<Torque>(s);
+    });
+    engine("torque in other axes", {"torque_in_other_axes"}, [](Scene& s, Knobs& k) {
+        k.swap_torque_axes = true;
+        return any<Torque>(s);
+    });
+    engine("force at the centre of mass", {"force_at_center_of_mass"}, [](Scene& s, Knobs&) {
+        const V3 c = s.body.center_of_mass;
+        return change_each<Force>(s, [&](Force& f) { f.point = c, f.point_frame = Frame::body; }) && !s.pivot;
+    });
+    engine("impulse missing", {"impulse_missing"},
+           [](Scene& s, Knobs&) { return change_each<Impulse>(s, [](Impulse& i) { i.vector = {}; }); });
+    engine("impulse at the wrong point", {"impulse_at_wrong_point"}, [](Scene& s, Knobs&) {
+        const V3 c = s.body.center_of_mass;
+        return change_each<Impulse>(s, [&](Impulse& i) { i.point = c; }) && !s.pivot;
+    });
+    engine("spring missing", {"spring_missing"},
+           [](Scene& s, Knobs&) { return change_each<Spring>(s, [](Spring& p) { p.stiffness = 0; }); });
+    engine("spring reversed", {"spring_reversed"},
+           [](Scene& s, Knobs&) { return change_each<Spring>(s, [](Spring& p) { p.stiffness *= -1; }); });
+    engine("drag missing", {"drag_missing"}, [](Scene& s, Knobs&) {
+        return change_each<Drag>(s, [](Drag& d) { d.rotational = {}, d.translational = 0; });
+    });
+
+    const double degrees = 180 / std::numbers::pi;
+    const auto rates = [&](std::string name, std::vector<std::string> words, double factor) {
+        file(
+            std::move(name), std::move(words),
+            [=](const Scene& s, TrajectoryFile& f) {
+                each_row(f, [&](TrajectoryRow& r) { r.angular_velocity_W = factor * r.angular_velocity_W; });
+                return turns(s);
+            },
+            true);
+    };
+    rates("w in degrees", {"angular_velocity_in_degrees"}, degrees);
+    rates("w in rpm", {"angular_velocity_in_rpm"}, 30 / std::numbers::pi);
+    rates("w negated", {"angular_velocity_negated"}, -1);
+    file(
+        "w in body axes", {"angular_velocity_in_body_axes"},
+        [=](const Scene& s, TrajectoryFile& f) {
+            each_row(f, [](TrajectoryRow& r) { r.angular_velocity_W = rotate_back(r.q, r.angular_velocity_W); });
+            return turns(s) && asymmetric(s);
+        },
+        true);
+    file("q conjugated", {"inverted_orientation"}, [](const Scene& s, TrajectoryFile& f) {
+        each_row(f, [](TrajectoryRow& r) { r.q = conjugate(r.q); });
+        return turns(s);
+    });
+    file("q scalar last", {"scalar_last_quaternion"}, [](const Scene& s, TrajectoryFile& f) {
+        each_row(f, [](TrajectoryRow& r) { r.q = {r.q.x, r.q.y, r.q.z, r.q.w}; });
+        return turns(s);
+    });
+    const auto axes = [&](std::string name, Axes there) {
+        file(std::move(name), {"other_axes"}, [=](const Scene& s, TrajectoryFile& f) {
+            each_row(f, [&](TrajectoryRow& r) {
+                r.q = quaternion_to(there, r.q), r.angular_velocity_W = pseudovector_to(there, r.angular_velocity_W);
+                r.position_W = vector_to(there, r.position_W), r.velocity_W = vector_to(there, r.velocity_W);
+            });
+            return turns(s) && asymmetric(s);
+        });
+    };
+    axes("written y-up", Axes::y_up_right);
+    axes("written y-up, left-handed", Axes::y_up_left);
+    axes("written left-handed", Axes::z_up_left);
+    const auto flies = [](const Scene& s) { return moves(s); };
+    file("centimetres", {"lengths_in_centimetres"}, [=](const Scene& s, TrajectoryFile& f) {
+        each_row(f, [](TrajectoryRow& r) { r.position_W = 100.0 * r.position_W, r.velocity_W = 100.0 * r.velocity_W; });
+        return flies(s);
+    });
+    file("v negated", {"velocity_negated"}, [=](const Scene& s, TrajectoryFile& f) {
+        each_row(f, [](TrajectoryRow& r) { r.velocity_W = -r.velocity_W; });
+        return flies(s);
+    });
+    file("origin for centre of mass", {"origin_for_center_of_mass"}, [](const Scene& s, TrajectoryFile& f) {
+        const V3 c = s.body.center_of_mass;
+        each_row(f, [&](TrajectoryRow& r) { r.position_W = r.position_W - rotate(r.q, c); });
+        return dot(c, c) > 0 && turns(s);
+    });
+    file("one row late", {"one_row_late"}, [](const Scene& s, TrajectoryFile& f) {
+        for (std::size_t k = f.rows.size(); k-- > 1;) {
+            const double t = f.rows[k].t;
+            f.rows[k] = f.rows[k - 1], f.rows[k].t = t;
+        }
+        return turns(s);
+    });
+    file("first step missing", {"one_row_early"}, [](const Scene& s, TrajectoryFile& f) {
+        for (std::size_t k = 0; k + 1 < f.rows.size(); ++k) {
+            const double t = f.rows[k].t;
+            f.rows[k] = f.rows[k + 1], f.rows[k].t = t;
+        }
+        f.rows.pop_back();
+        return turns(s);
+    });
+    return all;
+}
+
+/// A dozen scenes, each of two seconds.
+inline std::vector<Scene> scenes() {
+    std::vector<Scene> all;
+    const auto scene = [&](std::string name) -> Scene& {
+        Scene& s = all.emplace_back();
+        s.name = std::move(name), s.duration = 2;
+        s.body.mass = 2, s.body.inertia_B = diagonal(V3(0.4, 0.7, 1.0));
+        s.initial.angular_velocity = {1.1, 2.3, 0.7};
+        s.initial.orientation = {0.8, 0.48, 0, 0.36};
+        return s;
+    };
+    scene("free");
+    scene("level").initial.orientation = {};
+    {
+        Scene& s = scene("products");
+        s.body.inertia_B[0][1] = s.body.inertia_B[1][0] = 0.09, s.body.inertia_B[1][2] = s.body.inertia_B[2][1] = -0.13;
+        s.body.inertia_B[0][2] = s.body.inertia_B[2][0] = 0.05;
+    }
+    {
+        Scene& s = scene("fast");
+        s.initial.angular_velocity = {0.5, 9, 1};
+    }
+    {
+        Scene& s = scene("heavy");
+        s.pivot = V3(0, 0, 0), s.body.center_of_mass = {0.05, -0.02, 0.3};
+        s.loads.push_back(Gravity{{0, 0, -9.81}, {}});
+        s.initial.angular_velocity = {0.4, 0.8, 6};
+    }
+    {
+        Scene& s = scene("driven in body axes");
+        s.loads.push_back(Torque{{0.6, -0.9, 0.4}, Frame::body, {}});
+    }
+    {
+        Scene& s = scene("driven in world axes");
+        s.loads.push_back(Torque{{0.5, 0.7, -0.8}, Frame::world, {0.3, 1.6}});
+    }
+    {
+        Scene& s = scene("damped");
+        s.loads.push_back(Drag{{0.2, 0.3, 0.25}, 0.4, {}});
+        s.initial.velocity_W = {2, 1, 0.5};
+    }
+    {
+        Scene& s = scene("sprung");
+        s.loads.push_back(Spring{5, {0.96, 0, 0.28, 0}, {}});
+    }
+    {
+        Scene& s = scene("thrown");
+        s.loads.push_back(Gravity{{0, 0, -9.81}, {}});
+        s.initial.velocity_W = {3, -1, 6}, s.initial.position_W = {0.5, 0.2, 1};
+        s.body.center_of_mass = {0.1, 0.05, -0.2};
+    }
+    {
+        Scene& s = scene("pushed");
+        s.loads.push_back(Force{{1, 0.5, 2}, Frame::body, {0.2, -0.1, 0.1}, Frame::body, {}});
+        s.loads.push_back(Gravity{{0, 0, -1.6}, {}});
+        s.initial.velocity_W = {1, 0.5, 2};
+    }
+    {
+        Scene& s = scene("struck");
+        s.loads.push_back(Impulse{{1.5, -1, 2}, Frame::world, {0.3, 0.2, -0.1}, Frame::body, 0.75});
+        s.initial.velocity_W = {1, 2, 0.5};
+    }
+    return all;
+}
+
+}  // namespace polhode::battery

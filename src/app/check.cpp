@@ -22,7 +22,7 @@ namespace polhode {
 namespace {
 
 struct CheckOptions {
-    std::string scene, format = "text", convention, columns;
+    std::string scene, format = "text", convention, columns, length_unit, angle_unit, picture;
     std::vector<std::string> trajectories;
     std::map<std::string, std::string> limits;  // by block, as they were given
     bool report_only = false, explain = false;
@@ -48,36 +48,50 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
     return files;
 }
 
+// Units are words of a convention.
+Convention convention_of(const CheckOptions& options) {
+    std::string words = options.convention;
+    const auto add = [&](std::string_view word) { words += (words.empty() ? "" : ",") + std::string(word); };
+    if (!options.length_unit.empty()) add(length_units().at(options.length_unit));
+    if (!options.angle_unit.empty()) add(options.angle_unit == "deg" ? "degrees" : "radians");
+    return convention_option(words);
+}
+
 int check_command(const CheckOptions& options) {
-    const Convention convention = convention_option(options.convention);
+    const Convention convention = convention_of(options);
     ColumnNames columns;
-    if (!options.columns.empty()) try {
-            columns = parse_columns(options.columns);
-        } catch (const std::invalid_argument& error) {
-            throw UsageError(fmt::format("--columns: {}", error.what()));
-        }
+    if (!options.columns.empty()) columns = as_usage([&] { return parse_columns(options.columns); }, "--columns: ");
+    columns.degrees = convention.degrees;
+    std::string drawn = options.picture;
+    if (!drawn.empty()) {
+        if (!drawn.ends_with(".svg")) throw UsageError("--picture: is no name of an SVG file; give NAME.svg");
+        drawn.resize(drawn.size() - 4);
+        require_output(options.picture);
+    }
     const Scene scene = find_scene(options.scene);
     ErrorLimits limits(scene);
     limits.report_only = options.report_only;
     for (const auto& [block, text] : options.limits)
-        if (!text.empty()) try {
-                limits.set(block, text);
-            } catch (const std::invalid_argument& error) {
-                throw UsageError(error.what());
-            }
+        if (!text.empty()) as_usage([&, name = block, value = text] { limits.set(name, value); });
+    const std::vector<std::string> files = files_of(options.trajectories);
+    if (!drawn.empty() && files.size() > 1) throw UsageError("--picture: draws one trajectory; give one file");
     std::vector<CheckedFile> all;
     try {
-        all = check_files(scene, files_of(options.trajectories), convention, columns, limits, options.explain);
+        all = check_files(scene, files, convention, columns, limits, options.explain, !drawn.empty());
     } catch (const NoTruth& fault) {
         std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);
         return 1;
     }
-    const std::string text = check_text(limits, all) + (options.explain ? explanation_text(all) : "");
-    write_output("", options.format == "json"    ? check_json(scene, limits, all)
-                     : options.format == "junit" ? check_junit(scene, limits, all)
-                                                 : text);
-    const auto exceeds = [&](const CheckedFile& checked) { return limits.exceeded_by(checked.judgement); };
-    return !options.report_only && std::any_of(all.begin(), all.end(), exceeds) ? 1 : 0;
+    if (!drawn.empty())
+        if (const std::string fault = draw(*all.front().picture, drawn); !fault.empty())
+            throw std::runtime_error("the picture was not drawn: " + fault);
+    if (options.format == "json")
+        write_output("", check_json(scene, limits, all));
+    else if (options.format == "junit")
+        write_output("", check_junit(scene, limits, all));
+    else
+        write_output("", check_text(limits, all) + (options.explain ? explanation_text(all) : ""));
+    return std::ranges::any_of(all, [&](const CheckedFile& c) { return limits.refuses(c.judgement); }) ? 1 : 0;
 }
 
 }  // namespace
@@ -105,10 +119,22 @@ void add_check(CLI::App& program, int& exit_code) {
                         block.relative > 0 ? fmt::format("{:g} %", 100 * block.relative)
                                            : fmt::format("{:g} {}", block.absolute, block.unit)));
     }
-    command->add_option("--columns", options->columns,
-                        "Which columns hold what, where names are not ours: time=T,rotation=X:Y:Z:W (or the nine of a "
-                        "matrix, row by row),angular_velocity=X:Y:Z,position=..,origin=..,velocity=..; others are "
-                        "ignored. Names in common use are known without it");
+    command->add_option(
+        "--columns", options->columns,
+        "Which columns hold what, where names are not ours: time=T,rotation=X:Y:Z:W (or the nine of a "
+        "matrix, row by row),angular_velocity=X:Y:Z,position=..,origin=..,velocity=..; others are "
+        "ignored; in place of rotation also matrix_by_columns= and Euler angles, euler_zyx=yaw:pitch:roll "
+        "(any sequence, each turn about the axes that those before have brought). "
+        "Names in common use are known without it");
+    std::vector<std::string> lengths;
+    for (const auto& [name, word] : length_units()) lengths.push_back(name);
+    command->add_option("--length-unit", options->length_unit, "Unit of positions and velocities in the files")
+        ->check(CLI::IsMember(lengths));
+    command->add_option("--angle-unit", options->angle_unit, "Unit of w and of Euler angles in the files")
+        ->check(CLI::IsMember({"rad", "deg"}));
+    command->add_option("--picture", options->picture,
+                        "F.svg (and F.pdf): the error of each block over time, beside what is allowed, the floors and "
+                        "the update of the catalogue that is nearest");
     command->add_flag("--report-only", options->report_only,
                       "Tell the errors; the exit code is 0 however large they are");
     command->add_flag("--explain", options->explain, "List the faults that were tried and what each leaves");

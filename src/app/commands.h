@@ -40,6 +40,16 @@ class UsageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// f(), whose std::invalid_argument is bad usage: thrown as UsageError, `before` in front of its words.
+template <class F>
+auto as_usage(const F& f, std::string_view before = "") {
+    try {
+        return f();
+    } catch (const std::invalid_argument& error) {
+        throw UsageError(std::string(before) + error.what());
+    }
+}
+
 /// Parses the command line, runs the command given and turns every exception into one line on stderr and an exit code:
 /// 2 for bad usage or input, 1 for whatever else went wrong.
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands);

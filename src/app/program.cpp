@@ -55,11 +55,7 @@ void require_count(const char* option, long count, long most) {
 
 Convention convention_option(const std::string& words) {
     if (words.empty()) return {};
-    try {
-        return parse_convention(words);
-    } catch (const std::invalid_argument& error) {
-        throw UsageError(fmt::format("--convention: {}", error.what()));
-    }
+    return as_usage([&] { return parse_convention(words); }, "--convention: ");
 }
 
 void write_output(const std::string& path, std::string_view text) {

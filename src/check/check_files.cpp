@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 
+#include "check/error_picture.h"
 #include "check/foreign_table.h"
 #include "check/sample_clock.h"
 #include "integrators/analysis/conditioning.h"
@@ -148,7 +149,7 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
 
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
                                      const Convention& convention, const ColumnNames& columns,
-                                     const ErrorLimits& limits, bool explain) {
+                                     const ErrorLimits& limits, bool explain, bool picture) {
     std::vector<CheckedFile> all;
     std::vector<TrajectoryFile> files;
     for (const std::string& path : paths) {
@@ -162,6 +163,7 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
         checked.diagnosed = diagnose(scene, files[i], explain);
         checked.lacks = lacking(scene, files[i]);
         compare_with_floors(scene, limits, checked);
+        if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
         files[i] = {};
     }
     return all;

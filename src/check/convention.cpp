@@ -40,11 +40,11 @@ struct LengthUnit {
     std::string_view name, short_name;
     double metres;
 };
-constexpr LengthUnit length_units[] = {{"metres", "m", 1},
-                                       {"centimetres", "cm", 0.01},
-                                       {"millimetres", "mm", 0.001},
-                                       {"inches", "in", 0.0254},
-                                       {"feet", "ft", 0.3048}};
+constexpr LengthUnit known_lengths[] = {{"metres", "m", 1},
+                                        {"centimetres", "cm", 0.01},
+                                        {"millimetres", "mm", 0.001},
+                                        {"inches", "in", 0.0254},
+                                        {"feet", "ft", 0.3048}};
 
 const std::vector<std::string>& words() {
     static const std::vector<std::string> list{
@@ -54,12 +54,13 @@ const std::vector<std::string>& words() {
     return list;
 }
 
-// One choice of two, made at most once.
-struct Choice {
-    std::optional<bool> made;
+// A choice made at most once.
+template <class T>
+struct WordChoice {
+    std::optional<T> made;
     std::string word;
 
-    void make(bool value, const std::string& by) {
+    void make(T value, const std::string& by) {
         if (made && *made != value)
             throw std::invalid_argument(fmt::format("{} contradicts {}; give one of them", by, word));
         made = value, word = by;
@@ -68,21 +69,24 @@ struct Choice {
 
 }  // namespace
 
+const std::map<std::string, std::string>& length_units() {
+    static const std::map<std::string, std::string> all = [] {
+        std::map<std::string, std::string> units;
+        for (const LengthUnit& unit : known_lengths) units.emplace(unit.short_name, unit.name);
+        return units;
+    }();
+    return all;
+}
+
 std::optional<double> length_unit(std::string_view name) {
-    for (const LengthUnit& unit : length_units)
+    for (const LengthUnit& unit : known_lengths)
         if (name == unit.name || name == unit.short_name) return unit.metres;
     return {};
 }
 
 Convention parse_convention(std::string_view text) {
-    Choice y_up, left, scalar_last, degrees, body_rates;
-    double unit = 1;
-    std::string unit_by;
-    const auto measure_in = [&](double metres, const std::string& by) {
-        if (!unit_by.empty() && metres != unit)
-            throw std::invalid_argument(fmt::format("{} contradicts {}; give one of them", by, unit_by));
-        unit = metres, unit_by = by;
-    };
+    WordChoice<bool> y_up, left, scalar_last, degrees, body_rates;
+    WordChoice<double> unit;
     for (std::size_t begin = 0;;) {
         const std::size_t comma = text.find(',', begin);
         const std::string word(text.substr(begin, comma - begin));
@@ -99,9 +103,9 @@ Convention parse_convention(std::string_view text) {
         else if (word == "unity" || word == "godot" || word == "three" || word == "bullet")
             y_up.make(true, word), left.make(word == "unity", word);
         else if (word == "unreal")
-            y_up.make(false, word), left.make(true, word), measure_in(0.01, word);
+            y_up.make(false, word), left.make(true, word), unit.make(0.01, word);
         else if (word.size() > 2 && length_unit(word))
-            measure_in(*length_unit(word), word);
+            unit.make(*length_unit(word), word);
         else
             throw std::invalid_argument(fmt::format(
                 "there is no convention {}; {}known: {}", word.empty() ? "without a name" : one_line(word, 60),
@@ -118,7 +122,8 @@ Convention parse_convention(std::string_view text) {
     if (scalar_last.made)
         convention.quaternion = *scalar_last.made ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     convention.degrees = degrees.made.value_or(false);
-    convention.body_rates = body_rates.made.value_or(false), convention.length_unit = unit;
+    convention.body_rates = body_rates.made.value_or(false);
+    convention.length_unit = unit.made.value_or(1);
     return convention;
 }
 
@@ -130,7 +135,7 @@ std::string name_of(const Convention& convention) {
     if (convention.quaternion == QuaternionColumns::scalar_last) said.emplace_back("scalar-last");
     if (convention.degrees) said.emplace_back("degrees");
     if (convention.body_rates) said.emplace_back("body-rates");
-    for (const LengthUnit& unit : length_units)
+    for (const LengthUnit& unit : known_lengths)
         if (unit.metres == convention.length_unit && unit.metres != 1) said.emplace_back(unit.name);
     return fmt::format("{}", fmt::join(said, ","));
 }

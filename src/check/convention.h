@@ -1,6 +1,7 @@
 // What axes, units and orders other programs use, and the way from there to ours.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +25,7 @@ enum class Axes {
 struct Convention {
     Axes axes = Axes::z_up_right;
     QuaternionColumns quaternion = QuaternionColumns::by_name;
-    bool degrees = false;     ///< w in degrees per second
+    bool degrees = false;     ///< w in degrees per second, and Euler angles in degrees
     bool body_rates = false;  ///< w in body axes
     double length_unit = 1;   ///< m in the unit of positions and velocities
 
@@ -55,6 +56,9 @@ Vector3<double> vector_to(Axes axes, const Vector3<double>& v);
 Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v);
 /// The attitude in the other program that is q here.
 Quaternion<double> quaternion_to(Axes axes, const Quaternion<double>& q);
+
+/// The units of length by their short names, "cm", with the words of them that parse_convention() takes.
+const std::map<std::string, std::string>& length_units();
 
 /// The word of a unit of length that --convention takes, in m: 0.01 of "centimetres"; also its short name, "cm".
 /// Nothing where there is none.

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
-#include "body/orientation.h"
 #include "text/csv_lines.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -77,8 +77,8 @@ ColumnNames parse_columns(std::string_view text) {
     const auto refuse = [](const std::string& fault) {
         throw std::invalid_argument(
             fault +
-            "; give time=T,rotation=X:Y:Z:W and, where they are, angular_velocity=X:Y:Z, position=.., origin=.., "
-            "velocity=..");
+            "; give time=T,rotation=X:Y:Z:W (or the nine of a matrix row by row, matrix_by_columns=.., "
+            "euler_zyx=A:B:C) and, where they are, angular_velocity=X:Y:Z, position=.., origin=.., velocity=..");
     };
     for (const std::string& part : split(text, ',')) {
         const std::size_t equals = part.find('=');
@@ -90,6 +90,11 @@ ColumnNames parse_columns(std::string_view text) {
         if (block == "rotation" && given.size() != 9) ours = {"qx", "qy", "qz", "qw"};
         if (block == "rotation" && given.size() == 9)
             for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i));
+        if (block == "matrix_by_columns")
+            for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i % 3 * 3 + i / 3));
+        for (const EulerSequence sequence : euler_sequences)
+            if (block == fmt::format("euler_{}", name_of(sequence)))
+                ours = {"e1", "e2", "e3"}, names.sequence = sequence;
         for (const auto& [word, letter] :
              {std::pair{"angular_velocity", "w"}, {"position", "p"}, {"origin", "o"}, {"velocity", "v"}})
             if (block == word)
@@ -98,7 +103,7 @@ ColumnNames parse_columns(std::string_view text) {
         if (given.size() != ours.size())
             refuse(fmt::format("{} has {} columns where {} belong", block, given.size(), ours.size()));
         for (std::size_t i = 0; i < ours.size(); ++i)
-            if (given[i].empty() || !names.emplace(ours[i], given[i]).second)
+            if (given[i].empty() || !names.theirs.emplace(ours[i], given[i]).second)
                 refuse(fmt::format("{} is named twice, or not at all", block));
     }
     return names;
@@ -112,7 +117,7 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
     // the place in the file of each of our columns
     std::map<std::string, std::size_t> places;
     std::vector<std::string> ignored;
-    if (names.empty()) {
+    if (names.theirs.empty()) {
         const auto is_ours = [](const std::string& name) {
             return std::ranges::find(own_names, name) != own_names.end();
         };
@@ -128,7 +133,7 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
         for (const char* needed : {"t", "qw", "qx", "qy", "qz"})
             if (!places.contains(needed)) return {std::move(text), {}};
     } else {
-        for (const auto& [own, name] : names) {
+        for (const auto& [own, name] : names.theirs) {
             const auto place = std::ranges::find(header, name);
             if (place == header.end())
                 throw InputError(file, "line 1", fmt::format("has no column {}", one_line(name, 60)),
@@ -139,13 +144,15 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
             if (std::ranges::none_of(places, [&](const auto& p) { return p.second == i; }))
                 ignored.push_back(header[i]);
     }
-    const bool matrix = places.contains("r11");
+    const bool matrix = places.contains("r11"), euler = places.contains("e1");
+    // a rotation of another form is written as a quaternion after the rest
+    const auto is_kept = [](const std::string& own) { return own[0] != 'r' && own[0] != 'e'; };
     std::string taken;
     for (const auto& [own, place] : places) {
         if (own != header[place]) taken += fmt::format("{}{} for {}", taken.empty() ? "" : ", ", header[place], own);
-        if (own[0] != 'r') table.text += (table.text.empty() ? "" : ",") + own;
+        if (is_kept(own)) table.text += (table.text.empty() ? "" : ",") + own;
     }
-    table.text += matrix ? ",qw,qx,qy,qz\n" : "\n";
+    table.text += matrix || euler ? ",qw,qx,qy,qz\n" : "\n";
     if (!taken.empty()) table.remarks.push_back("columns taken: " + one_line(taken, 400));
     if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(listed(ignored), 400));
     while (lines.next()) {
@@ -156,8 +163,9 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
                              "give a cell for each column");
         std::string line;
         Matrix3<double> A;
+        EulerAngles angles{};
         for (const auto& [own, place] : places) {
-            if (own[0] != 'r') {
+            if (is_kept(own)) {
                 line += (line.empty() ? "" : ",") + std::string(cells[place]);
                 continue;
             }
@@ -165,16 +173,21 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
             if (!entry)
                 throw InputError(file, fmt::format("line {}, column {}", lines.number(), one_line(header[place], 60)),
                                  fmt::format("is {}", one_line(std::string(cells[place]), 60)), "give a number");
-            A[static_cast<std::size_t>(own[1] - '1')][static_cast<std::size_t>(own[2] - '1')] = *entry;
+            const auto i = static_cast<std::size_t>(own[1] - '1');
+            if (matrix)
+                A[i][static_cast<std::size_t>(own[2] - '1')] = *entry;
+            else
+                angles[i] = names.degrees ? *entry * (std::numbers::pi / 180) : *entry;
         }
-        if (matrix) {
+        if (matrix || euler) {
             try {
-                require_rotation(A, 1e-3);
+                if (matrix) require_rotation(A, 1e-3);
             } catch (const std::invalid_argument& error) {
                 throw InputError(file, fmt::format("line {}", lines.number()), error.what(),
                                  "give a rotation matrix row by row");
             }
-            const Quaternion<double> q = quaternion_from_rotation(A);
+            const Quaternion<double> q =
+                matrix ? quaternion_from_rotation(A) : quaternion_from_euler(names.sequence, angles);
             for (const double x : {q.w, q.x, q.y, q.z}) line += "," + shortest_decimal(x);
         }
         table.text += line + "\n";

@@ -6,15 +6,23 @@
 #include <string_view>
 #include <vector>
 
+#include "body/orientation.h"
+
 namespace polhode {
 
-/// Which columns of a file hold which of ours, by our names: "t", "qw", .., "vz". Nine names of a matrix, "r11" to
-/// "r33", may stand in place of the quaternion.
-using ColumnNames = std::map<std::string, std::string>;
+/// Which columns of a file hold which of ours.
+struct ColumnNames {
+    /// By our names: "t", "qw", .., "vz". In place of the quaternion nine of a matrix, "r11" to "r33", or three of
+    /// Euler angles, "e1" to "e3".
+    std::map<std::string, std::string> theirs;
+    EulerSequence sequence = EulerSequence::zyx;  ///< of the Euler angles
+    bool degrees = false;                         ///< they are in degrees
+};
 
 /// Reads "time=t,rotation=qx:qy:qz:qw,angular_velocity=a:b:c,position=..,origin=..,velocity=..": a rotation has four
-/// names, of x, y, z and w, or nine, of a matrix row by row. Throws std::invalid_argument with a line that names the
-/// fault and the remedy.
+/// names, of x, y, z and w, or nine, of a matrix row by row; "matrix_by_columns=" has nine column by column,
+/// "euler_zyx=yaw:pitch:roll" three, in the order in which the turns follow one another, each about an axis where those
+/// before have brought it. Throws std::invalid_argument with a line that names the fault and the remedy.
 ColumnNames parse_columns(std::string_view text);
 
 /// A table under our names.

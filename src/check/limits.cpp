@@ -73,10 +73,9 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
                 v.relative = error->max;
             else if (size > 0)
                 v.relative = error->max / size;
+            double allowed = v.limit.value * (v.limit.relative && !block.unit.empty() ? size : 1.0);
             // a body that hardly moves is held to the absolute default
-            const double allowed = v.limit.relative && !block.unit.empty() && v.limit.from == "by default"
-                                       ? std::max(v.limit.value * size, block.absolute)
-                                       : v.limit.value * (v.limit.relative && !block.unit.empty() ? size : 1.0);
+            if (v.limit.from == "by default") allowed = std::max(allowed, block.absolute);
             v.failed = !(*v.error <= allowed);
         }
         all.push_back(v);
@@ -84,8 +83,8 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
     return all;
 }
 
-bool ErrorLimits::exceeded_by(const Judgement& judgement) const {
-    return std::ranges::any_of(verdicts(judgement), &BlockVerdict::failed);
+bool ErrorLimits::refuses(const Judgement& judgement) const {
+    return !report_only && std::ranges::any_of(verdicts(judgement), &BlockVerdict::failed);
 }
 
 }  // namespace polhode

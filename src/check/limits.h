@@ -58,8 +58,8 @@ class ErrorLimits {
 
     /// What each block of a file comes to.
     std::vector<BlockVerdict> verdicts(const Judgement& judgement) const;
-    /// Whether any block that the file has is beyond its limit.
-    bool exceeded_by(const Judgement& judgement) const;
+    /// Whether any block that the file has is beyond its limit, and that is not only to be reported.
+    bool refuses(const Judgement& judgement) const;
 
     bool report_only = false;  ///< errors are told, and none is too large
 

@@ -8,6 +8,7 @@
 #include "check/diagnosis.h"
 #include "check/judge.h"
 #include "check/limits.h"
+#include "figure/figure.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -31,6 +32,7 @@ struct CheckedFile {
     std::vector<std::string> remarks;            ///< whole sentences
     std::string lacks;                           ///< the columns that the file does not have: "w", "p and v", ..
     Diagnosed diagnosed;
+    std::optional<Figure> picture;  ///< its errors over time, where they were asked for
 };
 
 std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>& all);

@@ -49,6 +49,24 @@ TEST(ForeignTable, AMatrixRowByRow) {
                  InputError);
 }
 
+TEST(ForeignTable, AMatrixColumnByColumn) {
+    const ForeignTable table = own_columns("t,a,b,c,d,e,f,g,h,i\n0,0,1,0,-1,0,0,0,0,1\n", "f",
+                                           parse_columns("time=t,matrix_by_columns=a:b:c:d:e:f:g:h:i"));
+    EXPECT_NEAR(parse_trajectory(table.text, "f").rows[0].q.z, std::sqrt(0.5), 1e-15);
+}
+
+// against the turns by hand: yaw 90 degrees takes x to y; then pitch 90 about the new y, which is -x
+TEST(ForeignTable, EulerAnglesOfANamedSequence) {
+    ColumnNames names = parse_columns("time=t,euler_zyx=yaw:pitch:roll");
+    names.degrees = true;
+    const ForeignTable table = own_columns("t,roll,pitch,yaw\n0,0,90,90\n", "f", names);
+    const Quaternion<double> q = parse_trajectory(table.text, "f").rows[0].q;
+    EXPECT_LT(angle_between(rotate(q, Vector3<double>(1, 0, 0)), Vector3<double>(0, 0, -1)), 1e-15);
+    EXPECT_LT(angle_between(rotate(q, Vector3<double>(0, 1, 0)), Vector3<double>(-1, 0, 0)), 1e-15);
+    EXPECT_THROW(parse_columns("time=t,euler_zzx=a:b:c"), std::invalid_argument);
+    EXPECT_THROW(own_columns("t,a,b,c\n0,1,x,2\n", "f", parse_columns("time=t,euler_xyz=a:b:c")), InputError);
+}
+
 TEST(ForeignTable, OwnAndUnknownTablesStayAsTheyAre) {
     for (const char* text : {"t,qw,qx,qy,qz\n0,1,0,0,0\n", "a,b,c\n1,2,3\n", "", "t,qw,qx,qy\n0,1,0,0\n"})
         EXPECT_EQ(own_columns(text, "f", {}).text, text);

@@ -1,0 +1,110 @@
+#include "check/error_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "integrators/analysis/conditioning.h"
+#include "integrators/method.h"
+#include "integrators/truth/reference.h"
+#include "measure/errors.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t most_points = 400;
+
+// The known update to set beside the file, with its errors at the file's times; empty where there is none.
+struct Companion {
+    std::string label;
+    ErrorSeries errors;
+};
+Companion companion(const Scene& scene, const TrajectoryFile& file, const std::vector<std::size_t>& rows,
+                    const Reference& truth, const CheckedFile& checked) {
+    const double last = file.rows.back().t, row = last / static_cast<double>(file.rows.size() - 1);
+    for (std::size_t k = 0; k < file.rows.size(); ++k)
+        if (!(std::abs(file.rows[k].t - static_cast<double>(k) * row) <= 1e-3 * row)) return {};
+    const std::optional<FollowedUpdate>& followed = checked.diagnosed.update;
+    const Method* const method = find_method(followed ? followed->method : "gyroscopic_explicit");
+    Scene timed = scene;
+    timed.duration = last;
+    Settings settings;
+    settings.samples = static_cast<long>(file.rows.size()) - 1;
+    settings.step = followed ? followed->step : row;
+    settings.max_steps = 2'000'000;
+    Trajectory run = solve(timed, *method, settings);
+    if (run.status != Status::ok || run.samples.size() != file.rows.size()) return {};
+    std::vector<Sample> picked;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        picked.push_back(run.samples[rows[i]]);
+        picked.back().t = truth.samples[i].t;
+    }
+    run.samples = std::move(picked);
+    return {fmt::format("{} at {:.4g} Hz", method->name, 1 / *settings.step), error_series(scene, run, truth)};
+}
+
+}  // namespace
+
+Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
+                     const CheckedFile& checked) {
+    // evenly over the rows, the first and the last among them
+    std::vector<std::size_t> rows;
+    const std::size_t count = std::min(most_points, file.rows.size());
+    for (std::size_t i = 0; i < count; ++i) rows.push_back(count > 1 ? i * (file.rows.size() - 1) / (count - 1) : 0);
+    TrajectoryFile picked = file;
+    picked.rows.clear();
+    std::vector<double> times;
+    for (const std::size_t k : rows) picked.rows.push_back(file.rows[k]), times.push_back(file.rows[k].t);
+    const Reference truth = reference(scene, times);
+    if (!truth.available) throw std::invalid_argument(truth.message);
+
+    Trajectory of_file;
+    of_file.samples = samples_of(picked, scene.body.center_of_mass);
+    const ErrorSeries own = error_series(scene, of_file, truth);
+    const Companion beside = file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();
+
+    Figure figure;
+    figure.title = fmt::format("{} on {}", one_line(checked.path, 80), scene.name);
+    figure.columns = 2;
+    for (const BlockVerdict& verdict : limits.verdicts(checked.judgement)) {
+        if (!verdict.error) continue;
+        const Measure& measure = measures()[measure_index(verdict.block->measure)];
+        Panel panel;
+        panel.title = std::string(verdict.block->title);
+        panel.x_label = "time (s)", panel.log_x = false;
+        panel.y_label = fmt::format("error ({})", measure.unit);
+        const auto add = [&](std::string label, int style, const std::vector<double>& y) {
+            panel.curves.push_back(
+                {.label = std::move(label), .color = style, .dash = style, .points = false, .x = own.t, .y = y});
+        };
+        add("the file", 0, own[verdict.block->measure]);
+        if (!beside.label.empty()) add(beside.label, 1, beside.errors[verdict.block->measure]);
+        const double size = checked.judgement.size[measure_index(verdict.block->measure)];
+        // the limit in the unit that the measure has
+        const double of_size = measure.scale || !verdict.limit.relative ? 1 : size;
+        const double per_size = measure.scale && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
+        if (const double allowed = verdict.limit.value * of_size / per_size; std::isfinite(allowed) && allowed > 0)
+            panel.guides.push_back({"allowed", {}, {allowed}});
+        if (verdict.block->name == "attitude" && checked.until > 0) {
+            ConditioningSettings settings;
+            settings.max_steps = prompt_conditioning_steps;
+            if (const Conditioning kappa = conditioning(scene, times, settings); !kappa.times.empty()) {
+                std::vector<double> float64, float32;
+                for (std::size_t k = 0; k < kappa.times.size(); ++k)
+                    float64.push_back(kappa.floor(k, float64_roundoff)),
+                        float32.push_back(kappa.floor(k, float32_roundoff));
+                for (const auto& [label, y, dash] :
+                     {std::tuple{"float32 floor", &float32, 1}, {"float64 floor", &float64, 2}})
+                    panel.curves.push_back(
+                        {.label = label, .color = 7, .dash = dash, .points = false, .x = kappa.times, .y = *y});
+            }
+        }
+        figure.panels.push_back(std::move(panel));
+    }
+    return figure;
+}
+
+}  // namespace polhode

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "check/attitude_update.h"
+#include "check/impact_faults.h"
 #include "check/known_update.h"
+#include "check/row_faults.h"
 #include "check/search.h"
 
 namespace polhode {
@@ -82,6 +84,15 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
                          "the body fell asleep, or was never awake; turn sleeping off",
                          *still),
              "", 1, 0});
+    const auto add = [&](const std::vector<Diagnosis>& more) {
+        result.faults.insert(result.faults.end(), more.begin(), more.end());
+    };
+    add(lengths_of_quaternions(file));
+    add(impact_faults(scene, file));
+    if (const std::vector<Diagnosis> between = rows_between_steps(file); !between.empty()) {
+        add(between);
+        return result;
+    }
     if (!evidence.enough() || (!all && evidence.plain_error() < plainly_wrong)) return result;
     const Search search = search_faults(evidence, all);
     result.sound = search.sound.residual.total;

@@ -1,0 +1,89 @@
+#include "check/row_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "body/mass_properties.h"
+#include "body/orientation.h"
+
+namespace polhode {
+namespace {
+
+// so many rows are looked at
+constexpr std::size_t most_rows_compared = 2000;
+
+// The share of rows of a kind that come again and again in between others, which no motion does by itself.
+struct Share {
+    int of_a_kind = 0, all = 0, changes = 0;
+    bool last = false;
+
+    void add(bool is_of_kind) {
+        if (all > 0 && is_of_kind != last) ++changes;
+        of_a_kind += is_of_kind, ++all, last = is_of_kind;
+    }
+    bool is_pattern(double least) const { return changes >= 8 && of_a_kind >= least * all && of_a_kind < all; }
+};
+
+bool same_state(const TrajectoryRow& a, const TrajectoryRow& b) { return a.q == b.q && a.position_W == b.position_W; }
+
+}  // namespace
+
+std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
+    const std::vector<TrajectoryRow>& rows = file.rows;
+    const std::size_t count = std::min(rows.size(), most_rows_compared);
+    if (count < 12) return {};
+    const double duration = rows[count - 1].t - rows.front().t;
+    Share repeated;
+    for (std::size_t k = 1; k < count; ++k) repeated.add(same_state(rows[k], rows[k - 1]));
+    if (repeated.is_pattern(0.1))
+        return {{"rows_repeated",
+                 fmt::format("{} of {} rows show the state of the row before: the engine steps at some {:.4g} Hz, and "
+                             "rows are written more often; write a row after each step",
+                             repeated.of_a_kind, repeated.all, (repeated.all - repeated.of_a_kind) / duration),
+                 "", 1, 0}};
+    // the mean rate of each interval, and how much it changes from one to the next
+    std::vector<Vector3<double>> rates;
+    for (std::size_t k = 1; k < count; ++k)
+        rates.push_back((1 / (rows[k].t - rows[k - 1].t)) *
+                        rotation_vector_from_quaternion(conjugate(rows[k - 1].q) * rows[k].q));
+    std::vector<double> changes;
+    double largest_rate = 0;
+    for (std::size_t k = 1; k < rates.size(); ++k) {
+        changes.push_back(length(rates[k] - rates[k - 1]));
+        largest_rate = std::max(largest_rate, length(rates[k]));
+    }
+    // in between two states the rate is constant, and it jumps at each: a smooth motion's changes are like their
+    // neighbours
+    Share constant;
+    constexpr std::size_t reach = 4;
+    for (std::size_t k = reach; k + reach < changes.size(); ++k) {
+        const auto begin = changes.begin() + static_cast<long>(k - reach);
+        const double around = *std::max_element(begin, begin + 2 * reach + 1);
+        if (around > 1e-6 * largest_rate) constant.add(changes[k] < 0.05 * around);
+    }
+    if (constant.is_pattern(0.25) && 4 * constant.all > static_cast<int>(changes.size()))
+        return {{"rows_interpolated",
+                 fmt::format("rows are interpolated between the engine's states: over {} of {} rows the body turns at "
+                             "the rate of the row before, and it changes in jumps in between, some {:.4g} a second; "
+                             "write the states themselves, a row after each step",
+                             constant.of_a_kind, constant.all,
+                             static_cast<double>(constant.all - constant.of_a_kind) / constant.all *
+                                 static_cast<double>(count - 1) / duration),
+                 "", 1, 0}};
+    return {};
+}
+
+std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file) {
+    double worst = 0, at = 0;
+    for (const TrajectoryRow& row : file.rows)
+        if (const double off = std::abs(norm(row.q) - 1); off > worst) worst = off, at = row.t;
+    if (!(worst > 1e-3)) return {};
+    return {{"quaternion_not_normalised",
+             fmt::format("the quaternion's length leaves 1 by {:.2g} at t = {:.6g} s; normalise it after each step",
+                         worst, at),
+             "", worst, 0}};
+}
+
+}  // namespace polhode

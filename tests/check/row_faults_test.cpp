@@ -1,0 +1,77 @@
+// Rows between an engine's steps, and quaternions that are not normalised: told where they are, and nowhere else.
+#include "check/row_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "body/orientation.h"
+#include "check/battery.h"
+#include "check/diagnosis.h"
+
+namespace polhode {
+namespace {
+
+TrajectoryFile steps_of(const Scene& scene, double hertz, int rows) {
+    return battery::run<double>(scene, {}, battery::EngineKind::world_rate, 1 / hertz, 1, rows);
+}
+
+// What a renderer shows at `frames` a second of an engine that steps at its own rate: the last state, or one in
+// between.
+TrajectoryFile shown(const TrajectoryFile& steps, double frames, bool interpolated) {
+    TrajectoryFile file = steps;
+    file.rows.clear();
+    const double h = steps.rows[1].t;
+    for (int n = 0; n / frames <= steps.rows.back().t - 2 * h; ++n) {
+        const double t = n / frames, at = t / h + 1e-9, part = interpolated ? at - std::floor(at) : 0;
+        const TrajectoryRow &a = steps.rows[static_cast<std::size_t>(at)],
+                            &b = steps.rows[static_cast<std::size_t>(at) + 1];
+        TrajectoryRow row = a;
+        row.t = t, row.q = slerp(a.q, b.q, part);
+        row.angular_velocity_W = a.angular_velocity_W + part * (b.angular_velocity_W - a.angular_velocity_W);
+        row.position_W = a.position_W + part * (b.position_W - a.position_W);
+        row.velocity_W = a.velocity_W + part * (b.velocity_W - a.velocity_W);
+        file.rows.push_back(row);
+    }
+    return file;
+}
+
+std::string told(const Scene& scene, const TrajectoryFile& file) {
+    std::string faults;
+    for (const Diagnosis& d : diagnose(scene, file).faults) faults += d.fault + " ";
+    return faults;
+}
+
+TEST(RowFaults, RowsBetweenStepsAreTold) {
+    int seen = 0;
+    for (const Scene& scene : battery::scenes()) {
+        const TrajectoryFile steps = steps_of(scene, 60, 200);
+        EXPECT_TRUE(rows_between_steps(steps).empty()) << scene.name;
+        for (const double frames : {144.0, 165.0, 240.0}) {
+            EXPECT_EQ(told(scene, shown(steps, frames, false)), "rows_repeated ") << scene.name << frames;
+            EXPECT_EQ(told(scene, shown(steps, frames, true)), "rows_interpolated ") << scene.name << frames;
+            ++seen;
+        }
+    }
+    EXPECT_GE(seen, 30);
+}
+
+TEST(RowFaults, LengthsOfQuaternions) {
+    const Scene scene = battery::scenes().front();
+    TrajectoryFile file = steps_of(scene, 60, 60);
+    EXPECT_TRUE(lengths_of_quaternions(file).empty());
+    // an explicit step adds |w h/2|^2 to |q|^2
+    double size = 1;
+    for (TrajectoryRow& row : file.rows) {
+        row.q = {size * row.q.w, size * row.q.x, size * row.q.y, size * row.q.z};
+        const double half = length(row.angular_velocity_W) / 120;
+        size *= std::sqrt(1 + half * half);
+    }
+    const std::vector<Diagnosis> found = lengths_of_quaternions(file);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].fault, "quaternion_not_normalised");
+    EXPECT_NEAR(found[0].error, norm(file.rows.back().q) - 1, 1e-15);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -12,9 +12,8 @@
 // At a pivot w, tau and I are about it, and x, v follow from q, w.
 #include <span>
 
-#include "body/elementary.h"
-#include "body/mass_properties.h"
 #include "body/orientation.h"
+#include "integrators/game/gyroscopic_term.h"
 #include "integrators/run/binary32.h"
 #include "integrators/run/linear_growth.h"
 #include "motion/world_loads.h"
@@ -22,35 +21,8 @@
 namespace polhode {
 namespace {
 
-enum class Term { none, explicit_euler, one_newton_step, rescaled_momentum };
+using Term = GyroscopicTerm;
 enum class Turning { exponential, first_order };
-
-template <class S>
-struct BodyInertia {
-    Matrix3<S> tensor, inverse;
-
-    /// w_B after a time h of the gyroscopic term alone.
-    template <Term term>
-    Vector3<S> turned(const Vector3<S>& w, S h) const {
-        if constexpr (term == Term::none) return w;
-        const Vector3<S> L = tensor * w;
-        if constexpr (term == Term::explicit_euler) return w + h * (inverse * cross(L, w));
-        if constexpr (term == Term::one_newton_step) {
-            // J and the residual times I^-1: numbers near 1 whatever the units
-            Matrix3<S> J = skew(w) * tensor;
-            const Matrix3<S> skew_L = skew(L);
-            for (int i = 0; i < 3; ++i) J[i] = h * (J[i] - skew_L[i]);
-            J = inverse * J;
-            for (int i = 0; i < 3; ++i) J[i][i] += 1;
-            return w + polhode::inverse(J) * (h * (inverse * cross(L, w)));
-        }
-        if constexpr (term == Term::rescaled_momentum) {
-            const Vector3<S> turned = L + h * cross(L, w);
-            const S before = hypotenuse(L), after = hypotenuse(turned);
-            return after > 0 ? inverse * ((before / after) * turned) : w;
-        }
-    }
-};
 
 /// `parts`: so often the gyroscopic term and the attitude are taken, each time with an equal part of the loads' change.
 template <Term term, Turning turning, int parts, class S>

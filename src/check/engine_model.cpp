@@ -47,8 +47,7 @@ std::span<const UpdateRule> update_rules() { return rules; }
 EngineModel::EngineModel(const Cause& cause)
     : fault_(cause.engine),
       problem_(pose(cause.scene, Formulation::full)),
-      inertia_(problem_.body.full_inertia.tensor),
-      inverse_inertia_(problem_.body.full_inertia.inverse) {}
+      inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse} {}
 
 EngineState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
@@ -90,27 +89,22 @@ void EngineModel::strike(EngineState& s, const Segment& segment) const {
     const Matrix3<double> A = rotation_matrix(s.q);
     Vector kick;
     WorldLoads<double>::strike(problem_, segment, A, s.position_W, kick, s.velocity_W);
-    s.angular_velocity_B = s.angular_velocity_B + inverse_inertia_ * (transposed(A) * kick);
+    s.angular_velocity_B = s.angular_velocity_B + inertia_.inverse * (transposed(A) * kick);
     place_at_pivot(s);
 }
 
-// w after a time h of the gyroscopic term alone
+// w after a time h of the gyroscopic term alone: a factor of the term is one of the time
 Vector EngineModel::turned(const Vector& w, double h, const UpdateRule& rule) const {
-    const double g = fault_.gyroscopic;
-    if (g == 0) return w;
-    const Vector L = inertia_ * w;
-    if (rule.rate == RateUpdate::implicit_newton) {
-        Matrix3<double> J = skew(w) * inertia_;
-        const Matrix3<double> skew_L = skew(L);
-        for (int i = 0; i < 3; ++i) J[i] = (g * h) * (J[i] - skew_L[i]);
-        J = inverse_inertia_ * J;
-        for (int i = 0; i < 3; ++i) J[i][i] += 1;
-        return w + inverse(J) * ((g * h) * (inverse_inertia_ * cross(L, w)));
+    const double time = fault_.gyroscopic * h;
+    if (time == 0) return w;
+    switch (rule.rate) {
+        case RateUpdate::implicit_newton:
+            return inertia_.turned<GyroscopicTerm::one_newton_step>(w, time);
+        case RateUpdate::rescaled_momentum:
+            return inertia_.turned<GyroscopicTerm::rescaled_momentum>(w, time);
+        default:
+            return inertia_.turned<GyroscopicTerm::explicit_euler>(w, time);
     }
-    const Vector after = L + (g * h) * cross(L, w);
-    if (rule.rate != RateUpdate::rescaled_momentum) return inverse_inertia_ * after;
-    const double is = hypotenuse(after);
-    return is > 0 ? inverse_inertia_ * ((hypotenuse(L) / is) * after) : w;
 }
 
 // The attitude goes on by a rate in body axes; one that belongs to the other side is taken there as it stands.
@@ -144,7 +138,7 @@ Vector EngineModel::midpoint_step(EngineState& s, const WorldLoads<double>& load
     const auto go = [&](double at, const EngineState& from, double dt) {
         const Action a = action(loads, at, from);
         const Vector& w = from.angular_velocity_B;
-        const Vector dw = inverse_inertia_ * (a.torque_B + fault_.gyroscopic * cross(inertia_ * w, w));
+        const Vector dw = inertia_.inverse * (a.torque_B + fault_.gyroscopic * cross(inertia_.tensor * w, w));
         const Vector v = from.velocity_W;
         EngineState next = old;
         turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
@@ -168,14 +162,14 @@ Vector EngineModel::step(EngineState& s, const WorldLoads<double>& loads, double
     if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
     const Action a = action(loads, t, s);
     const Vector old_w = s.angular_velocity_B, old_v = s.velocity_W;
-    const Vector by_loads = h * (inverse_inertia_ * a.torque_B);
+    const Vector by_loads = h * (inertia_.inverse * a.torque_B);
     Vector w = old_w, momentum_W;
     switch (rule.rate) {
         case RateUpdate::together:
             w = old_w + by_loads + (turned(old_w, h, rule) - old_w);
             break;
         case RateUpdate::momentum:
-            momentum_W = rotate(s.q, inertia_ * old_w + h * a.torque_B);
+            momentum_W = rotate(s.q, inertia_.tensor * old_w + h * a.torque_B);
             w = old_w + by_loads;
             break;
         default:
@@ -187,7 +181,7 @@ Vector EngineModel::step(EngineState& s, const WorldLoads<double>& loads, double
     s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * (old_v + h * a.acceleration_W);
     turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
-        s.angular_velocity_B = inverse_inertia_ * rotate_back(s.q, kept * momentum_W);
+        s.angular_velocity_B = inertia_.inverse * rotate_back(s.q, kept * momentum_W);
         limit(s);
     }
     if (fault_.no_translation) return {};
@@ -210,7 +204,8 @@ void EngineModel::small_step(EngineState& s, const WorldLoads<double>& loads, do
         const Action a = action(loads, at, unit);
         const Vector& w = y.angular_velocity_B;
         Rate r;
-        r.w = inverse_inertia_ * (a.torque_B + fault_.gyroscopic * cross(inertia_ * w, w)) - fault_.angular_damping * w;
+        r.w = inertia_.inverse * (a.torque_B + fault_.gyroscopic * cross(inertia_.tensor * w, w)) -
+              fault_.angular_damping * w;
         Vector turning = fault_.turn * w;
         if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
         if (fault_.turned_by == TurnedBy::world_rate_in_body) {

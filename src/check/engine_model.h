@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "check/hypothesis.h"
+#include "integrators/game/gyroscopic_term.h"
 #include "motion/problem.h"
 #include "motion/world_loads.h"
 
@@ -66,7 +67,7 @@ class EngineModel {
   private:
     EngineFault fault_;
     Problem problem_;
-    Matrix3<double> inertia_, inverse_inertia_;
+    BodyInertia<double> inertia_;
 
     // what acts on a state: torque in body axes, acceleration of the centre of mass in world axes
     struct Action {

@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "app/polhode_picture.h"
+#include "experiment/plan/experiment.h"
 #include "integrators/analysis/linear_stability.h"
+#include "scene/builtin.h"
 #include "scene/scene_file.h"
+#include "text/json_document.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -32,15 +36,65 @@ const char* text(Control control) {
     return "a fixed step (--step, --steps) or a tolerance (--tolerance)";
 }
 
+// Whether a name or a file is an experiment's. Of a file that cannot be read, the reader of scenes says why.
+bool is_experiment(const std::string& name) {
+    if (!builtin_experiment_text(name).empty()) return true;
+    if (!std::filesystem::is_regular_file(name)) return false;
+    try {
+        const JsonDocument document(read_text(name), name);
+        const JsonNode& root = document.root();
+        return root.is_object() && !root.find("body") &&
+               (root.find("kind") || root.find("scenes") || root.find("methods"));
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+// "1e-2 to 1e-5 (4)"
+std::string told(const PlannedCurve& curve) {
+    if (curve.kind == SettingKind::none) return std::string(curve.method->name);
+    const auto [low, high] = std::ranges::minmax(curve.settings);
+    return fmt::format("{}, {}s {:.4g} to {:.4g} ({})", curve.method->name,
+                       curve.calibrated ? "evaluations a revolution by " + std::string(name_of(curve.kind))
+                                        : std::string(name_of(curve.kind)),
+                       high, low, curve.settings.size());
+}
+
+// What an experiment will run, and where to.
+std::string describe_experiment(const std::string& name) {
+    const Plan plan = make_plan(find_experiment(name), name, false);
+    const Experiment& e = plan.experiment;
+    std::string text = fmt::format("{}\n\n  {}\n\n  kind     {}\n", e.name, e.about, e.kind->name);
+    const auto list = [&](const char* title, const std::vector<std::string>& entries) {
+        for (std::size_t i = 0; i < entries.size(); ++i)
+            text += fmt::format("  {:<7}  {}\n", i == 0 ? title : "", entries[i]);
+    };
+    std::vector<std::string> scenes, methods;
+    for (const PlannedScene& scene : plan.scenes) scenes.push_back(scene.label);
+    std::size_t cases = 0;
+    for (const PlannedCurve& curve : plan.curves) {
+        methods.push_back(told(curve));
+        cases += curve.settings.size() * plan.scenes.size();
+    }
+    list("scenes", scenes);
+    list("methods", methods);
+    if (!e.kind->make)
+        text += fmt::format("  cases    {}, each up to {} times and for {:.4g} s at the most\n", cases, e.repeats,
+                            e.seconds_per_run);
+    return text + fmt::format("  run it   polhode run {}: tables and pictures into build/results/{}*\n", name, e.name);
+}
+
 std::string describe(const std::string& name) {
     if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
     for (const MethodLeftOut& method : methods_left_out())
         if (method.name == name) return fmt::format("{}\n\n  Left out. {}\n", method.name, method.reason);
+    if (is_experiment(name)) return describe_experiment(name);
     try {
         return describe_scene(find_scene(name));
     } catch (const InputError&) {
-        // a slip in a method's name is no scene file
+        // a slip in a method's name is no scene file, and a file's fault is not one in a name
+        if (std::filesystem::exists(name)) throw;
         const std::string meant = did_you_mean(name, method_names());
         if (meant.empty() || !did_you_mean(name, builtin_scene_names()).empty()) throw;
         throw UsageError(fmt::format("{} is neither a scene nor a method; {}", name, meant));
@@ -101,10 +155,11 @@ void add_describe(CLI::App& program, int& exit_code) {
     };
     CLI::App* command = program.add_subcommand(
         "describe",
-        "Describes a scene (mass properties, system posed, what was left out, invariants, conditioning, polhode) or a "
-        "method.");
+        "Describes a scene (mass properties, system posed, what was left out, invariants, conditioning, polhode), a "
+        "method, or an experiment (what it will run).");
     const auto options = std::make_shared<Options>();
-    command->add_option("NAME", options->name, "A built-in scene, a scene file or a method")->required();
+    command->add_option("NAME", options->name, "A built-in scene or experiment, a file of one, or a method")
+        ->required();
     command->add_option("--output", options->output, "File to write, in place of stdout")->check(not_empty, "");
     command
         ->add_option("--picture", options->picture,

@@ -48,7 +48,7 @@ RunOptions checked(const RunCommandOptions& options) {
     if (options.jobs < 0 || options.jobs > 4096)
         throw UsageError(fmt::format("--jobs is {}; give 1 to 4096", options.jobs));
     run.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    run.directory = !options.output.empty() ? options.output : options.quick ? "build/quick" : "results";
+    run.directory = !options.output.empty() ? options.output : options.quick ? "build/quick" : "build/results";
     if (std::filesystem::exists(run.directory) && !std::filesystem::is_directory(run.directory))
         throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
     run.quick = options.quick, run.quiet = options.quiet;
@@ -107,7 +107,9 @@ void add_run(CLI::App& program, int& exit_code) {
     command->add_option("EXPERIMENT", options->experiments, "Experiments: names (polhode list experiments) or files")
         ->required();
     command->add_option("--filter", options->filter, "Only the cases whose SCENE/METHOD matches this expression");
-    command->add_option("--output", options->output, "Directory (default results, with --quick build/quick)");
+    command->add_option("--output", options->output,
+                        "Directory (default build/results, with --quick build/quick; published tables are overwritten "
+                        "only where it says so)");
     command->add_option("--jobs", options->jobs,
                         "Threads for truths and errors (default: all cores); timings run alone");
     command->add_option("--shard", options->shard, "I/N: the I-th of N parts, over the same directory")

@@ -15,6 +15,12 @@ double rounding(double t) {
     return 0.7 * std::ldexp(1.0, std::max(std::ilogb(t), -126) - 23);
 }
 
+// whether it is a binary32 number, or one of nine digits that was one
+bool from_binary32(double t) {
+    const auto narrow = static_cast<float>(t);
+    return static_cast<double>(narrow) == t || std::strtod(fmt::format("{:.9g}", narrow).c_str(), nullptr) == t;
+}
+
 // the roundest number of low..high
 double roundest(double low, double high, double duration) {
     for (const double whole : {duration, 1.0}) {
@@ -38,8 +44,8 @@ std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
     if (!(spacing >= 0x1p-126)) return {};
     const double first = std::round(rows.front().t / spacing);
     if (!(first < 1e15)) return {};
-    // each time allows an interval of dt
-    double low = 0, high = HUGE_VAL;
+    // each time allows an interval of dt; a narrow one where the clock is binary64's, be it one that adds up its steps
+    double low = 0, high = HUGE_VAL, narrow_low = 0, narrow_high = HUGE_VAL;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const double count = first + static_cast<double>(k), t = rows[k].t;
         if (count == 0) {
@@ -49,15 +55,15 @@ std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
         low = std::max(low, (t - rounding(t)) / count);
         high = std::min(high, (t + rounding(t)) / count);
         if (low > high) return {};
+        narrow_low = std::max(narrow_low, t * (1 - 0x1p-36) / count);
+        narrow_high = std::min(narrow_high, t * (1 + 0x1p-36) / count);
     }
+    if (narrow_low <= narrow_high &&
+        !std::ranges::all_of(rows, [](const TrajectoryRow& r) { return from_binary32(r.t); }))
+        return {};
     const double dt = roundest(low, high, duration);
-    double largest = 0;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double t = rows[k].t;
-        if (t > 0) largest = std::max(largest, std::abs(t - (first + static_cast<double>(k)) * dt) / t);
-    }
-    // a binary64 clock, be it one that adds up its steps
-    if (largest < 0x1p-36) return {};
+    // numbers that binary32 has: nothing was rounded
+    if (dt >= narrow_low && dt <= narrow_high) return {};
     // a grid of N steps over the duration has the times that solve and truth have
     const double steps = std::round(duration / dt);
     const bool divides = steps >= 1 && steps < 1e15 && duration / steps == dt;

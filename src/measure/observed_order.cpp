@@ -38,7 +38,8 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
     const auto saturated = [&](const Point& point) { return point.second > std::log(saturation); };
     if (std::count_if(points.begin(), points.end(), saturated) + 3 <= static_cast<long>(points.size()))
         points.erase(std::remove_if(points.begin(), points.end(), saturated), points.end());
-    if (points.size() < 3) return {};
+    const auto converged = [&](const Point& point) { return point.second <= std::log(saturation / 10); };
+    if (points.size() < 3 || std::ranges::none_of(points, converged)) return {};
 
     std::optional<ObservedOrder> best, steadiest;
     double least_spread = std::numeric_limits<double>::infinity();

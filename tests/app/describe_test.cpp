@@ -83,5 +83,30 @@ TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
     EXPECT_NE(said(text, "by").find("closed form"), std::string::npos);
 }
 
+TEST_F(Describe, TellsTheFaultOfAFileAsSolveDoes) {
+    write("radau.json", "{\"name\": \"a\", }");
+    write("exact.json", R"({"name": "a", "duration": -1, "body": {"mass": 1, "inertia": [1, 1, 1]}})");
+    for (const char* file : {"radau.json", "exact.json", "none.json"}) {
+        const Outcome told = run({"describe", file});
+        EXPECT_EQ(told.exit_code, 2);
+        EXPECT_EQ(told.err, run({"solve", file}).err) << file;
+    }
+}
+
+TEST_F(Describe, TellsWhatAnExperimentWillRun) {
+    write("mine.json", R"({"name": "mine", "about": "Two by two", "scenes": ["lagrange_top", "t_handle"],
+        "methods": ["exact", "cvode_adams", "gyroscopic_explicit"],
+        "settings": {"steps": [0.1, 0.01, 0.001], "tolerances": [1e-4, 1e-8]}})");
+    const Outcome told = run({"describe", "mine.json"});
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    // as many as the command that lists them finds
+    const long cases = lines(run({"run", "mine.json", "--dry-run", "--quiet"}).out);
+    for (const std::string& part : {"  cases    " + std::to_string(cases) + ",", std::string("Two by two"),
+                                    std::string("gyroscopic_explicit, steps 0.1 to 0.001 (3)"),
+                                    std::string("cvode_adams, tolerances 0.0001 to 1e-08 (2)")})
+        EXPECT_NE(told.out.find(part), std::string::npos) << part << "\n" << told.out;
+    EXPECT_EQ(run({"describe", "convergence"}).exit_code, 0);
+}
+
 }  // namespace
 }  // namespace polhode

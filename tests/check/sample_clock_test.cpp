@@ -60,7 +60,14 @@ TEST(SampleClock, LeavesOtherClocksAlone) {
         narrow_adding.push_back(static_cast<double>(narrow_sum));
         sum += 0.01, narrow_sum += 0.01f;
     }
-    for (const std::vector<double>& times : {doubles, adding, uneven, narrow_adding, {0.0, 1.0}, {3.0}}) {
+    // of no round step, as exact as they can be printed, or to twelve digits
+    std::vector<double> odd_rate, odd_printed;
+    for (int k = 0; k <= 473; ++k) {
+        odd_rate.push_back(k / 47.3);
+        odd_printed.push_back(std::strtod(fmt::format("{:.12g}", k / 47.3).c_str(), nullptr));
+    }
+    for (const std::vector<double>& times :
+         {doubles, adding, uneven, narrow_adding, odd_rate, odd_printed, {0.0, 1.0}, {3.0}}) {
         TrajectoryFile file = file_at(times);
         EXPECT_FALSE(restore_clock(file, 10).has_value());
         EXPECT_EQ(file, file_at(times));

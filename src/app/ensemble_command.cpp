@@ -1,6 +1,7 @@
 // polhode ensemble: one scene, a body a row.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -20,7 +21,7 @@
 namespace polhode {
 namespace {
 
-constexpr long most_threads = 4096, most_steps = 1'000'000'000;
+constexpr long most_threads = 4096, most_steps = 1'000'000'000, most_samples = 10'000;
 
 struct EnsembleOptions {
     std::string scene, initial, output;
@@ -28,6 +29,7 @@ struct EnsembleOptions {
     std::optional<long> threads;
     long max_steps = EnsembleSettings{}.max_steps;
     double max_seconds = EnsembleSettings{}.seconds_limit;
+    long samples = 1;
 };
 
 // A number, or nothing where there is none.
@@ -50,35 +52,59 @@ void append_message(std::string& text, const std::string& message) {
     text += '"';
 }
 
-std::string csv_of(const std::vector<EnsembleRow>& rows, const std::vector<std::string>& ids) {
-    std::string text = "row,";
-    text += ids.empty() ? "" : "id,";
-    text += "status,t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,message\n";
-    text.reserve(rows.size() * 250 + text.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const EnsembleRow& row = rows[i];
-        const Sample& s = row.end;
-        text += std::to_string(i + 1);
-        if (!ids.empty()) text.append(",").append(ids[i]);
-        text.append(",").append(name_of(row.status));
-        if (row.moved) {
-            append(text, s.t);
-            for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append(text, value);
-            append(text, (1 / squared_norm(s.q)) * rotate(s.q, s.angular_velocity_B));
-            append(text, s.position_W);
-            append(text, s.velocity_W);
-        } else {
-            text.append(14, ',');
-        }
-        append_message(text, row.message);
-        text += '\n';
+// A body's row at one time.
+void append_row(std::string& text, std::size_t number, const std::string* id, const EnsembleRow& row) {
+    const Sample& s = row.end;
+    text += std::to_string(number);
+    if (id) text.append(",").append(*id);
+    text.append(",").append(name_of(row.status));
+    if (row.moved) {
+        append(text, s.t);
+        for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append(text, value);
+        append(text, (1 / squared_norm(s.q)) * rotate(s.q, s.angular_velocity_B));
+        append(text, s.position_W);
+        append(text, s.velocity_W);
+    } else {
+        text.append(14, ',');
+    }
+    append_message(text, row.message);
+    text += '\n';
+}
+
+// Where each body stands among the table's rows, counted from 1.
+std::vector<std::size_t> numbers_of(const EnsembleTable& table) {
+    std::vector<std::size_t> numbers;
+    auto refused = table.refused.begin();
+    for (std::size_t number = 1; numbers.size() < table.bodies.size(); ++number)
+        if (refused != table.refused.end() && refused->row == number)
+            ++refused;
+        else
+            numbers.push_back(number);
+    return numbers;
+}
+
+// The table's rows in their order, each at all times; `solved[k]` holds the bodies at the k-th time.
+std::string csv_of(const std::vector<std::vector<EnsembleRow>>& solved, const EnsembleTable& table,
+                   const std::vector<std::size_t>& numbers) {
+    std::string text = table.ids.empty() ? "row,status" : "row,id,status";
+    text += ",t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,message\n";
+    text.reserve(numbers.size() * solved.size() * 250 + text.size());
+    const std::string no_id;
+    auto refused = table.refused.begin();
+    for (std::size_t i = 0; i <= numbers.size(); ++i) {
+        for (; refused != table.refused.end() && (i == numbers.size() || refused->row < numbers[i]); ++refused)
+            append_row(text, refused->row, table.ids.empty() ? nullptr : &no_id,
+                       {Status::failed, false, {}, refused->fault});
+        if (i == numbers.size()) break;
+        for (const std::vector<EnsembleRow>& at : solved)
+            append_row(text, numbers[i], table.ids.empty() ? nullptr : &table.ids[i], at[i]);
     }
     return text;
 }
 
 // What the run did, for people: a line each.
-std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, const EnsembleSettings& settings,
-                    double seconds) {
+std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, const EnsembleTable& table,
+                    const std::vector<std::size_t>& numbers, const EnsembleSettings& settings, double seconds) {
     std::map<Status, std::size_t> count;
     for (const EnsembleRow& row : rows) ++count[row.status];
     std::string text =
@@ -93,12 +119,15 @@ std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, co
         separator = ", ";
     }
     text += '\n';
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        if (rows[i].status != Status::ok) {
-            text += fmt::format("first    row {}: {}: {}\n", i + 1, name_of(rows[i].status),
-                                one_line(rows[i].message, 500));
-            break;
-        }
+    const auto failed = std::ranges::find_if(rows, [](const EnsembleRow& row) { return row.status != Status::ok; });
+    if (failed != rows.end())
+        text += fmt::format("first    row {}: {}: {}\n", numbers[static_cast<std::size_t>(failed - rows.begin())],
+                            name_of(failed->status), one_line(failed->message, 500));
+    constexpr std::size_t most_told = 100;
+    for (std::size_t i = 0; i < std::min(most_told, table.refused.size()); ++i)
+        text += fmt::format("refused  row {}: {}\n", table.refused[i].row, one_line(table.refused[i].fault, 500));
+    if (table.refused.size() > most_told)
+        text += fmt::format("refused  {} rows more; all stand in the table\n", table.refused.size() - most_told);
     return text;
 }
 
@@ -108,6 +137,7 @@ int ensemble_command(const EnsembleOptions& options) {
     if (options.threads) require_count("--threads", *options.threads, most_threads);
     require_count("--max-steps", options.max_steps, most_steps);
     require_positive("--max-seconds", options.max_seconds);
+    require_count("--samples", options.samples, most_samples);
     require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
@@ -116,22 +146,30 @@ int ensemble_command(const EnsembleOptions& options) {
     settings.threads = static_cast<int>(
         options.threads.value_or(std::max<long>(1, static_cast<long>(std::thread::hardware_concurrency()))));
     settings.max_steps = options.max_steps, settings.seconds_limit = options.max_seconds;
-    const EnsembleTable table = read_ensemble(options.initial, scene);
+    const EnsembleTable table = read_ensemble(options.initial, scene, BadRows::pass_over);
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<EnsembleRow> rows = solve_ensemble(scene, table.bodies, settings);
+    std::vector<std::vector<EnsembleRow>> solved;
+    for (long k = 1; k <= options.samples; ++k) {
+        Scene until = scene;
+        until.duration = sample_time(scene.duration, k, options.samples);
+        solved.push_back(solve_ensemble(until, table.bodies, settings));
+    }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_output(options.output, csv_of(rows, table.ids));
-    std::fputs(summary(scene, rows, settings, seconds).c_str(), stderr);
-    for (const EnsembleRow& row : rows)
-        if (row.status != Status::ok) return 1;
-    return 0;
+    const std::vector<std::size_t> numbers = numbers_of(table);
+    write_output(options.output, csv_of(solved, table, numbers));
+    const std::vector<EnsembleRow>& ends = solved.back();
+    std::fputs(summary(scene, ends, table, numbers, settings, seconds).c_str(), stderr);
+    const bool all_ok = std::ranges::all_of(ends, [](const EnsembleRow& row) { return row.status == Status::ok; });
+    return all_ok && table.refused.empty() ? 0 : 1;
 }
 
 }  // namespace
 
 void add_ensemble(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
-        "ensemble", "Solves a scene for many bodies, each with its own inertia and start: a row (CSV) each.");
+        "ensemble",
+        "Solves a scene for many bodies, each with its own inertia and start: a row (CSV) each. A row of the table "
+        "that is no body is told with its line, and stops no other; the exit code is 1 then.");
     const auto options = std::make_shared<EnsembleOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
@@ -149,6 +187,10 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command
         ->add_option("--max-seconds", options->max_seconds,
                      "Likewise, of its thread's time, for a body that is solved by itself")
+        ->capture_default_str();
+    command
+        ->add_option("--samples", options->samples,
+                     "N: rows of each body at k T/N, k = 1..N, each solved from the start; the table has the start")
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });

@@ -66,7 +66,7 @@ class Reader {
     Reader(std::string_view text, const std::string& file, const Scene& scene)
         : lines_(text, file), file_(file), scene_(scene), start_(ensemble_body(scene)) {}
 
-    EnsembleTable read() {
+    EnsembleTable read(BadRows bad) {
         if (!lines_.next())
             fail("", "is empty", "give a header line such as qw,qx,qy,qz,wx,wy,wz and a line for each body");
         header();
@@ -76,8 +76,17 @@ class Reader {
                 result_.bodies.reserve(rows);
                 if (has_id_) result_.ids.reserve(rows);
             }
-            body();
+            const std::size_t bodies = result_.bodies.size(), ids = result_.ids.size();
+            try {
+                body();
+            } catch (const InputError& fault) {
+                if (bad == BadRows::refuse_all) throw;
+                result_.bodies.resize(bodies), result_.ids.resize(ids);
+                result_.refused.push_back({bodies + result_.refused.size() + 1, fault.what()});
+            }
         }
+        if (result_.bodies.empty() && !result_.refused.empty())
+            fail("", "has no row that is a body", "the first: " + result_.refused.front().fault);
         if (result_.bodies.empty()) fail("", "has a header and no row", "give a line for each body");
         return std::move(result_);
     }
@@ -210,12 +219,12 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
     return {};
 }
 
-EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene) {
-    return Reader(text, file, scene).read();
+EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene, BadRows bad) {
+    return Reader(text, file, scene).read(bad);
 }
 
-EnsembleTable read_ensemble(const std::string& path, const Scene& scene) {
-    return parse_ensemble(read_text(path, largest_file, "a readable CSV file"), path, scene);
+EnsembleTable read_ensemble(const std::string& path, const Scene& scene, BadRows bad) {
+    return parse_ensemble(read_text(path, largest_file, "a readable CSV file"), path, scene, bad);
 }
 
 }  // namespace polhode

@@ -38,11 +38,21 @@ struct BodyFault {
 /// the scene holds a point of the body.
 std::optional<BodyFault> fault_of(const EnsembleBody& body, bool pivoted);
 
+/// A row that is no body, and why.
+struct RefusedRow {
+    std::size_t row = 0;  ///< counted from 1, the refused ones too
+    std::string fault;    ///< "FILE: line 3, column mass: FAULT; REMEDY"
+};
+
 /// What a table says. Columns that it lacks are the scene's.
 struct EnsembleTable {
     std::vector<EnsembleBody> bodies;  ///< at least one
     std::vector<std::string> ids;      ///< of the column `id`, as they stand; empty without it
+    std::vector<RefusedRow> refused;   ///< in the file's order; none unless they were to be passed over
 };
+
+/// What to do about a row that is no body.
+enum class BadRows { refuse_all, pass_over };
 
 /// Reads tables: a header, then a line a body; columns by name, in any order, at least one of
 ///   qw,qx,qy,qz   wx,wy,wz   px,py,pz   vx,vy,vz   ixx,iyy,izz   ixy,ixz,iyz   mass   id
@@ -50,10 +60,11 @@ struct EnsembleTable {
 /// moments are those about its body axes. w is in the scene's angular_velocity_frame (the body's own axes unless the
 /// scene says "world"). Numbers, comments, line ends and faults as in trajectory files (motion/trajectory_csv.h); an id
 /// is any text without a comma, of at most 200 bytes. Throws InputError ("FILE: line 3, column mass: FAULT; REMEDY"),
-/// also for bodies that cannot be: see fault_of.
-EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene);
+/// also for bodies that cannot be: see fault_of; where bad rows are passed over, only if there is no other.
+EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene,
+                             BadRows bad = BadRows::refuse_all);
 
 /// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
-EnsembleTable read_ensemble(const std::string& path, const Scene& scene);
+EnsembleTable read_ensemble(const std::string& path, const Scene& scene, BadRows bad = BadRows::refuse_all);
 
 }  // namespace polhode

@@ -108,13 +108,45 @@ TEST_F(EnsembleCommand, ARowWhoseMotionFailsIsARow) {
     EXPECT_NE(outcome.err.find("row 2"), std::string::npos) << outcome.err;
 }
 
+TEST_F(EnsembleCommand, BadRowsAreToldAndTheGoodOnesSolved) {
+    const std::string table = write("t.csv", "id,mass\na,-1\nb,2\nc,x\nd,1\ne,1,1\n");
+    const Outcome outcome = run({"ensemble", scene(), "--initial", table});
+    EXPECT_EQ(outcome.exit_code, 1);
+    const auto rows = cells_of(outcome.out);
+    ASSERT_EQ(rows.size(), 6u);
+    for (const std::size_t bad : {1u, 3u, 5u}) {
+        EXPECT_EQ(rows[bad][0], std::to_string(bad));
+        EXPECT_EQ(rows[bad][2], "failed");
+        // the table's header is its first line
+        const std::string told = "row " + std::to_string(bad) + ": " + table + ": line " + std::to_string(bad + 1);
+        EXPECT_NE(outcome.err.find(told), std::string::npos) << told << "\n" << outcome.err;
+    }
+    EXPECT_EQ(rows[2][0] + rows[2][1] + rows[2][2], "2bok");
+    EXPECT_EQ(rows[4][0] + rows[4][1] + rows[4][2], "4dok");
+}
+
+TEST_F(EnsembleCommand, SamplesOverTime) {
+    const std::string table = write("t.csv", "wx,wy,wz\n0.3,1,2\n0,0,1\n");
+    const auto rows = cells_of(run({"ensemble", scene(), "--initial", table, "--samples", "4"}).out);
+    ASSERT_EQ(rows.size(), 9u);
+    const auto alone = parse_trajectory(run({"solve", scene(), "--samples", "4"}).out, "solve").rows;
+    for (std::size_t k = 1; k <= 4; ++k) {
+        EXPECT_EQ(std::stod(rows[k][2]), alone[k].t);
+        const Quaternion<double> q{std::stod(rows[k][3]), std::stod(rows[k][4]), std::stod(rows[k][5]),
+                                   std::stod(rows[k][6])};
+        EXPECT_LT(testing::attitude_error({q.w, q.x, q.y, q.z}, alone[k].q), 1e-13);
+        EXPECT_EQ(rows[4 + k][0], "2");
+    }
+}
+
 TEST_F(EnsembleCommand, RefusesBadUsage) {
-    const std::string table = write("t.csv", "mass\n1\n"), bad = write("bad.csv", "mass\n1\n-1\n");
+    const std::string table = write("t.csv", "mass\n1\n"), bad = write("bad.csv", "mass\n0\n-1\n");
+    expect_refused({"ensemble", scene(), "--initial", table, "--samples", "0"}, "--samples");
     expect_refused({"ensemble", scene()}, "--initial");
     expect_refused({"ensemble", scene(), "--initial", "none.csv"}, "none.csv");
     expect_refused({"ensemble", "none.json", "--initial", table}, "none.json");
-    expect_refused({"ensemble", scene(), "--initial", bad}, "bad.csv: line 3, column mass: ");
-    expect_refused({"ensemble", scene(), "--initial", bad, "--output", "out.csv"}, "line 3");
+    expect_refused({"ensemble", scene(), "--initial", bad}, "bad.csv: line 2, column mass: ");
+    expect_refused({"ensemble", scene(), "--initial", bad, "--output", "out.csv"}, "line 2");
     for (const char* value : {"0", "-1", "nan", "inf"}) {
         expect_refused({"ensemble", scene(), "--initial", table, "--tolerance", value}, "--tolerance");
         expect_refused({"ensemble", scene(), "--initial", table, "--duration", value}, "--duration");

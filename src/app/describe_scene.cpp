@@ -9,7 +9,7 @@
 #include "app/describe.h"
 #include "app/polhode_picture.h"
 #include "body/orientation.h"
-#include "check/tolerated.h"
+#include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
@@ -255,16 +255,14 @@ void conditioning(Report& report, const Problem& problem) {
          {std::pair("floor in binary64", float64_roundoff), std::pair("floor in binary32", float32_roundoff)})
         report.line(name, fmt::format("{:.2g} rad at {}, {:.2g} rad at worst: by rounding the start alone",
                                       found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
-    const std::optional<double> given = tolerated_error(problem.scene, "attitude");
-    const double tolerated = given.value_or(default_tolerated_attitude);
+    const ErrorLimit allowed = ErrorLimits(problem.scene)["attitude"];
     std::size_t k = 0;
-    while (k <= last && !(found.floor(k, float32_roundoff) > tolerated)) ++k;
+    while (k <= last && !(found.floor(k, float32_roundoff) > allowed.value)) ++k;
     const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
                               : found.available ? "the whole run"
                                                 : "at least until " + end;
-    report.line("a float engine",
-                fmt::format("can be judged {}: so long its floor is within {} rad ({})", until, number(tolerated),
-                            given ? "the scene's tolerated attitude error" : "by default"));
+    report.line("a float engine", fmt::format("can be judged {}: so long its floor is within {} rad ({})", until,
+                                              number(allowed.value), allowed.from));
     if (found.available) report.line("by", found.message);
 }
 

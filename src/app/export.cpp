@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +21,14 @@ struct ExportOptions {
     std::string scene, format = "csv", output, convention;
     std::optional<double> duration;
     long samples = 100;
+    bool floats = false;
 };
+
+const std::map<std::string, GoldenFormat> golden_formats{{"csv", GoldenFormat::csv},
+                                                         {"json", GoldenFormat::json},
+                                                         {"c", GoldenFormat::c},
+                                                         {"cpp", GoldenFormat::cpp},
+                                                         {"csharp", GoldenFormat::csharp}};
 
 int export_command(const ExportOptions& options) {
     require_count("--samples", options.samples, most_golden_samples);
@@ -35,13 +43,12 @@ int export_command(const ExportOptions& options) {
         return 1;
     }
     const Golden data = golden(scene, truth, convention);
-    write_output(options.output, options.format == "json" ? golden_json(data)
-                                 : options.format == "c"  ? golden_c(data)
-                                                          : golden_csv(data));
-    std::fputs(fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\ntolerance  {} rad ({})\n",
-                           one_line(scene.name, 100), truth.message, data.bound, data.tolerance, data.tolerance_from)
-                   .c_str(),
-               stderr);
+    write_output(options.output, golden_text(data, golden_formats.at(options.format), options.floats));
+    std::string told = fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\n", one_line(scene.name, 100),
+                                   truth.message, data.bound);
+    for (const GoldenTolerance& t : data.tolerances)
+        told += fmt::format("tolerance  {}: {:.4g} ({})\n", t.block, t.value, t.from);
+    std::fputs(told.c_str(), stderr);
     return 0;
 }
 
@@ -50,19 +57,24 @@ int export_command(const ExportOptions& options) {
 void add_export(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "export",
-        "Golden data of a scene for an engine's own unit tests: the body, its start, the true motion at N + 1 times, "
-        "its "
-        "bound, and how far off an attitude may be (what the scene tolerates, else 1e-3 rad or ten times what rounding "
-        "the start to binary32 leads to, whichever is more).");
+        "Golden data of a scene for an engine's own unit tests: the body and its shape, planes, loads, its start, the "
+        "true "
+        "motion at N + 1 times, its bound, and what each block may be off (what the scene tolerates, else what check "
+        "allows or ten times what rounding the start to binary32 leads to, whichever is more).");
     const auto options = std::make_shared<ExportOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
-    command->add_option("--format", options->format, "csv, json, or c: a header of arrays for C99 and C++")
-        ->check(CLI::IsMember({"csv", "json", "c"}))
+    command
+        ->add_option("--format", options->format,
+                     "csv, json, c (a header of arrays and a comparison for C99 and C++), cpp (for C++17) or "
+                     "csharp (a static class)")
+        ->check(CLI::IsMember(golden_formats))
         ->capture_default_str();
+    command->add_flag("--floats", options->floats, "Numbers of binary32: arrays of float, as short as they can be");
     command->add_option("--duration", options->duration, "T in s, in place of the scene's");
-    command->add_option("--convention", options->convention,
-                        "What to write it in, words as for polhode check: body, start and motion are converted");
+    command->add_option(
+        "--convention", options->convention,
+        "What to write it in, words as for polhode check: body, planes, loads, start and motion are converted");
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->callback([options, &exit_code] { exit_code = export_command(*options); });
 }

@@ -1,150 +1,167 @@
 #include "check/golden.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "check/tolerated.h"
+#include "body/orientation.h"
+#include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
+#include "scene/body_hull.h"
 #include "scene/scene_file.h"
 #include "text/content_hash.h"
-#include "text/decimal.h"
-#include "text/json_document.h"
-#include "text/message.h"
 
 namespace polhode {
 namespace {
 
 Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
-// I there = M I M^T: each column of M I is a vector, and so is each row of the result
-Matrix3<double> tensor_to(Axes axes, const Matrix3<double>& tensor) {
-    Matrix3<double> half;
-    for (int i = 0; i < 3; ++i) half[i] = vector_to(axes, tensor[i]);
-    half = transposed(half);
-    for (int i = 0; i < 3; ++i) half[i] = vector_to(axes, half[i]);
-    return half;
-}
+// Numbers on the way to a convention's axes and unit of length.
+class Way {
+  public:
+    explicit Way(const Convention& convention) : axes_(convention.axes), unit_(convention.length_unit) {}
 
-std::string loads_of(const Scene& scene) {
-    const std::string text = write_scene(scene);
-    const std::string mark = "\"loads\": ";
-    const std::size_t begin = text.find(mark);
-    if (scene.loads.empty() || begin == text.npos) return "[]";
-    // to the bracket that closes the list
-    std::size_t end = begin + mark.size();
-    for (int depth = 0; end < text.size(); ++end) {
-        depth += text[end] == '[' ? 1 : text[end] == ']' ? -1 : 0;
-        if (depth == 0) break;
+    // a number in m^power
+    double scaled(double x, int power) const {
+        for (int i = 0; i < power; ++i) x /= unit_;
+        return x;
     }
-    std::string list = text.substr(begin + mark.size(), end + 1 - begin - mark.size());
-    // on one line
-    for (std::size_t at = list.find('\n'); at != list.npos; at = list.find('\n', at))
-        list.replace(at, list.find_first_not_of(" \n", at) - at, 1, ' ');
-    return list;
+    Vector3<double> scaled(const Vector3<double>& v, int power) const {
+        return {scaled(v[0], power), scaled(v[1], power), scaled(v[2], power)};
+    }
+    Vector3<double> vector(const Vector3<double>& v, int power) const { return scaled(vector_to(axes_, v), power); }
+    Vector3<double> pseudovector(const Vector3<double>& v, int power) const {
+        return scaled(pseudovector_to(axes_, v), power);
+    }
+    // M T M^T: each column of M T is a vector, and so is each row of the result
+    Matrix3<double> tensor(const Matrix3<double>& T, int power) const {
+        Matrix3<double> half;
+        for (int i = 0; i < 3; ++i) half[i] = vector_to(axes_, T[i]);
+        half = transposed(half);
+        for (int i = 0; i < 3; ++i) half[i] = vector(half[i], power);
+        return half;
+    }
+    Quaternion<double> attitude(const Quaternion<double>& q) const { return quaternion_to(axes_, q); }
+
+    // in kg, m and s: a force is a vector in m, a torque a pseudovector in m^2
+    void operator()(Gravity& g) const { g.acceleration_W = vector(g.acceleration_W, 1); }
+    void operator()(Torque& t) const { t.vector = pseudovector(t.vector, 2); }
+    void operator()(Force& f) const { f.vector = vector(f.vector, 1), f.point = vector(f.point, 1); }
+    void operator()(Impulse& i) const { i.vector = vector(i.vector, 1), i.point = vector(i.point, 1); }
+    void operator()(Drag& d) const {
+        const Matrix3<double> T = tensor(diagonal(d.rotational), 2);
+        d.rotational = {T[0][0], T[1][1], T[2][2]};
+    }
+    void operator()(Spring& s) const {
+        s.stiffness = scaled(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
+    }
+    void operator()(UserTorque&) const {}
+
+  private:
+    Axes axes_;
+    double unit_;
+};
+
+SupportPiece<double> piece_to(const Way& way, SupportPiece<double> piece) {
+    piece.center = way.vector(piece.center, 1), piece.radius = way.scaled(piece.radius, 1);
+    Matrix3<double> columns = transposed(piece.semi_axes);
+    for (int i = 0; i < 3; ++i) columns[i] = way.vector(columns[i], 1);
+    piece.semi_axes = transposed(columns);
+    return piece;
 }
 
-// The wider of what the scene tolerates and what binary32 rounding of the start alone leads to, ten times over for the
-// rounding of the steps.
-void set_tolerance(const Scene& scene, Golden& g) {
-    const double end = g.motion.rows.back().t;
-    const std::vector<double> times = sample_times(end, 400);
-    const std::optional<double> given = tolerated_error(scene, "attitude");
-    g.tolerance = given.value_or(default_tolerated_attitude);
-    g.tolerance_from = given ? "what the scene tolerates" : "1/20 of a degree";
+// What one rounding of the start to binary32 leads to, rad; pi where that is not known either.
+double measured_float32_floor(const Scene& scene, const Reference& truth) {
+    Scene rounded_scene = scene;
+    const auto narrow = [](double& x) { x = static_cast<double>(static_cast<float>(x)); };
+    Initial& start = rounded_scene.initial;
+    for (double* x : {&start.orientation.w, &start.orientation.x, &start.orientation.y, &start.orientation.z})
+        narrow(*x);
+    start.orientation = normalized(start.orientation);
+    for (Vector3<double>* v : {&start.angular_velocity, &start.position_W, &start.velocity_W})
+        for (double& x : v->component) narrow(x);
+    std::vector<double> times;
+    for (const ReferenceSample& s : truth.samples) times.push_back(s.t);
+    const Reference other = reference(rounded_scene, times);
+    if (!other.available) return std::numbers::pi;
+    double largest = 0;
+    for (std::size_t k = 0; k < times.size(); ++k)
+        largest = std::max(largest, rotation_angle_between(truth.samples[k].rounded().q, other.samples[k].rounded().q));
+    return largest;
+}
+
+void find_floors(const Scene& scene, const Reference& truth, Golden& g) {
     ConditioningSettings settings;
     settings.max_steps = prompt_conditioning_steps;
-    const Conditioning kappa = conditioning(scene, times, settings);
-    if (!kappa.available) return;
-    g.float64_floor = kappa.floor_peak(float64_roundoff).value;
-    g.float32_floor = kappa.floor_peak(float32_roundoff).value;
-    if (given || 10 * *g.float32_floor <= g.tolerance) return;
-    g.tolerance = std::min(10 * *g.float32_floor, std::numbers::pi);
-    g.tolerance_from = "ten times the float32 floor";
+    const Conditioning kappa = conditioning(scene, sample_times(truth.samples.back().t, 400), settings);
+    if (kappa.available) g.float64_floor = kappa.floor_peak(float64_roundoff).value;
+    const double floor =
+        kappa.available ? kappa.floor_peak(float32_roundoff).value : measured_float32_floor(scene, truth);
+    // beyond any number: the attitude is lost
+    g.float32_floor = floor < std::numbers::pi ? floor : std::numbers::pi;
 }
 
-std::string list(const Vector3<double>& v) {
-    return fmt::format("{}, {}, {}", shortest_decimal(v[0]), shortest_decimal(v[1]), shortest_decimal(v[2]));
-}
-std::string list(const Quaternion<double>& q, bool scalar_last) {
-    const std::string u = list(vector_part(q)), w = shortest_decimal(q.w);
-    return scalar_last ? fmt::format("{}, {}", u, w) : fmt::format("{}, {}", w, u);
-}
-
-// a name for C: "9 lives!" becomes 9_lives_
-std::string identifier(const std::string& name) {
-    std::string result;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool plain = byte < 0x80 && std::isalnum(byte) != 0;
-        // one _ for what cannot stand there, and never two: such names are C++'s own
-        if (plain)
-            result += c;
-        else if (!result.empty() && result.back() != '_')
-            result += '_';
+void set_tolerances(const Scene& scene, const Reference& truth, const Convention& convention, Golden& g) {
+    double speed = 0, way = 0, rate = 0;
+    for (const ReferenceSample& s : truth.samples) {
+        const Sample sample = s.rounded();
+        rate = std::max(rate, length(sample.angular_velocity_B)), speed = std::max(speed, length(sample.velocity_W));
+        way = std::max(way, length(sample.position_W - rounded(truth.samples.front().position_W)));
     }
-    while (!result.empty() && result.back() == '_') result.pop_back();
-    return result.empty() ? "scene" : result;
-}
-
-// fit for a C comment, which may neither end in it nor begin again, and keeps no trigraphs
-std::string comment(const std::string& text, std::size_t limit = 1000) {
-    std::string safe = one_line(text, limit);
-    for (std::size_t i = 0; i + 1 < safe.size(); ++i)
-        if ((safe[i] == '*' && safe[i + 1] == '/') || (safe[i] == '/' && safe[i + 1] == '*') ||
-            (safe[i] == '?' && safe[i + 1] == '?'))
-            safe.insert(i + 1, 1, ' ');
-    return safe;
-}
-
-// a literal that is a double in C
-std::string literal(double value) {
-    const std::string text = shortest_decimal(value);
-    return text.find_first_of(".e") == text.npos ? fmt::format("{}.0", text) : text;
-}
-std::string literals(const std::vector<double>& values) {
-    std::string text;
-    for (const double value : values) text.append(text.empty() ? "{" : ", ").append(literal(value));
-    return text.append("}");
-}
-std::string literals(const Vector3<double>& v) { return literals(std::vector{v[0], v[1], v[2]}); }
-
-std::string axes_of(const Golden& g) {
-    return g.convention.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : g.convention;
+    const ErrorLimits limits(scene);
+    for (const JudgedBlock& block : judged_blocks()) {
+        const ErrorLimit& limit = limits[block.name];
+        GoldenTolerance t{std::string(block.name), limit.value, limit.from};
+        if (const double floor = 10 * g.float32_floor; limit.from == "by default" && floor > t.value)
+            t.value = std::min(floor, block.name == "attitude" ? std::numbers::pi : 2.0),
+            t.from = "ten times the float32 floor";
+        const double size = block.name == "angular_velocity" ? rate
+                            : block.name == "position"       ? way
+                            : block.name == "velocity"       ? speed
+                                                             : 1;
+        if (limit.relative) t.value = std::max(t.value * size, block.unit.empty() ? 0 : block.absolute);
+        if (block.name == "position" || block.name == "velocity") t.value /= convention.length_unit;
+        if (block.name == "angular_velocity" && convention.degrees) t.value *= 180 / std::numbers::pi;
+        g.tolerances.push_back(std::move(t));
+    }
 }
 
 }  // namespace
 
+Scene scene_to(const Convention& convention, const Scene& scene) {
+    const Way way(convention);
+    Scene there = scene;
+    there.body.source = nullptr;
+    there.body.center_of_mass = way.vector(scene.body.center_of_mass, 1);
+    there.body.inertia_B = way.tensor(scene.body.inertia_B, 2);
+    if (scene.pivot) there.pivot = way.vector(*scene.pivot, 1);
+    Initial& start = there.initial;
+    start.orientation = way.attitude(start.orientation);
+    start.angular_velocity = way.pseudovector(start.angular_velocity, 0);
+    start.position_W = way.vector(start.position_W, 1), start.velocity_W = way.vector(start.velocity_W, 1);
+    for (Load& load : there.loads) std::visit(way, load);
+    for (Plane& plane : there.planes) {
+        // the offset belongs to the unit normal
+        const double size = length(plane.normal_W);
+        plane.offset = way.scaled(plane.offset, 1) / size, plane.normal_W = way.vector((1 / size) * plane.normal_W, 0);
+    }
+    return there;
+}
+
 Golden golden(const Scene& scene, const Reference& truth, const Convention& convention) {
     if (!truth.available || truth.samples.empty()) throw std::invalid_argument("there is no truth to export");
-    const Axes axes = convention.axes;
+    const Way way(convention);
     Golden g;
-    g.scene = scene.name, g.about = scene.about, g.scene_hash = content_hash(write_scene(scene));
-    g.truth = truth.message, g.convention = name_of(convention);
-    g.scalar_last = convention.quaternion == QuaternionColumns::scalar_last, g.degrees = convention.degrees,
-    g.body_rates = convention.body_rates;
-    g.mass = scene.body.mass;
-    // lengths in the target's unit
-    const auto length_to = [&](const Vector3<double>& v) {
-        const Vector3<double> there = vector_to(axes, v);
-        return convention.length_unit == 1 ? there : (1 / convention.length_unit) * there;
-    };
-    g.length_unit = convention.length_unit;
-    g.center_of_mass = length_to(scene.body.center_of_mass);
-    g.inertia = tensor_to(axes, scene.body.inertia_B);
-    if (convention.length_unit != 1)
-        for (Vector3<double>& row : g.inertia.row) row = (1 / (convention.length_unit * convention.length_unit)) * row;
-    if (scene.pivot) g.pivot = length_to(*scene.pivot);
-    g.loads = loads_of(scene);
+    g.scene_hash = content_hash(write_scene(scene)), g.truth = truth.message, g.convention = convention;
+    g.scene = scene_to(convention, scene);
+    if (scene.body.source)
+        for (const SupportPiece<double>& piece : hull<double>(*scene.body.source))
+            g.shape.push_back(piece_to(way, piece));
     // rounding to binary64 turns a quaternion by at most 4 2^-53 rad, and moves a vector by less
     g.bound = truth.bound + 0x1p-51;
     g.motion.has_angular_velocity = g.motion.has_position = g.motion.has_velocity = true;
     for (const ReferenceSample& s : truth.samples) {
-        const Quaternion<double> q{s.q.w.high, s.q.x.high, s.q.y.high, s.q.z.high};
         // w in world axes is rounded once: from the parts of both
         const Quaternion<Wide> exact{Wide(s.q.w.high) + s.q.w.low, Wide(s.q.x.high) + s.q.x.low,
                                      Wide(s.q.y.high) + s.q.y.low, Wide(s.q.z.high) + s.q.z.low};
@@ -152,115 +169,14 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
         for (int i = 0; i < 3; ++i) w[i] = Wide(s.angular_velocity_B[i].high) + s.angular_velocity_B[i].low;
         const Wide unit = convention.degrees ? Wide(180) / Wide(std::numbers::pi) : Wide(1);
         g.motion.rows.push_back(
-            {s.t, quaternion_to(axes, q),
-             pseudovector_to(axes, cast<double>(unit * (convention.body_rates ? w : rotate(exact, w)))),
-             length_to(rounded(s.position_W)), length_to(rounded(s.velocity_W))});
+            {s.t, way.attitude(s.rounded().q),
+             way.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
+             way.vector(rounded(s.position_W), 1), way.vector(rounded(s.velocity_W), 1)});
+        g.energy.push_back(way.scaled(s.energy.high, 2));
     }
-    set_tolerance(scene, g);
+    find_floors(scene, truth, g);
+    set_tolerances(scene, truth, convention, g);
     return g;
-}
-
-std::string golden_csv(const Golden& g) {
-    const bool last = g.scalar_last;
-    std::string text =
-        fmt::format("# {}: {}\n# {}; bound {:.2e} (rad, and relative); tolerance {} rad ({})\n", one_line(g.scene, 100),
-                    one_line(g.truth, 500), axes_of(g), g.bound, shortest_decimal(g.tolerance), g.tolerance_from);
-    text += last ? "t,qx,qy,qz,qw" : "t,qw,qx,qy,qz";
-    text += ",wx,wy,wz,px,py,pz,vx,vy,vz\n";
-    for (const TrajectoryRow& row : g.motion.rows) {
-        std::string line = fmt::format("{}, {}, {}, {}, {}\n", shortest_decimal(row.t), list(row.q, last),
-                                       list(row.angular_velocity_W), list(row.position_W), list(row.velocity_W));
-        line.erase(std::remove(line.begin(), line.end(), ' '), line.end());
-        text += line;
-    }
-    return text;
-}
-
-std::string golden_json(const Golden& g) {
-    const bool last = g.scalar_last;
-    const auto number = [](const std::optional<double>& value) {
-        return value && std::isfinite(*value) ? shortest_decimal(*value) : std::string("null");
-    };
-    std::string text = fmt::format(
-        "{{\"scene\": {}, \"about\": {}, \"scene_hash\": \"{}\", \"truth\": {}, \"convention\": {},\n",
-        json_string(g.scene), json_string(g.about), g.scene_hash, json_string(g.truth), json_string(axes_of(g)));
-    text += fmt::format(
-        " \"bound\": {}, \"tolerance\": {}, \"tolerance_from\": {}, \"float64_floor\": {}, \"float32_floor\": {},\n",
-        shortest_decimal(g.bound), shortest_decimal(g.tolerance), json_string(g.tolerance_from),
-        number(g.float64_floor), number(g.float32_floor));
-    text += fmt::format(
-        " \"body\": {{\"mass\": {}, \"center_of_mass\": [{}], \"inertia\": [[{}], [{}], [{}]]}},\n \"pivot\": {},\n",
-        shortest_decimal(g.mass), list(g.center_of_mass), list(g.inertia[0]), list(g.inertia[1]), list(g.inertia[2]),
-        g.pivot ? fmt::format("[{}]", list(*g.pivot)) : std::string("null"));
-    text += fmt::format(" \"loads_z_up\": {},\n", g.loads);
-    text += fmt::format(
-        " \"columns\": [\"t\", {}, \"wx\", \"wy\", \"wz\", \"px\", \"py\", \"pz\", \"vx\", \"vy\", "
-        "\"vz\"],\n \"samples\": [",
-        last ? R"("qx", "qy", "qz", "qw")" : R"("qw", "qx", "qy", "qz")");
-    for (const TrajectoryRow& row : g.motion.rows)
-        text += fmt::format("{}\n  [{}, {}, {}, {}, {}]", &row == &g.motion.rows.front() ? "" : ",",
-                            shortest_decimal(row.t), list(row.q, last), list(row.angular_velocity_W),
-                            list(row.position_W), list(row.velocity_W));
-    return text + "\n]}\n";
-}
-
-std::string golden_c(const Golden& g) {
-    const bool last = g.scalar_last;
-    const std::string name = fmt::format("polhode_{}", identifier(g.scene));
-    const std::string length = g.length_unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(g.length_unit));
-    std::string guard = fmt::format("{}_H", name);
-    std::transform(guard.begin(), guard.end(), guard.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    const std::size_t count = g.motion.rows.size();
-    std::string text = fmt::format("/* {}: {}\n * Truth: {}; scene {}.\n", comment(g.scene), comment(g.about),
-                                   comment(g.truth), g.scene_hash);
-    text += fmt::format(
-        " * {} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;\n"
-        " * p and v are of the centre of mass. Each number is right within the bound and its rounding to binary64.\n"
-        " * A test sets a body up from mass, center_of_mass (from the body's origin), inertia (tensor about the centre "
-        "of\n"
-        " * mass, body axes) and the start q[0], w[0], p[0], v[0], lets the loads act, steps to each t and asks that "
-        "the\n"
-        " * angle 2 atan2(|vec(q* q_engine)|, |scal(q* q_engine)|) stay below the tolerance.\n",
-        g.length_unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(g.length_unit)),
-        g.degrees ? ", w in degrees/s" : "", axes_of(g), last ? "x, y, z, w" : "w, x, y, z",
-        g.body_rates ? "body" : "world");
-    text += fmt::format(" * Loads, as the scene file has them{}: {} */\n",
-                        g.convention.empty() ? "" : " (z up, right-handed)", comment(g.loads, 100'000));
-    text += fmt::format("#ifndef {0}\n#define {0}\n\n", guard);
-    text += fmt::format("enum {{ {}_samples = {}, {}_has_pivot = {} }};\n", name, count, name, g.pivot ? 1 : 0);
-    const auto scalar = [&](const char* what, double value, const std::string& remark) {
-        text += fmt::format("static const double {}_{} = {}; /* {} */\n", name, what, literal(value), remark);
-    };
-    scalar("mass", g.mass, "kg");
-    text += fmt::format("static const double {}_center_of_mass[3] = {}; /* {} */\n", name, literals(g.center_of_mass),
-                        length);
-    text += fmt::format("static const double {}_inertia[3][3] = {{{}, {}, {}}}; /* kg {}^2 */\n", name,
-                        literals(g.inertia[0]), literals(g.inertia[1]), literals(g.inertia[2]), length);
-    text += fmt::format("static const double {}_pivot[3] = {}; /* {}, held at the world's origin where has_pivot */\n",
-                        name, literals(g.pivot.value_or(Vector3<double>())), length);
-    scalar("bound", g.bound, "rad for q, relative to the largest length for the others");
-    scalar("tolerance", g.tolerance, fmt::format("rad: {}", g.tolerance_from));
-    if (g.float32_floor && std::isfinite(*g.float32_floor))
-        scalar("float32_floor", *g.float32_floor, "rad: what rounding the start to binary32 alone leads to");
-    text += '\n';
-    const auto array = [&](const char* what, int width, const std::string& remark, const auto& values) {
-        text += fmt::format("static const double {}_{}[{}]{} = {{ /* {} */\n", name, what, count,
-                            width > 1 ? fmt::format("[{}]", width) : "", remark);
-        for (const TrajectoryRow& row : g.motion.rows)
-            text += fmt::format("    {}{}\n", values(row), &row == &g.motion.rows.back() ? "" : ",");
-        text += "};\n";
-    };
-    array("t", 1, "s", [](const TrajectoryRow& row) { return literal(row.t); });
-    array("q", 4, last ? "x, y, z, w" : "w, x, y, z", [&](const TrajectoryRow& row) {
-        const Quaternion<double>& q = row.q;
-        return last ? literals(std::vector{q.x, q.y, q.z, q.w}) : literals(std::vector{q.w, q.x, q.y, q.z});
-    });
-    array("w", 3, g.degrees ? "degrees/s" : "rad/s",
-          [](const TrajectoryRow& row) { return literals(row.angular_velocity_W); });
-    array("p", 3, length, [](const TrajectoryRow& row) { return literals(row.position_W); });
-    array("v", 3, length + "/s", [](const TrajectoryRow& row) { return literals(row.velocity_W); });
-    return text + fmt::format("\n#endif /* {} */\n", guard);
 }
 
 }  // namespace polhode

@@ -13,8 +13,9 @@ namespace polhode {
 /// there.
 std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file);
 
-/// Quaternions whose length leaves 1 by more than 1e-3 ("quaternion_not_normalised"), which scales what is turned by
-/// them.
+/// Quaternions whose length leaves 1 by more than 1e-3, and grows as that of first-order updates that are not
+/// normalised
+/// ("quaternion_not_normalised"), which scales what is turned by them.
 std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file);
 
 }  // namespace polhode

@@ -43,7 +43,9 @@ TEST_F(Export, JsonHoldsAllThatATestNeeds) {
     EXPECT_EQ(data["body"]["inertia"][0], (std::vector<double>{1, 0.1, 0}));
     EXPECT_EQ(data["body"]["center_of_mass"], (std::vector<double>{0.1, 0.2, 0.5}));
     EXPECT_EQ(data["pivot"], (std::vector<double>{0, 0, 0}));
-    EXPECT_EQ(data["loads_z_up"][0]["type"], "gravity");
+    EXPECT_EQ(data["loads"][0]["type"], "gravity");
+    EXPECT_EQ(data["tolerances"]["attitude"]["value"], 0.01);
+    EXPECT_EQ(data["tolerances"].size(), 6u);
     EXPECT_EQ(data["tolerance"], 0.01);
     EXPECT_LT(data["bound"], 1e-15);
     EXPECT_GT(data["float32_floor"], data["float64_floor"]);
@@ -118,17 +120,129 @@ TEST_F(Export, TheHeaderCompilesAndReadsBack) {
     EXPECT_EQ(found, expected);
 }
 
+// What is exported is a scene of its own: solved as it stands, it moves as the samples say. Component by component the
+// equations are the same on either hand and in any unit of length.
+TEST_F(Export, TheSceneExportedMovesAsExported) {
+    for (const char* scene : {"every_load", "thrown_hammer", "heavy_asymmetric_top", "torsional_spring"})
+        for (const char* words : {"unity", "unreal", "godot", "left-handed,inches"}) {
+            const Outcome outcome = run({"export", scene, "--samples", "6", "--format", "json", "--convention", words});
+            ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+            const nlohmann::json data = nlohmann::json::parse(outcome.out);
+            const auto part = [&](const nlohmann::json& row, std::size_t from, std::size_t count) {
+                return std::vector<double>(row.begin() + static_cast<long>(from),
+                                           row.begin() + static_cast<long>(from + count));
+            };
+            const nlohmann::json& start = data["samples"][0];
+            nlohmann::json given{{"name", "given"},
+                                 {"duration", data["samples"][6][0]},
+                                 {"body", data["body"]},
+                                 {"loads", data["loads"]}};
+            given["initial"] = {{"orientation", part(start, 1, 4)},
+                                {"angular_velocity", part(start, 5, 3)},
+                                {"angular_velocity_frame", "world"}};
+            if (data["pivot"].is_null())
+                given["initial"]["position"] = part(start, 8, 3), given["initial"]["velocity"] = part(start, 11, 3);
+            else
+                given["pivot"] = data["pivot"];
+            write("given.json", given.dump());
+            const Outcome truth = run({"truth", "given.json", "--samples", "6"});
+            ASSERT_EQ(truth.exit_code, 0) << truth.err;
+            const std::vector<TrajectoryRow> rows = parse_trajectory(truth.out, "truth").rows;
+            for (std::size_t k = 0; k < rows.size(); ++k) {
+                const TrajectoryRow& r = rows[k];
+                const std::vector<double> found{r.q.w,
+                                                r.q.x,
+                                                r.q.y,
+                                                r.q.z,
+                                                r.angular_velocity_W[0],
+                                                r.angular_velocity_W[1],
+                                                r.angular_velocity_W[2],
+                                                r.position_W[0],
+                                                r.position_W[1],
+                                                r.position_W[2],
+                                                r.velocity_W[0],
+                                                r.velocity_W[1],
+                                                r.velocity_W[2]};
+                for (std::size_t i = 0; i < found.size(); ++i) {
+                    const double wanted = data["samples"][k][1 + i];
+                    EXPECT_NEAR(found[i], wanted, 1e-9 * std::max(1.0, std::abs(wanted))) << scene << words << k << i;
+                }
+            }
+        }
+}
+
+// A block that is off is named, with how much, in every language that the machine compiles.
+TEST_F(Export, TheComparisonNamesTheBlock) {
+    const std::string name = "polhode_9_lives_of_a_top";
+    const auto exported = [&](const std::string& format, const std::string& file, bool floats) {
+        std::vector<std::string> arguments{"export", "spin.json",    "--samples",         "7",        "--format",
+                                           format,   "--convention", "unity,scalar-last", "--output", file};
+        if (floats) arguments.emplace_back("--floats");
+        EXPECT_EQ(run(arguments).exit_code, 0);
+    };
+    // the truth passes; half a turn by 0.3 about the first axis and a velocity that is off by 3 do not
+    const std::string told = "attitude off by 0.3 at t = 4 s, 0.01 allowed; velocity off by 3 at t = 4 s";
+    for (const bool floats : {false, true}) {
+        const std::string real = floats ? "float" : "double";
+        exported("c", "golden.h", floats), exported("cpp", "golden.hpp", floats);
+        const std::string wrong =
+            real + " q[4], v[3]; const double c = cos(0.15), s = sin(0.15);\n" + "    const " + real +
+            "* e = &Q[7][0];\n" + "    q[3] = (" + real + ")(c * e[3] - s * e[0]); q[0] = (" + real +
+            ")(c * e[0] + s * e[3]);\n" + "    q[1] = (" + real + ")(c * e[1] + s * e[2]); q[2] = (" + real +
+            ")(c * e[2] - s * e[1]);\n" + "    v[0] = V[7][0] + 3; v[1] = V[7][1]; v[2] = V[7][2];\n";
+        write("main.c",
+              "#include \"golden.h\"\n#define Q " + name + "_q\n#define V " + name + "_v\nint main(void) {\n    " +
+                  wrong + "    char text[500]; int k, bad = 0;\n    for (k = 0; k < " + name +
+                  "_samples; ++k) bad += " + name + "_compare(k, Q[k], " + name + "_w[k], " + name +
+                  "_p[k], V[k], text, sizeof text);\n    if (bad || text[0]) return 1;\n    bad = " + name +
+                  "_compare(7, q, 0, 0, v, text, sizeof text);\n    puts(text);\n    return bad == 2 ? 0 : 2;\n}\n");
+        write("main.cpp",
+              "#include \"golden.hpp\"\nusing namespace " + name + ";\nconst auto& Q = " + name +
+                  "::q;\nconst auto& V = " + name + "::v;\nint run() {\n    using std::cos, std::sin;\n    " + wrong +
+                  "    for (int k = 0; k < samples; ++k) {\n        const auto i = static_cast<std::size_t>(k);\n      "
+                  "  if (!compare(i, Q[i].data(), " +
+                  name +
+                  "::w[i].data(), p[i].data(), V[i].data()).empty()) return 1;\n    }\n    std::puts(compare(7, q, "
+                  "nullptr, nullptr, v).c_str());\n    return 0;\n}\nint main() { return run(); }\n");
+        ASSERT_EQ(shell("cc -std=c99 -Wall -Wextra -Werror -pedantic main.c -o in_c -lm && ./in_c > c.txt"), 0)
+            << read(directory / "golden.h");
+        ASSERT_EQ(shell("c++ -std=c++17 -Wall -Wextra -Werror -pedantic main.cpp -o in_cpp && ./in_cpp > cpp.txt"), 0)
+            << read(directory / "golden.hpp");
+        EXPECT_EQ(read(directory / "c.txt").find(told), 0u) << read(directory / "c.txt");
+        EXPECT_EQ(read(directory / "c.txt"), read(directory / "cpp.txt"));
+    }
+    if (shell("command -v mcs mono >/dev/null") != 0) return;
+    exported("csharp", "Golden.cs", false);
+    write("Main.cs",
+          "public static class Program {\n    public static int Main() {\n        double[] v = { "
+          "Polhode_9_lives_of_a_top.v[7, 0] + 3, "
+          "Polhode_9_lives_of_a_top.v[7, 1], Polhode_9_lives_of_a_top.v[7, 2] };\n        System.Console.WriteLine("
+          "Polhode_9_lives_of_a_top.compare(7, null, null, null, v));\n        return 0;\n    }\n}\n");
+    ASSERT_EQ(shell("mcs -warnaserror -out:golden.exe Golden.cs Main.cs && mono golden.exe > cs.txt"), 0);
+    EXPECT_EQ(read(directory / "cs.txt").find("velocity off by 3 at t = 4 s"), 0u) << read(directory / "cs.txt");
+}
+
+TEST_F(Export, HoldsWhatABodyMeets) {
+    const Outcome outcome = run({"export", "tumbling_box_bounce", "--samples", "5", "--format", "json", "--convention",
+                                 "unity", "--duration", "1"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(data["planes"][0]["normal"], (std::vector<double>{0, 1, 0}));  // up is y there
+    EXPECT_EQ(data["shape"].size(), 8u);                                     // a box's corners
+    EXPECT_GT(data["float32_floor"], 0);
+}
+
 TEST_F(Export, ToleranceIsWhatAFloatEngineCanHold) {
-    // no word of the scene's: 1e-3 rad, or ten times what rounding the start leads to
+    // no word of the scene's: what check allows, or ten times what rounding the start leads to
     const auto tolerance = [&](const char* scene) {
         const Outcome outcome = run({"export", scene, "--samples", "2", "--format", "json"});
         return nlohmann::json::parse(outcome.out);
     };
     const nlohmann::json calm = tolerance("free_asymmetric");
-    EXPECT_EQ(calm["tolerance"], 1e-3);
+    EXPECT_EQ(calm["tolerance"], 0.05);
     const nlohmann::json wild = tolerance("chaotic_top");
     EXPECT_DOUBLE_EQ(wild["tolerance"], std::min(10 * wild["float32_floor"].get<double>(), std::acos(-1.0)));
-    EXPECT_GT(wild["tolerance"], 1e-3);
+    EXPECT_GT(wild["tolerance"], 0.05);
 }
 
 TEST_F(Export, RefusesBadUsage) {

@@ -60,12 +60,11 @@ TEST(RowFaults, LengthsOfQuaternions) {
     const Scene scene = battery::scenes().front();
     TrajectoryFile file = steps_of(scene, 60, 60);
     EXPECT_TRUE(lengths_of_quaternions(file).empty());
-    // an explicit step adds |w h/2|^2 to |q|^2
-    double size = 1;
-    for (TrajectoryRow& row : file.rows) {
-        row.q = {size * row.q.w, size * row.q.x, size * row.q.y, size * row.q.z};
-        const double half = length(row.angular_velocity_W) / 120;
-        size *= std::sqrt(1 + half * half);
+    // q + (h/2) w q
+    for (std::size_t k = 1; k < file.rows.size(); ++k) {
+        const Vector3<double> half = (1.0 / 120) * file.rows[k].angular_velocity_W;
+        const Quaternion<double> q = file.rows[k - 1].q, change = Quaternion<double>{0, half[0], half[1], half[2]} * q;
+        file.rows[k].q = {q.w + change.w, q.x + change.x, q.y + change.y, q.z + change.z};
     }
     const std::vector<Diagnosis> found = lengths_of_quaternions(file);
     ASSERT_EQ(found.size(), 1u);

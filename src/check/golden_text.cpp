@@ -1,0 +1,496 @@
+// Golden data as text: one document of all of it, which JSON prints and code in three languages is made from.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "check/golden.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::ordered_json;
+
+// A number as it is written: 0 in place of what would underflow elsewhere, and as short as a float's where it is one.
+struct Numbers {
+    bool floats = false;
+
+    double operator()(double x) const {
+        if (std::abs(x) < 1e-300) return 0;
+        return floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
+    }
+    ordered_json operator()(const Vector3<double>& v) const { return {(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}; }
+    ordered_json operator()(const Matrix3<double>& m) const { return {(*this)(m[0]), (*this)(m[1]), (*this)(m[2])}; }
+    ordered_json operator()(const Quaternion<double>& q, bool scalar_last) const {
+        const Numbers& n = *this;
+        if (scalar_last) return {n(q.x), n(q.y), n(q.z), n(q.w)};
+        return {n(q.w), n(q.x), n(q.y), n(q.z)};
+    }
+};
+
+bool scalar_last(const Golden& g) { return g.convention.quaternion == QuaternionColumns::scalar_last; }
+
+std::string axes_of(const Golden& g) {
+    const std::string words = name_of(g.convention);
+    return words.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : words;
+}
+
+const char* word(Frame frame) { return frame == Frame::body ? "body" : "world"; }
+
+// A load with the keys that scene files have.
+struct LoadDocument {
+    Numbers number;
+    bool last;
+
+    ordered_json with(ordered_json load, const Window& window) const {
+        if (std::isfinite(window.from)) load["from"] = number(window.from);
+        if (std::isfinite(window.until)) load["until"] = number(window.until);
+        return load;
+    }
+    ordered_json operator()(const Gravity& g) const {
+        return with({{"type", "gravity"}, {"acceleration", number(g.acceleration_W)}}, g.window);
+    }
+    ordered_json operator()(const Torque& t) const {
+        return with({{"type", "torque"}, {"vector", number(t.vector)}, {"frame", word(t.frame)}}, t.window);
+    }
+    template <class T>
+    ordered_json at_point(const char* type, const T& f) const {
+        return {{"type", type},
+                {"vector", number(f.vector)},
+                {"frame", word(f.frame)},
+                {"point", number(f.point)},
+                {"point_frame", word(f.point_frame)}};
+    }
+    ordered_json operator()(const Force& f) const { return with(at_point("force", f), f.window); }
+    ordered_json operator()(const Impulse& i) const {
+        ordered_json load = at_point("impulse", i);
+        load["at"] = number(i.at);
+        return load;
+    }
+    ordered_json operator()(const Drag& d) const {
+        return with(
+            {{"type", "drag"}, {"rotational", number(d.rotational)}, {"translational", number(d.translational)}},
+            d.window);
+    }
+    ordered_json operator()(const Spring& s) const {
+        return with({{"type", "spring"},
+                     {"stiffness", number(s.stiffness)},
+                     {"rest_orientation", number(s.rest_orientation, last)}},
+                    s.window);
+    }
+    ordered_json operator()(const UserTorque& t) const { return {{"type", "user"}, {"name", t.name}}; }
+};
+
+// What the motion is of: the body, its shape, what it meets and what acts on it.
+ordered_json surroundings(const Golden& g, const Numbers& number) {
+    ordered_json all;
+    const Body& body = g.scene.body;
+    all["body"] = {{"mass", number(body.mass)},
+                   {"center_of_mass", number(body.center_of_mass)},
+                   {"inertia", number(body.inertia_B)}};
+    all["pivot"] = g.scene.pivot ? number(*g.scene.pivot) : ordered_json(nullptr);
+    all["shape"] = ordered_json::array();
+    for (const SupportPiece<double>& piece : g.shape) {
+        ordered_json one{{"center", number(piece.center)}};
+        if (piece.extended) one["semi_axes"] = number(transposed(piece.semi_axes));
+        if (piece.radius > 0) one["radius"] = number(piece.radius);
+        all["shape"].push_back(std::move(one));
+    }
+    all["planes"] = ordered_json::array();
+    for (const Plane& plane : g.scene.planes)
+        all["planes"].push_back({{"normal", number(plane.normal_W)},
+                                 {"offset", number(plane.offset)},
+                                 {"restitution", number(plane.restitution)},
+                                 {"friction", number(plane.friction)}});
+    all["loads"] = ordered_json::array();
+    for (const Load& load : g.scene.loads)
+        all["loads"].push_back(std::visit(LoadDocument{number, scalar_last(g)}, load));
+    return all;
+}
+
+std::string csv(const Golden& g, const Numbers& number) {
+    std::string text = fmt::format("# {}: {}\n# {}; bound {:.2e} (rad, and relative); tolerance {} rad ({})\n",
+                                   one_line(g.scene.name, 100), one_line(g.truth, 500), axes_of(g), g.bound,
+                                   shortest_decimal(g.tolerances.front().value), g.tolerances.front().from);
+    text += scalar_last(g) ? "t,qx,qy,qz,qw" : "t,qw,qx,qy,qz";
+    text += ",wx,wy,wz,px,py,pz,vx,vy,vz\n";
+    for (const TrajectoryRow& row : g.motion.rows) {
+        text += shortest_decimal(row.t);
+        for (const ordered_json& block : {number(row.q, scalar_last(g)), number(row.angular_velocity_W),
+                                          number(row.position_W), number(row.velocity_W)})
+            for (const double x : block) text += "," + shortest_decimal(x);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string json(const Golden& g, const Numbers& number) {
+    ordered_json all{{"scene", g.scene.name},
+                     {"about", g.scene.about},
+                     {"scene_hash", g.scene_hash},
+                     {"truth", g.truth},
+                     {"convention", axes_of(g)},
+                     {"length_unit", g.convention.length_unit},
+                     {"bound", g.bound},
+                     {"tolerance", g.tolerances.front().value},
+                     {"tolerance_from", g.tolerances.front().from}};
+    for (const GoldenTolerance& t : g.tolerances) all["tolerances"][t.block] = {{"value", t.value}, {"from", t.from}};
+    all["float64_floor"] = g.float64_floor ? ordered_json(*g.float64_floor) : ordered_json(nullptr);
+    all["float32_floor"] = g.float32_floor;
+    all.update(surroundings(g, number));
+    all["columns"] = {"t", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
+    if (scalar_last(g)) std::rotate(all["columns"].begin() + 1, all["columns"].begin() + 2, all["columns"].begin() + 5);
+    all["energy"] = ordered_json::array();
+    for (const double energy : g.energy) all["energy"].push_back(number(energy));
+    // a line a key, and a line a sample
+    std::string text;
+    for (const auto& [key, value] : all.items())
+        text += fmt::format("{}{}: {}", text.empty() ? "{" : ",\n ", ordered_json(key).dump(),
+                            value.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    text += ",\n \"samples\": [";
+    for (const TrajectoryRow& row : g.motion.rows) {
+        ordered_json sample{number(row.t)};
+        for (const ordered_json& block : {number(row.q, scalar_last(g)), number(row.angular_velocity_W),
+                                          number(row.position_W), number(row.velocity_W)})
+            sample.insert(sample.end(), block.begin(), block.end());
+        text += fmt::format("{}\n  {}", &row == &g.motion.rows.front() ? "" : ",", sample.dump());
+    }
+    return text + "\n]}\n";
+}
+
+// a name for code: "9 lives!" becomes 9_lives
+std::string identifier(const std::string& name) {
+    std::string result;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain = byte < 0x80 && std::isalnum(byte) != 0;
+        // one _ for what cannot stand there, and never two: such names are C++'s own
+        if (plain)
+            result += c;
+        else if (!result.empty() && result.back() != '_')
+            result += '_';
+    }
+    while (!result.empty() && result.back() == '_') result.pop_back();
+    return result.empty() ? "scene" : result;
+}
+
+// fit for a comment, which may neither end in it nor begin again, and keeps no trigraphs
+std::string comment(const std::string& text, std::size_t limit = 1000) {
+    std::string safe = one_line(text, limit);
+    for (std::size_t i = 0; i + 1 < safe.size(); ++i)
+        if ((safe[i] == '*' && safe[i + 1] == '/') || (safe[i] == '/' && safe[i + 1] == '*') ||
+            (safe[i] == '?' && safe[i + 1] == '?'))
+            safe.insert(i + 1, 1, ' ');
+    return safe;
+}
+
+// A constant of the code: a whole number, or a number, a list or a table of them.
+struct Field {
+    std::string name;
+    ordered_json value;
+    std::string remark;  // its unit
+};
+
+std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
+    std::vector<Field> all;
+    const double unit = g.convention.length_unit;
+    const std::string m = unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(unit));
+    const std::map<std::string, std::string> units{
+        {"mass", "kg"},
+        {"center_of_mass", m + ", from the body's origin, body axes"},
+        {"inertia", "kg " + m + "^2, about the centre of mass, body axes"},
+        {"acceleration", m + "/s^2"},
+        {"rotational", "kg " + m + "^2/s, about each body axis"},
+        {"translational", "kg/s"},
+        {"stiffness", "kg " + m + "^2/s^2"},
+        {"point", m},
+        {"offset", m},
+        {"center", m},
+        {"semi_axes", m + ", a row each: the piece is center + the ellipsoid, "
+                          "swept by a ball of the radius"},
+        {"radius", m},
+        {"from", "s"},
+        {"until", "s"},
+        {"at", "s"}};
+    const std::map<std::string, std::string> vectors{
+        {"force", "kg " + m + "/s^2"}, {"torque", "kg " + m + "^2/s^2"}, {"impulse", "kg " + m + "/s"}};
+    const auto add = [&](std::string name, ordered_json value, std::string remark) {
+        all.push_back({std::move(name), std::move(value), std::move(remark)});
+    };
+    const auto add_members = [&](const std::string& prefix, const ordered_json& members, const std::string& type) {
+        for (const auto& [key, value] : members.items()) {
+            if (key == "type" || key == "name") continue;
+            // a frame: whether it is the body's
+            if (value.is_string())
+                add(prefix + key + "_is_body", value == "body" ? 1 : 0, "else the world's");
+            else
+                add(prefix + key, value, key == "vector" ? vectors.at(type) : units.contains(key) ? units.at(key) : "");
+        }
+    };
+    const ordered_json around = surroundings(g, number);
+    add("samples", g.motion.rows.size(), "");
+    add("has_pivot", g.scene.pivot ? 1 : 0, "");
+    add_members("", around["body"], "");
+    add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
+        m + ", held at the world's origin where has_pivot");
+    for (const char* list : {"shape", "planes", "loads"})
+        for (std::size_t i = 0; i < around[list].size(); ++i) {
+            const ordered_json& one = around[list][i];
+            const std::string type = one.value("type", std::string(list) == "planes" ? "plane" : "shape");
+            add_members(fmt::format("{}_{}_", type, i), one, type);
+        }
+    add("bound", g.bound, "rad for q, relative to the largest length for the others");
+    for (const GoldenTolerance& t : g.tolerances) {
+        const std::string& block = t.block;
+        const std::string of = block == "attitude"           ? "rad"
+                               : block == "angular_velocity" ? (g.convention.degrees ? "degrees/s" : "rad/s")
+                               : block == "position"         ? m
+                               : block == "velocity"         ? m + "/s"
+                                                             : "relative";
+        add(block == "attitude" ? "tolerance" : "tolerance_" + block, number(t.value), of + ": " + t.from);
+    }
+    add("float32_floor", number(g.float32_floor), "rad: what rounding the start to binary32 alone leads to");
+    ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, energy = t;
+    for (const TrajectoryRow& row : g.motion.rows) {
+        t.push_back(number(row.t)), q.push_back(number(row.q, scalar_last(g)));
+        w.push_back(number(row.angular_velocity_W)), p.push_back(number(row.position_W));
+        v.push_back(number(row.velocity_W));
+    }
+    for (const double e : g.energy) energy.push_back(number(e));
+    add("t", t, "s");
+    add("q", q, scalar_last(g) ? "x, y, z, w" : "w, x, y, z");
+    add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
+    add("p", p, m), add("v", v, m + "/s");
+    add("energy", energy, "kg " + m + "^2/s^2, kinetic and potential");
+    return all;
+}
+
+// What the three languages have in common, for people.
+std::vector<std::string> preface(const Golden& g) {
+    const double unit = g.convention.length_unit;
+    return {fmt::format("{}: {}", comment(g.scene.name), comment(g.scene.about)),
+            fmt::format("Truth: {}; scene {}.", comment(g.truth), g.scene_hash),
+            fmt::format("{} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;",
+                        unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(unit)),
+                        g.convention.degrees ? ", w in degrees/s" : "", axes_of(g),
+                        scalar_last(g) ? "x, y, z, w" : "w, x, y, z", g.convention.body_rates ? "body" : "world"),
+            "p and v are of the centre of mass. Each number is right within the bound and its rounding.",
+            "A test sets a body up from mass, center_of_mass, inertia and the start q[0], w[0], p[0], v[0], lets the",
+            "loads act, steps to each t and asks compare whether the engine's state is within the tolerances. Loads,",
+            "planes and the pieces whose convex hull is the body's shape are numbered, and in these axes too."};
+}
+
+// One language's way to write a constant.
+struct Language {
+    GoldenFormat format;
+    bool floats;
+
+    const char* real() const { return floats ? "float" : "double"; }
+    std::string literal(const ordered_json& x) const {
+        if (x.is_number_integer() || x.is_number_unsigned()) return x.dump();
+        std::string text = shortest_decimal(x.get<double>());
+        if (text.find_first_of(".e") == text.npos) text += ".0";
+        return floats ? text + "f" : text;
+    }
+    // rows of a table stand on lines of their own
+    std::string list(const ordered_json& x) const {
+        if (!x.is_array()) return literal(x);
+        const bool lines = x.size() > 3 && x.front().is_array();
+        // an array of arrays of std::array has its own braces
+        std::string text = format == GoldenFormat::cpp && x.front().is_array() ? "{{" : "{";
+        for (std::size_t i = 0; i < x.size(); ++i)
+            text += (i == 0 ? "" : ",") + std::string(lines ? "\n    " : i == 0 ? "" : " ") + list(x[i]);
+        return text + (lines ? "\n" : "") + (format == GoldenFormat::cpp && x.front().is_array() ? "}}" : "}");
+    }
+    std::string constant(const std::string& prefix, const Field& f) const {
+        const bool whole = f.value.is_number_integer() || f.value.is_number_unsigned();
+        const bool array = f.value.is_array(), table = array && f.value.front().is_array();
+        const std::string type = whole ? "int" : real();
+        const std::string remark = f.remark.empty() ? "" : fmt::format(" /* {} */", comment(f.remark));
+        if (format == GoldenFormat::csharp)
+            return fmt::format("    public {} {}{} {} = {};{}\n", array ? "static readonly" : "const", type,
+                               table   ? "[,]"
+                               : array ? "[]"
+                                       : "",
+                               f.name, list(f.value), remark);
+        if (format == GoldenFormat::c) {
+            if (whole) return fmt::format("enum {{ {}{} = {} }};{}\n", prefix, f.name, list(f.value), remark);
+            return fmt::format("static const {} {}{}{}{} = {};{}\n", type, prefix, f.name,
+                               array ? fmt::format("[{}]", f.value.size()) : "",
+                               table ? fmt::format("[{}]", f.value.front().size()) : "", list(f.value), remark);
+        }
+        std::string holder = type;
+        if (table) holder = fmt::format("std::array<{}, {}>", type, f.value.front().size());
+        if (array) holder = fmt::format("std::array<{}, {}>", holder, f.value.size());
+        return fmt::format("inline constexpr {} {} = {};{}\n", holder, f.name, list(f.value), remark);
+    }
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+// The comparison: NAME is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
+// are.
+constexpr const char* compare_c = R"(
+/* How many blocks of the engine's state at sample k are beyond their tolerances; a null pointer stands for a block that it
+ * has not. The message, where there is one, says which, and by how much. */
+static inline int NAME_compare(int k, const REAL *q, const REAL *w, const REAL *p, const REAL *v, char *message,
+                               size_t size) {
+    const char *const names[4] = {"attitude", "angular velocity", "position", "velocity"};
+    const double allowed[4] = {NAME_tolerance, NAME_tolerance_angular_velocity, NAME_tolerance_position,
+                               NAME_tolerance_velocity};
+    const REAL *const given[4] = {q, w, p, v};
+    const REAL *const expected[4] = {NAME_q[k], NAME_w[k], NAME_p[k], NAME_v[k]};
+    int i, block, failed = 0;
+    size_t used = 0;
+    if (message && size > 0) message[0] = 0;
+    for (block = 0; block < 4; ++block) {
+        double off = 0;
+        if (!given[block]) continue;
+        if (block == 0) {
+            const REAL *const a = expected[0] + VECTOR, *const b = q + VECTOR;
+            const double s = expected[0][SCALAR], e = q[SCALAR];
+            const double x = s * b[0] - e * a[0] - ((double)a[1] * b[2] - (double)a[2] * b[1]);
+            const double y = s * b[1] - e * a[1] - ((double)a[2] * b[0] - (double)a[0] * b[2]);
+            const double z = s * b[2] - e * a[2] - ((double)a[0] * b[1] - (double)a[1] * b[0]);
+            off = 2 * atan2(sqrt(x * x + y * y + z * z),
+                            fabs(s * e + (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2]));
+        } else {
+            for (i = 0; i < 3; ++i)
+                off += ((double)given[block][i] - expected[block][i]) * ((double)given[block][i] - expected[block][i]);
+            off = sqrt(off);
+        }
+        /* what is no number is beyond any limit */
+        if (off <= allowed[block]) continue;
+        ++failed;
+        if (message && used < size) {
+            const int written = snprintf(message + used, size - used, "%s%s off by %.6g at t = %.6g s, %.6g allowed",
+                                         used ? "; " : "", names[block], off, (double)NAME_t[k], allowed[block]);
+            used = written < 0 ? size : used + (size_t)written;
+        }
+    }
+    return failed;
+}
+)";
+
+constexpr const char* compare_cpp = R"(
+/// Which blocks of the engine's state at sample k are beyond their tolerances, and by how much; empty where none is. A
+/// null pointer stands for a block that it has not.
+inline std::string compare(std::size_t k, const REAL* q_, const REAL* w_, const REAL* p_, const REAL* v_) {
+    std::string failed;
+    const auto judge = [&](const char* name, double off, double allowed) {
+        // what is no number is beyond any limit
+        if (off <= allowed) return;
+        char text[160];
+        std::snprintf(text, sizeof text, "%s%s off by %.6g at t = %.6g s, %.6g allowed", failed.empty() ? "" : "; ",
+                      name, off, static_cast<double>(t[k]), allowed);
+        failed += text;
+    };
+    if (q_) {
+        const double s = q[k][SCALAR], e = q_[SCALAR];
+        const double a[3] = {q[k][VECTOR], q[k][VECTOR + 1], q[k][VECTOR + 2]};
+        const double b[3] = {q_[VECTOR], q_[VECTOR + 1], q_[VECTOR + 2]};
+        const double x = s * b[0] - e * a[0] - (a[1] * b[2] - a[2] * b[1]);
+        const double y = s * b[1] - e * a[1] - (a[2] * b[0] - a[0] * b[2]);
+        const double z = s * b[2] - e * a[2] - (a[0] * b[1] - a[1] * b[0]);
+        judge("attitude",
+              2 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(s * e + a[0] * b[0] + a[1] * b[1] + a[2] * b[2])),
+              tolerance);
+    }
+    const auto distance = [](const REAL* a, const std::array<REAL, 3>& b) {
+        const double x = double(a[0]) - b[0], y = double(a[1]) - b[1], z = double(a[2]) - b[2];
+        return std::sqrt(x * x + y * y + z * z);
+    };
+    if (w_) judge("angular velocity", distance(w_, w[k]), tolerance_angular_velocity);
+    if (p_) judge("position", distance(p_, p[k]), tolerance_position);
+    if (v_) judge("velocity", distance(v_, v[k]), tolerance_velocity);
+    return failed;
+}
+)";
+
+constexpr const char* compare_csharp = R"(
+    /// Which blocks of the engine's state at sample k are beyond their tolerances, and by how much; empty where none is.
+    /// null stands for a block that it has not.
+    public static string compare(int k, REAL[] q_, REAL[] w_, REAL[] p_, REAL[] v_) {
+        var failed = new System.Collections.Generic.List<string>();
+        System.Action<string, double, double> judge = (name, off, allowed) => {
+            if (off <= allowed) return;
+            failed.Add(string.Format(System.Globalization.CultureInfo.InvariantCulture,
+                                     "{0} off by {1:G6} at t = {2:G6} s, {3:G6} allowed", name, off, t[k], allowed));
+        };
+        if (q_ != null) {
+            double s = q[k, SCALAR], e = q_[SCALAR];
+            double[] a = { q[k, VECTOR], q[k, VECTOR + 1], q[k, VECTOR + 2] };
+            double[] b = { q_[VECTOR], q_[VECTOR + 1], q_[VECTOR + 2] };
+            double x = s * b[0] - e * a[0] - (a[1] * b[2] - a[2] * b[1]);
+            double y = s * b[1] - e * a[1] - (a[2] * b[0] - a[0] * b[2]);
+            double z = s * b[2] - e * a[2] - (a[0] * b[1] - a[1] * b[0]);
+            judge("attitude", 2 * System.Math.Atan2(System.Math.Sqrt(x * x + y * y + z * z),
+                      System.Math.Abs(s * e + a[0] * b[0] + a[1] * b[1] + a[2] * b[2])), tolerance);
+        }
+        System.Func<REAL[], REAL[,], double> distance = (a, b) => {
+            double x = (double)a[0] - b[k, 0], y = (double)a[1] - b[k, 1], z = (double)a[2] - b[k, 2];
+            return System.Math.Sqrt(x * x + y * y + z * z);
+        };
+        if (w_ != null) judge("angular velocity", distance(w_, w), tolerance_angular_velocity);
+        if (p_ != null) judge("position", distance(p_, p), tolerance_position);
+        if (v_ != null) judge("velocity", distance(v_, v), tolerance_velocity);
+        return string.Join("; ", failed);
+    }
+)";
+
+std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
+    const Language language{format, number.floats};
+    const std::string plain = identifier(g.scene.name), name = "polhode_" + plain;
+    std::string guard = name + (format == GoldenFormat::c ? "_H" : "_HPP");
+    std::ranges::transform(guard, guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    const bool c = format == GoldenFormat::c, csharp = format == GoldenFormat::csharp;
+    std::string text = "/*";
+    for (const std::string& line : preface(g)) text += (text == "/*" ? " " : "\n * ") + line;
+    text += " */\n";
+    if (!csharp) text += fmt::format("#ifndef {0}\n#define {0}\n\n", guard);
+    if (c) text += "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n\n";
+    if (format == GoldenFormat::cpp)
+        text += fmt::format(
+            "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdio>\n#include <string>\n\nnamespace "
+            "{} "
+            "{{\n\n",
+            name);
+    if (csharp) text += fmt::format("public static class Polhode_{} {{\n", plain);
+    for (const Field& field : fields_of(g, number)) text += language.constant(c ? name + "_" : "", field);
+    std::string compare = c ? compare_c : csharp ? compare_csharp : compare_cpp;
+    // the name last: it may hold any word
+    for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
+                                   {"SCALAR", scalar_last(g) ? "3" : "0"},
+                                   {"VECTOR", scalar_last(g) ? "0" : "1"},
+                                   {"NAME", name}})
+        compare = replaced(std::move(compare), what, by);
+    text += compare;
+    if (csharp) return text + "}\n";
+    return text + (c ? "" : fmt::format("\n}}  // namespace {}\n", name)) + fmt::format("\n#endif /* {} */\n", guard);
+}
+
+}  // namespace
+
+std::string golden_text(const Golden& g, GoldenFormat format, bool floats) {
+    const Numbers number{floats};
+    switch (format) {
+        case GoldenFormat::csv:
+            return csv(g, number);
+        case GoldenFormat::json:
+            return json(g, number);
+        default:
+            return code(g, format, number);
+    }
+}
+
+}  // namespace polhode

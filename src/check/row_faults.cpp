@@ -16,14 +16,17 @@ constexpr std::size_t most_rows_compared = 2000;
 
 // The share of rows of a kind that come again and again in between others, which no motion does by itself.
 struct Share {
-    int of_a_kind = 0, all = 0, changes = 0;
+    int of_a_kind = 0, all = 0, changes = 0, run = 0, longest = 0;
     bool last = false;
 
     void add(bool is_of_kind) {
         if (all > 0 && is_of_kind != last) ++changes;
         of_a_kind += is_of_kind, ++all, last = is_of_kind;
+        run = is_of_kind ? run + 1 : 0, longest = std::max(longest, run);
     }
-    bool is_pattern(double least) const { return changes >= 8 && of_a_kind >= least * all && of_a_kind < all; }
+    bool is_pattern(double least) const {
+        return changes >= 8 && 16 * changes >= all && of_a_kind >= least * all && of_a_kind < all;
+    }
 };
 
 bool same_state(const TrajectoryRow& a, const TrajectoryRow& b) { return a.q == b.q && a.position_W == b.position_W; }
@@ -49,21 +52,25 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
         rates.push_back((1 / (rows[k].t - rows[k - 1].t)) *
                         rotation_vector_from_quaternion(conjugate(rows[k - 1].q) * rows[k].q));
     std::vector<double> changes;
-    double largest_rate = 0;
+    double largest_rate = 0, largest_turn = 0;
     for (std::size_t k = 1; k < rates.size(); ++k) {
         changes.push_back(length(rates[k] - rates[k - 1]));
         largest_rate = std::max(largest_rate, length(rates[k]));
+        largest_turn = std::max(largest_turn, length(rates[k]) * (rows[k + 1].t - rows[k].t));
     }
     // in between two states the rate is constant, and it jumps at each: a smooth motion's changes are like their
     // neighbours
+    // a motion that hardly moves from row to row is smooth; of rows further apart nothing can be said
+    if (largest_turn > 0.5) return {};
     Share constant;
     constexpr std::size_t reach = 4;
     for (std::size_t k = reach; k + reach < changes.size(); ++k) {
         const auto begin = changes.begin() + static_cast<long>(k - reach);
         const double around = *std::max_element(begin, begin + 2 * reach + 1);
-        if (around > 1e-6 * largest_rate) constant.add(changes[k] < 0.05 * around);
+        if (around > 1e-6 * largest_rate) constant.add(changes[k] < 1e-3 * around);
     }
-    if (constant.is_pattern(0.25) && 4 * constant.all > static_cast<int>(changes.size()))
+    // a frame rate is a few times the steps'; a method that interpolates far has steps of its own choice
+    if (constant.is_pattern(0.25) && constant.longest <= 4 && 4 * constant.all > static_cast<int>(changes.size()))
         return {{"rows_interpolated",
                  fmt::format("rows are interpolated between the engine's states: over {} of {} rows the body turns at "
                              "the rate of the row before, and it changes in jumps in between, some {:.4g} a second; "

@@ -101,6 +101,7 @@ void add_check(CLI::App& program, int& exit_code) {
                                                "Judges trajectory files against the truth and says what is wrong where "
                                                "the fault is known; exit code 1 where an error is too large: of the "
                                                "attitude, or of any other block that the file has.");
+    tell_columns(*command);
     const auto options = std::make_shared<CheckOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command

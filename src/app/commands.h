@@ -66,6 +66,12 @@ void require_positive(const char* option, double value);
 /// What --convention says; ours where it is empty. Throws UsageError.
 Convention convention_option(const std::string& words);
 
+/// Likewise, of a table of trajectories: a file also says in a comment which frames and which point its columns are of.
+void write_trajectory_output(const std::string& path, std::string text);
+
+/// Puts what the columns of trajectory files mean under the command's help.
+void tell_columns(CLI::App& command);
+
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);
 

@@ -9,10 +9,13 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "app/scene_index.h"
+#include "experiment/plan/experiment_keys.h"
 #include "experiment/run/result.h"
 #include "integrators/method.h"
+#include "motion/trajectory_columns.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
+#include "scene/scene_keys.h"
 #include "table/table.h"
 #include "text/json_document.h"
 
@@ -69,6 +72,39 @@ std::vector<Entry> metrics() {
     return entries;
 }
 
+// The keys of scene and experiment files, and the columns of trajectories.
+std::vector<FileKey> file_keys() {
+    std::vector<FileKey> all(scene_keys().begin(), scene_keys().end());
+    all.insert(all.end(), experiment_keys().begin(), experiment_keys().end());
+    return all;
+}
+std::vector<Entry> keys() {
+    std::vector<Entry> entries;
+    for (const FileKey& key : file_keys())
+        entries.push_back({fmt::format("{}: {}", key.object, key.key),
+                           fmt::format("{} ({}{}{}; default: {})", key.meaning, key.type, key.unit.empty() ? "" : ", ",
+                                       key.unit, key.fallback)});
+    return entries;
+}
+std::vector<Entry> columns() {
+    std::vector<Entry> entries;
+    for (const TrajectoryColumns& c : trajectory_columns())
+        entries.push_back({std::string(c.names), fmt::format("{}{}{}", c.unit, c.unit.empty() ? "" : ": ", c.meaning)});
+    return entries;
+}
+
+std::string key_table() {
+    Table table{{"in", "key", "type", "unit", "default", "example", "meaning"}, {}};
+    std::string_view object;
+    for (const FileKey& key : file_keys()) {
+        table.rows.push_back({key.object == object ? "" : std::string(key.object), std::string(key.key),
+                              std::string(key.type), std::string(key.unit), std::string(key.fallback),
+                              std::string(key.example), std::string(key.meaning)});
+        object = key.object;
+    }
+    return markdown(table);
+}
+
 std::string as_text(const std::vector<Entry>& entries) {
     std::size_t width = 0;
     for (const Entry& entry : entries) width = std::max(width, entry.name.size());
@@ -101,6 +137,7 @@ const char* name_of(Control control) {
 // README's table of methods, the catalogue's of scenes; the others have no more than name and about
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
     if (what == "scenes") return scene_index();
+    if (what == "keys") return key_table();
     Table table{{"name", "about"}, {}};
     if (what == "methods") {
         table.columns = {"method", "setting", "order", "conserves", "about"};
@@ -129,9 +166,12 @@ void add_list(CLI::App& program, int&) {
     };
     CLI::App* command = program.add_subcommand("list", "Lists what there is, a line each.");
     const auto options = std::make_shared<Options>();
-    command->add_option("WHAT", options->what, "scenes, methods, experiments or metrics")
+    command
+        ->add_option(
+            "WHAT", options->what,
+            "scenes, methods, experiments, metrics, keys (of scene and experiment files) or columns (of trajectories)")
         ->required()
-        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics"}));
+        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns"}));
     command->add_option("--format", options->format, "text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();
@@ -139,6 +179,8 @@ void add_list(CLI::App& program, int&) {
         const std::vector<Entry> entries = options->what == "scenes"        ? scenes()
                                            : options->what == "methods"     ? methods_with_auto()
                                            : options->what == "experiments" ? experiments()
+                                           : options->what == "keys"        ? keys()
+                                           : options->what == "columns"     ? columns()
                                                                             : metrics();
         write_output("", options->format == "json"       ? as_json(entries)
                          : options->format == "markdown" ? as_markdown(options->what, entries)

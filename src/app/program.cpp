@@ -10,6 +10,7 @@
 
 #include "app/commands.h"
 #include "experiment/run/versions.h"
+#include "motion/trajectory_columns.h"
 #include "scene/scene.h"
 #include "text/atomic_file.h"
 #include "text/decimal.h"
@@ -51,6 +52,18 @@ void require_positive(const char* option, double value) {
 
 void require_count(const char* option, long count, long most) {
     if (count < 1 || count > most) throw UsageError(fmt::format("{} is {}; give 1 to {}", option, count, most));
+}
+
+void write_trajectory_output(const std::string& path, std::string text) {
+    if (!path.empty()) text += trajectory_comment;
+    write_output(path, text);
+}
+
+void tell_columns(CLI::App& command) {
+    std::string text = "Columns:\n";
+    for (const TrajectoryColumns& c : trajectory_columns())
+        text += fmt::format("  {:<12} {}{}{}\n", c.names, c.unit, c.unit.empty() ? "" : ": ", c.meaning);
+    command.footer(text);
 }
 
 Convention convention_option(const std::string& words) {

@@ -122,7 +122,7 @@ int solve_command(const SolveOptions& options) {
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
     // what was reached is kept: it tells how far the method came
-    if (!trajectory.samples.empty()) write_output(options.output, trajectory_csv(trajectory));
+    if (!trajectory.samples.empty()) write_trajectory_output(options.output, trajectory_csv(trajectory));
     std::fputs(summary(options, problem, choice, settings, trajectory).c_str(), stderr);
     return trajectory.status == Status::ok ? 0 : 1;
 }
@@ -132,6 +132,7 @@ int solve_command(const SolveOptions& options) {
 void add_solve(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "solve", "Solves a scene: one trajectory (CSV) to stdout or a file, a summary to stderr.");
+    tell_columns(*command);
     const auto options = std::make_shared<SolveOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command

@@ -105,7 +105,10 @@ int run_certified(const TruthOptions& options, const Scene& scene) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
         return 1;
     }
-    write_output(options.output, options.format == "json" ? json(scene, truth) : csv(scene, truth));
+    if (options.format == "json")
+        write_output(options.output, json(scene, truth));
+    else
+        write_trajectory_output(options.output, csv(scene, truth));
     std::fputs(
         fmt::format("scene    {}\ntruth    {}\nproven   {} digits, no radius above {}\nsteps    {}\ntime     "
                     "{:.3g} s\n",
@@ -129,7 +132,10 @@ int truth_command(const TruthOptions& options) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
         return 1;
     }
-    write_output(options.output, options.format == "json" ? json(scene, options, truth) : csv(scene, truth));
+    if (options.format == "json")
+        write_output(options.output, json(scene, options, truth));
+    else
+        write_trajectory_output(options.output, csv(scene, truth));
     std::fputs(fmt::format("scene    {}\ntruth    {}\nbound    {:.2e}\n", one_line(scene.name, 100), truth.message,
                            truth.bound)
                    .c_str(),
@@ -142,6 +148,7 @@ int truth_command(const TruthOptions& options) {
 void add_truth(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "truth", "The reference trajectory of a scene in decimals, with its bound and where it came from.");
+    tell_columns(*command);
     const auto options = std::make_shared<TruthOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();

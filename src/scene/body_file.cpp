@@ -7,6 +7,7 @@
 #include "scene/json_values.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
+#include "scene/scene_keys.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -47,42 +48,21 @@ double inner_radius(const JsonNode& object, double outer) {
     return inner;
 }
 
-Shape box(const JsonNode& node) {
-    node.only({"type", "half_extents"});
-    return Box{three_lengths(node, "half_extents")};
-}
-Shape sphere(const JsonNode& node) {
-    node.only({"type", "radius"});
-    return SolidSphere{length(node, "radius")};
-}
+Shape box(const JsonNode& node) { return Box{three_lengths(node, "half_extents")}; }
+Shape sphere(const JsonNode& node) { return SolidSphere{length(node, "radius")}; }
 Shape hollow_sphere(const JsonNode& node) {
-    node.only({"type", "outer_radius", "inner_radius"});
     const double outer = length(node, "outer_radius");
     return HollowSphere{outer, inner_radius(node, outer)};
 }
-Shape cylinder(const JsonNode& node) {
-    node.only({"type", "radius", "half_height"});
-    return Cylinder{length(node, "radius"), length(node, "half_height")};
-}
+Shape cylinder(const JsonNode& node) { return Cylinder{length(node, "radius"), length(node, "half_height")}; }
 Shape hollow_cylinder(const JsonNode& node) {
-    node.only({"type", "outer_radius", "inner_radius", "half_height"});
     const double outer = length(node, "outer_radius");
     return HollowCylinder{outer, inner_radius(node, outer), length(node, "half_height")};
 }
-Shape capsule(const JsonNode& node) {
-    node.only({"type", "radius", "half_height"});
-    return Capsule{length(node, "radius"), length(node, "half_height")};
-}
-Shape cone(const JsonNode& node) {
-    node.only({"type", "radius", "height"});
-    return Cone{length(node, "radius"), length(node, "height")};
-}
-Shape ellipsoid(const JsonNode& node) {
-    node.only({"type", "semi_axes"});
-    return Ellipsoid{three_lengths(node, "semi_axes")};
-}
+Shape capsule(const JsonNode& node) { return Capsule{length(node, "radius"), length(node, "half_height")}; }
+Shape cone(const JsonNode& node) { return Cone{length(node, "radius"), length(node, "height")}; }
+Shape ellipsoid(const JsonNode& node) { return Ellipsoid{three_lengths(node, "semi_axes")}; }
 Shape torus(const JsonNode& node) {
-    node.only({"type", "major_radius", "minor_radius"});
     const Torus torus{length(node, "major_radius"), length(node, "minor_radius")};
     if (!(torus.minor_radius <= torus.major_radius))
         node.find("minor_radius")
@@ -91,20 +71,10 @@ Shape torus(const JsonNode& node) {
                    "a torus that does not meet itself has the greater major radius");
     return torus;
 }
-Shape rod(const JsonNode& node) {
-    node.only({"type", "length"});
-    return ThinRod{length(node, "length")};
-}
-Shape disc(const JsonNode& node) {
-    node.only({"type", "radius"});
-    return ThinDisc{length(node, "radius")};
-}
-Shape plate(const JsonNode& node) {
-    node.only({"type", "half_extents"});
-    return ThinPlate{lengths<2>(node, "half_extents")};
-}
+Shape rod(const JsonNode& node) { return ThinRod{length(node, "length")}; }
+Shape disc(const JsonNode& node) { return ThinDisc{length(node, "radius")}; }
+Shape plate(const JsonNode& node) { return ThinPlate{lengths<2>(node, "half_extents")}; }
 Shape tetrahedron(const JsonNode& node) {
-    node.only({"type", "vertices"});
     const JsonNode& vertices = node.required("vertices", "4 points [x, y, z] in m");
     if (vertices.elements().size() != 4) vertices.fail(vertices.described(), "give 4 points [x, y, z]");
     Tetrahedron shape;
@@ -113,7 +83,6 @@ Shape tetrahedron(const JsonNode& node) {
     return shape;
 }
 Shape frustum(const JsonNode& node) {
-    node.only({"type", "bottom_radius", "top_radius", "height"});
     const Frustum shape{not_negative(node, "bottom_radius"), not_negative(node, "top_radius"), length(node, "height")};
     if (shape.bottom_radius == 0 && shape.top_radius == 0)
         node.find("top_radius")->fail("is 0, and so is the bottom radius", "give one of them > 0");
@@ -143,7 +112,10 @@ Shape shape(const JsonNode& node) {
     for (const auto& [name, read] : shapes) names.push_back(name);
     const JsonNode& type = node.required("type", "one of " + listed(names));
     for (const auto& [name, read] : shapes)
-        if (type.string() == name) return read(node);
+        if (type.string() == name) {
+            node.only(keys_of(scene_keys(), fmt::format("shape {}", name)));
+            return read(node);
+        }
     const std::string meant = did_you_mean(type.string(), names);
     type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
 }
@@ -222,7 +194,7 @@ MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) 
 
 MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& import = *node.find("import");
-    import.only({"file", "link"});
+    import.only(keys_of(scene_keys(), "import"));
     const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
     const JsonNode& link = import.required("link", "the name of the link or body");
     try {
@@ -258,16 +230,13 @@ MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
 struct Way {
     const char* key;
     MadeOf (*read)(const JsonNode&, const std::string& directory, bool is_part);
-    std::vector<std::string_view> keys;
+    const char* object;  // in the table of keys
 };
 const std::vector<Way>& ways() {
     static const std::vector<Way> all{
-        {"inertia", given, {"mass", "inertia", "center_of_mass"}},
-        {"shape", shaped, {"shape", "mass", "density"}},
-        {"parts", composed, {"parts"}},
-        {"points", of_point_masses, {"points"}},
-        {"mesh", meshed, {"mesh", "mass", "density"}},
-        {"import", imported, {"import"}},
+        {"inertia", given, "body"},           {"shape", shaped, "body of a shape"},
+        {"parts", composed, "body of parts"}, {"points", of_point_masses, "body of points"},
+        {"mesh", meshed, "body of a mesh"},   {"import", imported, "body imported"},
     };
     return all;
 }
@@ -284,8 +253,11 @@ std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string
         chosen = &way;
     }
     if (!chosen) chosen = &ways().front();
-    std::vector<std::string_view> keys = chosen->keys;
-    if (is_part) keys.insert(keys.end(), {"position", "orientation"});
+    std::vector<std::string_view> keys = keys_of(scene_keys(), chosen->object);
+    if (is_part) {
+        const std::vector<std::string_view> more = keys_of(scene_keys(), "part");
+        keys.insert(keys.end(), more.begin(), more.end());
+    }
     node.only(keys);
     return body_source(chosen->read(node, directory, is_part));
 }

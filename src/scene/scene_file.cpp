@@ -8,6 +8,7 @@
 #include "scene/body_file.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
+#include "scene/scene_keys.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -20,7 +21,7 @@ Frame frame(const JsonNode& node) {
 }
 
 Initial initial(const JsonNode& node, bool pivoted) {
-    node.only({"orientation", "angular_velocity", "angular_velocity_frame", "position", "velocity"});
+    node.only(keys_of(scene_keys(), "initial"));
     Initial start;
     if (const JsonNode* q = node.find("orientation")) start.orientation = quaternion(*q);
     if (const JsonNode* w = node.find("angular_velocity")) start.angular_velocity = vector3(*w);
@@ -49,25 +50,21 @@ Frame point_frame(const JsonNode& node) {
 }
 
 Load gravity(const JsonNode& node) {
-    node.only({"type", "acceleration", "from", "until"});
     return Gravity{vector3(node.required("acceleration", "[x, y, z] in m/s^2, world axes")), window(node)};
 }
 
 Load constant_torque(const JsonNode& node) {
-    node.only({"type", "vector", "frame", "from", "until"});
     return Torque{vector3(node.required("vector", "[x, y, z] in N m")),
                   frame(node.required("frame", "\"body\" or \"world\"")), window(node)};
 }
 
 Load force(const JsonNode& node) {
-    node.only({"type", "vector", "frame", "point", "point_frame", "from", "until"});
     return Force{vector3(node.required("vector", "[x, y, z] in N")),
                  frame(node.required("frame", "\"body\" or \"world\"")),
                  vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node), window(node)};
 }
 
 Load impulse(const JsonNode& node) {
-    node.only({"type", "vector", "frame", "point", "point_frame", "at"});
     return Impulse{vector3(node.required("vector", "[x, y, z] in N s")),
                    frame(node.required("frame", "\"body\" or \"world\"")),
                    vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
@@ -75,7 +72,6 @@ Load impulse(const JsonNode& node) {
 }
 
 Load drag(const JsonNode& node) {
-    node.only({"type", "rotational", "translational", "from", "until"});
     const JsonNode* rotational = node.find("rotational");
     const JsonNode* translational = node.find("translational");
     if (!rotational && !translational)
@@ -88,7 +84,6 @@ Load drag(const JsonNode& node) {
 }
 
 Load spring(const JsonNode& node) {
-    node.only({"type", "stiffness", "rest_orientation", "from", "until"});
     Spring load;
     load.stiffness = node.required("stiffness", "the stiffness in N m").number();
     if (const JsonNode* rest = node.find("rest_orientation")) load.rest_orientation = quaternion(*rest);
@@ -104,13 +99,16 @@ Load load(const JsonNode& node) {
     for (const auto& [name, read] : kinds) names.push_back(name);
     const JsonNode& type = node.required("type", "one of " + listed(names));
     for (const auto& [name, read] : kinds)
-        if (type.string() == name) return read(node);
+        if (type.string() == name) {
+            node.only(keys_of(scene_keys(), fmt::format("load {}", name)));
+            return read(node);
+        }
     const std::string meant = did_you_mean(type.string(), names);
     type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
 }
 
 Plane plane(const JsonNode& node) {
-    node.only({"normal", "offset", "restitution", "friction"});
+    node.only(keys_of(scene_keys(), "plane"));
     Plane p;
     p.normal_W = vector3(node.required("normal", "[x, y, z], world axes, towards the body"));
     if (const JsonNode* offset = node.find("offset")) p.offset = offset->number();
@@ -121,7 +119,7 @@ Plane plane(const JsonNode& node) {
 
 Scene scene(const JsonNode& root, const std::string& directory) {
     if (!root.is_object()) root.fail(root.described(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
-    root.only({"name", "about", "source", "duration", "body", "initial", "pivot", "loads", "planes", "tolerated"});
+    root.only(keys_of(scene_keys(), "scene"));
     Scene s;
     s.directory = directory;
     s.name = root.required("name", "the scene's name").string();
@@ -136,7 +134,7 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* planes = root.find("planes"))
         for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
-        tolerated->only({tolerated_blocks.begin(), tolerated_blocks.end()});
+        tolerated->only(keys_of(scene_keys(), "tolerated"));
         for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();
         if (s.tolerated.empty()) tolerated->fail("is empty", "{\"attitude\": 1e-3}, or no tolerated at all");
     }

@@ -9,6 +9,7 @@
 #include "integrators/method.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
+#include "scene/scene_keys.h"
 
 namespace polhode {
 namespace {
@@ -102,7 +103,10 @@ TEST_F(Program, SolvesToStdoutAndToAFileAlike) {
     const Outcome written = run(to_file);
     EXPECT_EQ(written.exit_code, 0) << written.err;
     EXPECT_EQ(written.out, "");
-    EXPECT_EQ(read(directory / "trajectory.csv"), printed.out);
+    // the file alone says what its columns are
+    const std::string file = read(directory / "trajectory.csv");
+    EXPECT_EQ(file.substr(0, printed.out.size()), printed.out);
+    EXPECT_EQ(file.find("# SI; q maps body to world"), printed.out.size());
     EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1) << "a temporary is left";
     // the same bits as the library gives
     Settings settings;
@@ -230,6 +234,40 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
     }
     const std::string index = read(fs::path(POLHODE_SOURCE_DIR) / "experiments/scenes/README.md");
     EXPECT_TRUE(index.ends_with("\n\n" + listed.out)) << "run experiments/update_readme";
+}
+
+TEST_F(Program, TheReferenceOfKeysAndColumnsIsTheOneGenerated) {
+    const std::string page = read(fs::path(POLHODE_SOURCE_DIR) / "experiments/README.md");
+    for (const char* what : {"keys", "columns"}) {
+        const Outcome listed = run({"list", what, "--format", "markdown"});
+        EXPECT_EQ(listed.exit_code, 0) << listed.err;
+        EXPECT_NE(page.find(fmt::format("<!-- begin: {0} -->\n{1}<!-- end: {0} -->", what, listed.out)),
+                  std::string::npos)
+            << "run experiments/update_readme";
+    }
+}
+
+// A key of the reference is one that the reader takes: with any other beside it that one is the fault.
+TEST_F(Program, EveryKeyOfTheReferenceIsRead) {
+    for (const FileKey& key : scene_keys()) {
+        if (!key.object.starts_with("load ") && key.object != "scene" && key.object != "plane" &&
+            key.object != "initial")
+            continue;
+        const std::string object =
+            fmt::format(R"({{"{}": {}, "zzz": 1)", key.key, key.key == "type" ? key.example : "0");
+        const std::string type = key.key != "type" && key.object.starts_with("load ")
+                                     ? fmt::format(R"(, "type": "{}")", key.object.substr(5))
+                                     : "";
+        const std::string whole = object + type + "}";
+        const std::string scene = R"({"name": "a", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]}, )";
+        std::ofstream(directory / "s.json") << (key.object == "scene"     ? whole
+                                                : key.object == "plane"   ? scene + "\"planes\": [" + whole + "]}"
+                                                : key.object == "initial" ? scene + "\"initial\": " + whole + "}"
+                                                                          : scene + "\"loads\": [" + whole + "]}");
+        const Outcome outcome = run({"describe", "s.json"});
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_NE(outcome.err.find("zzz"), std::string::npos) << key.object << key.key << outcome.err;
+    }
 }
 
 TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "experiment/plan/experiment.h"
+#include "experiment/plan/experiment_keys.h"
 #include "experiment/plan/pattern.h"
 #include "figure/figure.h"
 #include "scene/builtin.h"
@@ -50,7 +51,7 @@ double tidy(double value) {
 std::vector<double> settings_list(const JsonNode& node, const char* what) {
     std::vector<double> values;
     if (node.is_object()) {
-        node.only({"from", "to", "count"});
+        node.only(keys_of(experiment_keys(), "range"));
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
         const long count = positive_count(node.required("count", "how many values"), 10'000);
@@ -184,8 +185,7 @@ const char* name_of(SettingKind kind) {
 Experiment parse_experiment(std::string_view text, const std::string& file) {
     const JsonDocument document(text, file);
     const JsonNode& root = document.root();
-    root.only({"name", "about", "kind", "scenes", "methods", "settings", "vary", "samples", "repeats",
-               "seconds_per_run", "max_steps", "max_evaluations"});
+    root.only(keys_of(experiment_keys(), "experiment"));
     Experiment e;
     e.name = root.required("name", "the experiment's name").string();
     if (!names_files(e.name))
@@ -198,7 +198,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
         if (e.kind->conclude || root.find(key)) *list = strings(root.required(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
-        node->only({"steps", "tolerances", "evaluations_per_revolution"});
+        node->only(keys_of(experiment_keys(), "settings"));
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {

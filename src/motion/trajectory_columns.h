@@ -1,0 +1,40 @@
+// What the columns of trajectory files mean.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace polhode {
+
+/// Columns that stand together.
+struct TrajectoryColumns {
+    std::string_view names;    ///< "wx,wy,wz"
+    std::string_view unit;     ///< "rad/s"
+    std::string_view meaning;  ///< for people, without a full stop
+};
+
+/// Those of the files that solve and truth write and check reads, in their order.
+inline std::span<const TrajectoryColumns> trajectory_columns() {
+    static constexpr TrajectoryColumns all[] = {
+        {"t", "s", "the time; a sample at the time of an impulse shows the motion after it"},
+        {"qw,qx,qy,qz", "",
+         "the attitude: the quaternion q that maps body vectors to world vectors, v_W = q v_B q*, as the method left "
+         "it, not "
+         "normalised for show"},
+        {"wx,wy,wz", "rad/s", "the angular velocity, world axes"},
+        {"px,py,pz", "m", "the position of the centre of mass, world axes"},
+        {"vx,vy,vz", "m/s", "the velocity of the centre of mass, world axes"},
+        {"ox,oy,oz", "m", "in files for check, in place of px,py,pz: the position of the body's origin, world axes"},
+        {"bound", "rad, and relative",
+         "of truth: how far any number of the row may be off, the largest of the attitude in rad and the relative "
+         "error of "
+         "each other block"},
+    };
+    return all;
+}
+
+/// The one line that files carry: which frame, which point, which way q maps.
+inline constexpr std::string_view trajectory_comment =
+    "# SI; q maps body to world; w, p and v in world axes, p and v of the centre of mass\n";
+
+}  // namespace polhode

@@ -1,11 +1,11 @@
-# The public headers: polhode.h and whatever it includes, directly or not. In the source tree a header is named from src/
+# The public headers: polhode.h, laboratory.h and whatever they include, directly or not. In the source tree a header is named from src/
 # or from the top; a user has one include directory and writes <polhode/..>. So each is copied to OUTPUT/polhode with its
 # includes written that way.
 #
 #   cmake -DSOURCE=top -DOUTPUT=directory -P public_headers.cmake
 cmake_minimum_required(VERSION 3.22)
 
-set(waiting polhode.h)
+set(waiting polhode.h laboratory.h)
 set(seen "")
 while(waiting)
   list(POP_FRONT waiting header)
@@ -24,4 +24,6 @@ while(waiting)
   endforeach()
   string(REGEX REPLACE "#include \"([^\"]+)\"" "#include <polhode/\\1>" text "${text}")
   file(WRITE ${OUTPUT}/polhode/${header} "${text}")
+  # where this is a part of an installation
+  list(APPEND CMAKE_INSTALL_MANIFEST_FILES ${CMAKE_INSTALL_PREFIX}/${INCLUDEDIR}/polhode/${header})
 endwhile()

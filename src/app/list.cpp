@@ -78,7 +78,7 @@ std::vector<FileKey> file_keys() {
     all.insert(all.end(), experiment_keys().begin(), experiment_keys().end());
     return all;
 }
-std::vector<Entry> keys() {
+std::vector<Entry> key_entries() {
     std::vector<Entry> entries;
     for (const FileKey& key : file_keys())
         entries.push_back({fmt::format("{}: {}", key.object, key.key),
@@ -86,7 +86,7 @@ std::vector<Entry> keys() {
                                        key.unit, key.fallback)});
     return entries;
 }
-std::vector<Entry> columns() {
+std::vector<Entry> column_entries() {
     std::vector<Entry> entries;
     for (const TrajectoryColumns& c : trajectory_columns())
         entries.push_back({std::string(c.names), fmt::format("{}{}{}", c.unit, c.unit.empty() ? "" : ": ", c.meaning)});
@@ -179,8 +179,8 @@ void add_list(CLI::App& program, int&) {
         const std::vector<Entry> entries = options->what == "scenes"        ? scenes()
                                            : options->what == "methods"     ? methods_with_auto()
                                            : options->what == "experiments" ? experiments()
-                                           : options->what == "keys"        ? keys()
-                                           : options->what == "columns"     ? columns()
+                                           : options->what == "keys"        ? key_entries()
+                                           : options->what == "columns"     ? column_entries()
                                                                             : metrics();
         write_output("", options->format == "json"       ? as_json(entries)
                          : options->format == "markdown" ? as_markdown(options->what, entries)

@@ -1,28 +1,3 @@
-#include <fcntl.h>
+#include "laboratory.h"
 
-#include <array>
-#include <csignal>
-
-#include "app/commands.h"
-
-namespace {
-
-// Where a standard stream is closed the next file opened would take its place, and get what is meant for it: nothing
-// can be read from or written to what stands there now.
-void hold_standard_streams() {
-    for (int stream = 0; stream < 3; ++stream)
-        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-    using namespace polhode;
-    hold_standard_streams();
-    // a file beyond the limit on its size is a failed write, not the end of the process
-    std::signal(SIGXFSZ, SIG_IGN);
-    const std::array commands{
-        add_solve, add_truth, add_check, add_describe, add_show, add_run, add_list, add_export, add_ensemble,
-    };
-    return run_program(argc, argv, commands);
-}
+int main(int argc, char** argv) { return polhode::run_laboratory(argc, argv); }

@@ -93,7 +93,7 @@ int run_command(const RunCommandOptions& options) {
         if (options.dry_run)
             list_pending(plan, checked_options);
         else if (!run_experiment(plan, checked_options, command_line(options)))
-            return 1;
+            return 128 + SIGINT;  // as a shell says of a program that Ctrl-C ended
     }
     return 0;
 }

@@ -1,5 +1,7 @@
 # Installs the tree built in BUILD, moves what was installed elsewhere, builds the consumer against it and runs it.
 # Called by ctest with BUILD, SOURCE, WORK, COMPILER, FLAGS, GENERATOR.
+cmake_minimum_required(VERSION 3.22)
+
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
@@ -17,6 +19,36 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} -E env POLHODE_CACHE=${WORK}/cache ${WORK}/build/consumer)
 run(${WORK}/moved/bin/polhode --version)
+# a method of one's own in an experiment's tables, and its order
+run(${CMAKE_COMMAND} -E env POLHODE_CACHE=${WORK}/cache ${WORK}/build/laboratory run ${SOURCE}/heun.json --quiet
+  --output ${WORK}/results)
+file(STRINGS ${WORK}/results/heun_orders.csv orders REGEX "lagrange_top.*,heun,step,2,(1\\.9|2\\.0)")
+if(NOT orders)
+  file(READ ${WORK}/results/heun_orders.csv orders)
+  message(FATAL_ERROR "the order of heun: ${orders}")
+endif()
+# a man page for each command, completions that bash reads, and scenes
+file(GLOB pages RELATIVE ${WORK}/moved/share/man/man1 ${WORK}/moved/share/man/man1/*.1)
+foreach(page polhode.1 polhode-solve.1 polhode-check.1)
+  if(NOT page IN_LIST pages)
+    message(FATAL_ERROR "${page} is not among ${pages}")
+  endif()
+endforeach()
+run(bash -n ${WORK}/moved/share/bash-completion/completions/polhode)
+execute_process(COMMAND bash -c "source ${WORK}/moved/share/bash-completion/completions/polhode
+  COMP_WORDS=(${WORK}/moved/bin/polhode check --max-a) COMP_CWORD=2 && _polhode && echo \${COMPREPLY[*]}"
+  OUTPUT_VARIABLE completed RESULT_VARIABLE result)
+if(NOT completed MATCHES "--max-attitude")
+  message(FATAL_ERROR "--max-a is completed to ${completed}")
+endif()
+run(${WORK}/moved/bin/polhode describe ${WORK}/moved/share/polhode/experiments/scenes/t_handle.json --output ${WORK}/page)
+# what is uninstalled leaves nothing
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/again)
+run(${CMAKE_COMMAND} -DMANIFEST=${BUILD}/install_manifest.txt -P ${SOURCE}/../../src/uninstall.cmake)
+file(GLOB_RECURSE left ${WORK}/again/*)
+if(left)
+  message(FATAL_ERROR "left after the uninstallation: ${left}")
+endif()
 # what is installed is what polhode.h includes, under one directory; it needs no header of another library
 file(GLOB_RECURSE headers RELATIVE ${WORK}/moved/include ${WORK}/moved/include/*)
 foreach(header IN LISTS headers)

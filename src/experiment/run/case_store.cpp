@@ -7,8 +7,10 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "integrators/own_methods.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
+#include "text/json_document.h"
 
 namespace polhode {
 namespace {
@@ -29,9 +31,17 @@ std::optional<Table> load_table(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::string running_program_key() {
+    if (!has_own_methods()) return program_key();
+    static const std::string key =
+        std::string(program_key()) +
+        content_hash(read_text("/proc/self/exe", std::size_t{4} << 30, "this program's own executable"));
+    return key;
+}
+
 std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting) {
     const Experiment& e = plan.experiment;
-    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n", program_key(), e.name,
+    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n", running_program_key(), e.name,
                                     scene.label, scene.canonical, curve.method->name, name_of(curve.kind), setting,
                                     name_of(curve.formulation), curve.calibrated, e.samples, e.repeats,
                                     e.seconds_per_run, e.max_steps, e.max_evaluations));

@@ -10,8 +10,12 @@
 
 namespace polhode {
 
-/// The identity of this program's code: changes with any source file, compiler or flag.
+/// The identity of polhode's code: changes with any source file, compiler or flag.
 const char* program_key();
+
+/// The identity of the program that runs: polhode's code, and where there are methods from outside the tree the whole
+/// executable, since nobody else knows when they change.
+std::string running_program_key();
 
 /// The key of one case.
 std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting);

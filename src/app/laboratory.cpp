@@ -1,0 +1,34 @@
+#include "laboratory.h"
+
+#include <fcntl.h>
+
+#include <array>
+#include <csignal>
+
+#include "app/commands.h"
+#include "integrators/own_methods.h"
+
+namespace polhode {
+namespace {
+
+// Where a standard stream is closed the next file opened would take its place, and get what is meant for it: nothing
+// can be read from or written to what stands there now.
+void hold_standard_streams() {
+    for (int stream = 0; stream < 3; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
+}
+
+}  // namespace
+
+int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
+    hold_standard_streams();
+    // a file beyond the limit on its size is a failed write, not the end of the process
+    std::signal(SIGXFSZ, SIG_IGN);
+    add_methods(own);
+    const std::array commands{
+        add_solve, add_truth, add_check, add_describe, add_show, add_run, add_list, add_export, add_ensemble,
+    };
+    return run_program(argc, argv, commands);
+}
+
+}  // namespace polhode

@@ -13,11 +13,16 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
 file(RENAME ${WORK}/installed ${WORK}/moved)
+# the method that integrators/README.md shows, as it stands there
+file(READ ${SOURCE}/../../integrators/README.md page)
+string(REGEX MATCH "```cpp\n([^`]*)```" shown "${page}")
+file(WRITE ${WORK}/shown.cpp "#include <polhode/polhode.h>\nnamespace polhode {\n${CMAKE_MATCH_1}}\n")
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
   -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS} -DCMAKE_PREFIX_PATH=${WORK}/moved
-  -DCMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON)
+  -DCMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON -DMETHOD_SHOWN=${WORK}/shown.cpp)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} -E env POLHODE_CACHE=${WORK}/cache ${WORK}/build/consumer)
+run(${WORK}/build/snippet)
 run(${WORK}/moved/bin/polhode --version)
 # a method of one's own in an experiment's tables, and its order
 run(${CMAKE_COMMAND} -E env POLHODE_CACHE=${WORK}/cache ${WORK}/build/laboratory run ${SOURCE}/heun.json --quiet

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "app/commands.h"
@@ -28,7 +29,7 @@ const std::map<std::string, GoldenFormat> golden_formats{{"csv", GoldenFormat::c
                                                          {"json", GoldenFormat::json},
                                                          {"c", GoldenFormat::c},
                                                          {"cpp", GoldenFormat::cpp},
-                                                         {"csharp", GoldenFormat::csharp}};
+                                                         {"cs", GoldenFormat::csharp}};
 
 int export_command(const ExportOptions& options) {
     require_count("--samples", options.samples, most_golden_samples);
@@ -43,7 +44,13 @@ int export_command(const ExportOptions& options) {
         return 1;
     }
     const Golden data = golden(scene, truth, convention);
-    write_output(options.output, golden_text(data, golden_formats.at(options.format), options.floats));
+    std::string text;
+    try {
+        text = golden_text(data, golden_formats.at(options.format), options.floats);
+    } catch (const std::invalid_argument& error) {
+        throw InputError(options.scene, "", "a number cannot be written", error.what());
+    }
+    write_output(options.output, text);
     std::string told = fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\n", one_line(scene.name, 100),
                                    truth.message, data.bound);
     for (const GoldenTolerance& t : data.tolerances)
@@ -67,7 +74,7 @@ void add_export(CLI::App& program, int& exit_code) {
     command
         ->add_option("--format", options->format,
                      "csv, json, c (a header of arrays and a comparison for C99 and C++), cpp (for C++17) or "
-                     "csharp (a static class)")
+                     "cs (a static class for C#)")
         ->check(CLI::IsMember(golden_formats))
         ->capture_default_str();
     command->add_flag("--floats", options->floats, "Numbers of binary32: arrays of float, as short as they can be");

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "body/orientation.h"
+#include "check/judge.h"
 #include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
 #include "scene/body_hull.h"
@@ -102,25 +103,26 @@ void find_floors(const Scene& scene, const Reference& truth, Golden& g) {
     g.float32_floor = floor < std::numbers::pi ? floor : std::numbers::pi;
 }
 
-void set_tolerances(const Scene& scene, const Reference& truth, const Convention& convention, Golden& g) {
-    double speed = 0, way = 0, rate = 0;
-    for (const ReferenceSample& s : truth.samples) {
-        const Sample sample = s.rounded();
-        rate = std::max(rate, length(sample.angular_velocity_B)), speed = std::max(speed, length(sample.velocity_W));
-        way = std::max(way, length(sample.position_W - rounded(truth.samples.front().position_W)));
-    }
+// How large the motion is, as check has it: a matter of the truth alone.
+PerMeasure<double> sizes_of(const Scene& scene, const Reference& truth) {
+    TrajectoryFile file;
+    file.has_angular_velocity = file.has_position = file.has_velocity = true;
+    for (const ReferenceSample& s : truth.samples) file.rows.push_back({s.t, s.rounded().q, {}, {}, {}});
+    return judge(scene, file, truth, JudgedIn::binary64).size;
+}
+
+void set_tolerances(const Scene& scene, const PerMeasure<double>& sizes, const Convention& convention, Golden& g) {
     const ErrorLimits limits(scene);
     for (const JudgedBlock& block : judged_blocks()) {
         const ErrorLimit& limit = limits[block.name];
         GoldenTolerance t{std::string(block.name), limit.value, limit.from};
-        if (const double floor = 10 * g.float32_floor; limit.from == "by default" && floor > t.value)
-            t.value = std::min(floor, block.name == "attitude" ? std::numbers::pi : 2.0),
-            t.from = "ten times the float32 floor";
-        const double size = block.name == "angular_velocity" ? rate
-                            : block.name == "position"       ? way
-                            : block.name == "velocity"       ? speed
-                                                             : 1;
-        if (limit.relative) t.value = std::max(t.value * size, block.unit.empty() ? 0 : block.absolute);
+        const bool by_default = limit.from == "by default", attitude = block.name == "attitude";
+        const double least = by_default ? 10 * g.float32_floor : attitude ? g.float32_floor : 0;
+        if (least > t.value) {
+            t.value = std::min(least, attitude ? std::numbers::pi : 2.0);
+            t.from = by_default ? "ten times the float32 floor" : "the float32 floor";
+        }
+        if (limit.relative && !block.unit.empty()) t.value = std::max(t.value * sizes[block.measure], block.absolute);
         if (block.name == "position" || block.name == "velocity") t.value /= convention.length_unit;
         if (block.name == "angular_velocity" && convention.degrees) t.value *= 180 / std::numbers::pi;
         g.tolerances.push_back(std::move(t));
@@ -173,9 +175,13 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
              way.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
              way.vector(rounded(s.position_W), 1), way.vector(rounded(s.velocity_W), 1)});
         g.energy.push_back(way.scaled(s.energy.high, 2));
+        g.momentum.push_back(way.pseudovector(rounded(s.angular_momentum_W), 2));
     }
+    const PerMeasure<double> sizes = sizes_of(scene, truth);
+    if (sizes["energy"] > 0) g.energy_scale = way.scaled(sizes["energy"], 2);
+    if (sizes["momentum"] > 0) g.momentum_scale = way.scaled(sizes["momentum"], 2);
     find_floors(scene, truth, g);
-    set_tolerances(scene, truth, convention, g);
+    set_tolerances(scene, sizes, convention, g);
     return g;
 }
 

@@ -1,7 +1,6 @@
 // A scene's truth as golden data for an engine's own unit tests.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,12 +25,14 @@ struct Golden {
     Convention convention;
     Scene scene;                              ///< its numbers in the convention's axes and units of length
     std::vector<SupportPiece<double>> shape;  ///< whose convex hull is the body's, from its origin; likewise
-    TrajectoryFile motion;       ///< the first row is the start; w in rad/s, or degrees/s by the convention
-    std::vector<double> energy;  ///< kinetic and potential, at each row, kg m^2/s^2 by the unit of length
-    double bound = 0;            ///< of the numbers, rounding to binary64 included: rad, and relative
-    std::vector<GoldenTolerance> tolerances;  ///< of all blocks, the attitude (rad) first
-    std::optional<double> float64_floor;      ///< rad, the largest over the run
-    double float32_floor = 0;                 ///< likewise
+    TrajectoryFile motion;                  ///< the first row is the start; w in rad/s, or degrees/s by the convention
+    std::vector<double> energy;             ///< kinetic and potential, at each row, kg m^2/s^2 by the unit of length
+    std::vector<Vector3<double>> momentum;  ///< angular, about the pivot or the centre of mass, world axes, kg m^2/s
+    double energy_scale = 1, momentum_scale = 1;  ///< what their errors are relative to; 1 where they are absolute
+    double bound = 0;                             ///< of the numbers, rounding to binary64 included: rad, and relative
+    std::vector<GoldenTolerance> tolerances;      ///< of all blocks, the attitude (rad) first
+    std::optional<double> float64_floor;          ///< rad, the largest over the run
+    double float32_floor = 0;                     ///< likewise
 };
 
 /// The scene with all its numbers in the convention's axes and unit of length; kg and s stay. What the body is made of
@@ -40,9 +41,10 @@ Scene scene_to(const Convention& convention, const Scene& scene);
 
 /// Golden data of a truth that is available. Throws std::invalid_argument where it is not.
 ///
-/// Tolerances are what the scene tolerates, else what `check` allows (see ErrorLimits) or ten times the float32 floor,
-/// whichever is more: what no float engine can hold is not asked of one. The floor is the conditioning's; where that is
-/// not known, what one rounding of the start to binary32 leads to; and pi where neither is.
+/// Tolerances are what the scene tolerates, the attitude's no less than the float32 floor; else what `check` allows by
+/// default (see ErrorLimits) or ten times that floor, whichever is more: what no float engine can hold is not asked of
+/// one. The floor is the conditioning's; where that is not known, what one rounding of the start to binary32 leads to;
+/// and pi where neither is.
 Golden golden(const Scene& scene, const Reference& truth, const Convention& convention);
 
 /// What golden data is written as.
@@ -55,8 +57,8 @@ enum class GoldenFormat {
 };
 
 /// Numbers below 1e-300 in magnitude are written as 0. `floats`: arrays of float, and numbers as short as a float's. In
-/// code every identifier begins with polhode_ (in C#, Polhode) and the scene's name, its characters but letters and
-/// digits turned to _.
+/// code every identifier begins with polhode_ (in C#, Polhode_) and the scene's name, its characters but letters and
+/// digits turned to _. Throws std::invalid_argument where a number is beyond what it is to be written as.
 std::string golden_text(const Golden& golden, GoldenFormat format, bool floats);
 
 }  // namespace polhode

@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "check/golden.h"
+#include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -23,7 +25,12 @@ struct Numbers {
 
     double operator()(double x) const {
         if (std::abs(x) < 1e-300) return 0;
-        return floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
+        const double written = floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
+        if (!std::isfinite(written))
+            throw std::invalid_argument(fmt::format("{} is beyond {}; choose {}", shortest_decimal(x),
+                                                    floats ? "binary32" : "binary64",
+                                                    floats ? "no --floats or other units" : "other units"));
+        return written;
     }
     ordered_json operator()(const Vector3<double>& v) const { return {(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}; }
     ordered_json operator()(const Matrix3<double>& m) const { return {(*this)(m[0]), (*this)(m[1]), (*this)(m[2])}; }
@@ -31,6 +38,12 @@ struct Numbers {
         const Numbers& n = *this;
         if (scalar_last) return {n(q.x), n(q.y), n(q.z), n(q.w)};
         return {n(q.w), n(q.x), n(q.y), n(q.z)};
+    }
+    ordered_json all_of(ordered_json document) const {
+        if (document.is_number()) return (*this)(document.get<double>());
+        if (document.is_structured())
+            for (ordered_json& part : document) part = all_of(std::move(part));
+        return document;
     }
 };
 
@@ -40,52 +53,6 @@ std::string axes_of(const Golden& g) {
     const std::string words = name_of(g.convention);
     return words.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : words;
 }
-
-const char* word(Frame frame) { return frame == Frame::body ? "body" : "world"; }
-
-// A load with the keys that scene files have.
-struct LoadDocument {
-    Numbers number;
-    bool last;
-
-    ordered_json with(ordered_json load, const Window& window) const {
-        if (std::isfinite(window.from)) load["from"] = number(window.from);
-        if (std::isfinite(window.until)) load["until"] = number(window.until);
-        return load;
-    }
-    ordered_json operator()(const Gravity& g) const {
-        return with({{"type", "gravity"}, {"acceleration", number(g.acceleration_W)}}, g.window);
-    }
-    ordered_json operator()(const Torque& t) const {
-        return with({{"type", "torque"}, {"vector", number(t.vector)}, {"frame", word(t.frame)}}, t.window);
-    }
-    template <class T>
-    ordered_json at_point(const char* type, const T& f) const {
-        return {{"type", type},
-                {"vector", number(f.vector)},
-                {"frame", word(f.frame)},
-                {"point", number(f.point)},
-                {"point_frame", word(f.point_frame)}};
-    }
-    ordered_json operator()(const Force& f) const { return with(at_point("force", f), f.window); }
-    ordered_json operator()(const Impulse& i) const {
-        ordered_json load = at_point("impulse", i);
-        load["at"] = number(i.at);
-        return load;
-    }
-    ordered_json operator()(const Drag& d) const {
-        return with(
-            {{"type", "drag"}, {"rotational", number(d.rotational)}, {"translational", number(d.translational)}},
-            d.window);
-    }
-    ordered_json operator()(const Spring& s) const {
-        return with({{"type", "spring"},
-                     {"stiffness", number(s.stiffness)},
-                     {"rest_orientation", number(s.rest_orientation, last)}},
-                    s.window);
-    }
-    ordered_json operator()(const UserTorque& t) const { return {{"type", "user"}, {"name", t.name}}; }
-};
 
 // What the motion is of: the body, its shape, what it meets and what acts on it.
 ordered_json surroundings(const Golden& g, const Numbers& number) {
@@ -102,15 +69,14 @@ ordered_json surroundings(const Golden& g, const Numbers& number) {
         if (piece.radius > 0) one["radius"] = number(piece.radius);
         all["shape"].push_back(std::move(one));
     }
-    all["planes"] = ordered_json::array();
-    for (const Plane& plane : g.scene.planes)
-        all["planes"].push_back({{"normal", number(plane.normal_W)},
-                                 {"offset", number(plane.offset)},
-                                 {"restitution", number(plane.restitution)},
-                                 {"friction", number(plane.friction)}});
-    all["loads"] = ordered_json::array();
-    for (const Load& load : g.scene.loads)
-        all["loads"].push_back(std::visit(LoadDocument{number, scalar_last(g)}, load));
+    // as scene files have them
+    const ordered_json written = number.all_of(ordered_json::parse(write_scene(g.scene)));
+    for (const char* list : {"planes", "loads"}) all[list] = written.value(list, ordered_json::array());
+    if (scalar_last(g))
+        for (ordered_json& load : all["loads"])
+            if (load.contains("rest_orientation"))
+                std::rotate(load["rest_orientation"].begin(), load["rest_orientation"].begin() + 1,
+                            load["rest_orientation"].end());
     return all;
 }
 
@@ -143,11 +109,12 @@ std::string json(const Golden& g, const Numbers& number) {
     for (const GoldenTolerance& t : g.tolerances) all["tolerances"][t.block] = {{"value", t.value}, {"from", t.from}};
     all["float64_floor"] = g.float64_floor ? ordered_json(*g.float64_floor) : ordered_json(nullptr);
     all["float32_floor"] = g.float32_floor;
+    all["energy_scale"] = number(g.energy_scale), all["momentum_scale"] = number(g.momentum_scale);
     all.update(surroundings(g, number));
     all["columns"] = {"t", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
     if (scalar_last(g)) std::rotate(all["columns"].begin() + 1, all["columns"].begin() + 2, all["columns"].begin() + 5);
-    all["energy"] = ordered_json::array();
-    for (const double energy : g.energy) all["energy"].push_back(number(energy));
+    all["energy"] = number.all_of(g.energy), all["momentum"] = ordered_json::array();
+    for (const Vector3<double>& momentum : g.momentum) all["momentum"].push_back(number(momentum));
     // a line a key, and a line a sample
     std::string text;
     for (const auto& [key, value] : all.items())
@@ -256,34 +223,40 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         add(block == "attitude" ? "tolerance" : "tolerance_" + block, number(t.value), of + ": " + t.from);
     }
     add("float32_floor", number(g.float32_floor), "rad: what rounding the start to binary32 alone leads to");
-    ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, energy = t;
+    ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, momentum = t;
     for (const TrajectoryRow& row : g.motion.rows) {
         t.push_back(number(row.t)), q.push_back(number(row.q, scalar_last(g)));
         w.push_back(number(row.angular_velocity_W)), p.push_back(number(row.position_W));
         v.push_back(number(row.velocity_W));
     }
-    for (const double e : g.energy) energy.push_back(number(e));
+    for (const Vector3<double>& L : g.momentum) momentum.push_back(number(L));
     add("t", t, "s");
     add("q", q, scalar_last(g) ? "x, y, z, w" : "w, x, y, z");
     add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
     add("p", p, m), add("v", v, m + "/s");
-    add("energy", energy, "kg " + m + "^2/s^2, kinetic and potential");
+    const std::string per = "what errors are relative to";
+    add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
+    add("energy_scale", number(g.energy_scale), per);
+    add("momentum", momentum, "kg " + m + "^2/s, angular, about the pivot or the centre of mass, world axes");
+    add("momentum_scale", number(g.momentum_scale), per);
     return all;
 }
 
 // What the three languages have in common, for people.
 std::vector<std::string> preface(const Golden& g) {
     const double unit = g.convention.length_unit;
-    return {fmt::format("{}: {}", comment(g.scene.name), comment(g.scene.about)),
-            fmt::format("Truth: {}; scene {}.", comment(g.truth), g.scene_hash),
-            fmt::format("{} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;",
-                        unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(unit)),
-                        g.convention.degrees ? ", w in degrees/s" : "", axes_of(g),
-                        scalar_last(g) ? "x, y, z, w" : "w, x, y, z", g.convention.body_rates ? "body" : "world"),
-            "p and v are of the centre of mass. Each number is right within the bound and its rounding.",
-            "A test sets a body up from mass, center_of_mass, inertia and the start q[0], w[0], p[0], v[0], lets the",
-            "loads act, steps to each t and asks compare whether the engine's state is within the tolerances. Loads,",
-            "planes and the pieces whose convex hull is the body's shape are numbered, and in these axes too."};
+    return {
+        fmt::format("{}: {}", comment(g.scene.name), comment(g.scene.about)),
+        fmt::format("Truth: {}; scene {}.", comment(g.truth), g.scene_hash),
+        fmt::format("{} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;",
+                    unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(unit)),
+                    g.convention.degrees ? ", w in degrees/s" : "", axes_of(g),
+                    scalar_last(g) ? "x, y, z, w" : "w, x, y, z", g.convention.body_rates ? "body" : "world"),
+        "p and v are of the centre of mass. Each number is right within the bound and its rounding.",
+        "A test sets a body up from mass, center_of_mass, inertia and the start q[0], w[0], p[0], v[0], lets the",
+        "loads act, steps to each t and asks compare whether the engine's state is within the tolerances: blocks that",
+        "the engine has not are null. Energy and momentum are held to a part of their largest over the run. Loads,",
+        "planes and the pieces whose convex hull is the body's shape are numbered, and in these axes too."};
 }
 
 // One language's way to write a constant.
@@ -338,112 +311,106 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-// The comparison: NAME is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
-// are.
+// The comparison: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
+// are, DATA what makes an array of a row. The names of parameters hide none of the constants'.
 constexpr const char* compare_c = R"(
 /* How many blocks of the engine's state at sample k are beyond their tolerances; a null pointer stands for a block that it
- * has not. The message, where there is one, says which, and by how much. */
-static inline int NAME_compare(int k, const REAL *q, const REAL *w, const REAL *p, const REAL *v, char *message,
-                               size_t size) {
-    const char *const names[4] = {"attitude", "angular velocity", "position", "velocity"};
-    const double allowed[4] = {NAME_tolerance, NAME_tolerance_angular_velocity, NAME_tolerance_position,
-                               NAME_tolerance_velocity};
-    const REAL *const given[4] = {q, w, p, v};
-    const REAL *const expected[4] = {NAME_q[k], NAME_w[k], NAME_p[k], NAME_v[k]};
-    int i, block, failed = 0;
-    size_t used = 0;
-    if (message && size > 0) message[0] = 0;
-    for (block = 0; block < 4; ++block) {
+ * has not. The message, where there is room for one, says which, and by how much. */
+static inline int NAME_compare(size_t k, const REAL *own_q, const REAL *own_w, const REAL *own_p, const REAL *own_v,
+                               const REAL *own_energy, const REAL *own_momentum, char *message, size_t size) {
+    const struct {
+        const char *name;
+        const REAL *own, *expected;
+        int count;
+        double allowed, scale;
+    } blocks[6] = {{"attitude", own_q, NAME_q[k]DATA, 4, NAME_tolerance, 1},
+                   {"angular velocity", own_w, NAME_w[k]DATA, 3, NAME_tolerance_angular_velocity, 1},
+                   {"position", own_p, NAME_p[k]DATA, 3, NAME_tolerance_position, 1},
+                   {"velocity", own_v, NAME_v[k]DATA, 3, NAME_tolerance_velocity, 1},
+                   {"energy", own_energy, &NAME_energy[k], 1, NAME_tolerance_energy, NAME_energy_scale},
+                   {"angular momentum", own_momentum, NAME_momentum[k]DATA, 3, NAME_tolerance_momentum,
+                    NAME_momentum_scale}};
+    int block, i, failed = 0;
+    if (size > 0) message[0] = 0;
+    for (block = 0; block < 6; ++block) {
+        const REAL *const x = blocks[block].expected, *const y = blocks[block].own;
         double off = 0;
-        if (!given[block]) continue;
-        if (block == 0) {
-            const REAL *const a = expected[0] + VECTOR, *const b = q + VECTOR;
-            const double s = expected[0][SCALAR], e = q[SCALAR];
-            const double x = s * b[0] - e * a[0] - ((double)a[1] * b[2] - (double)a[2] * b[1]);
-            const double y = s * b[1] - e * a[1] - ((double)a[2] * b[0] - (double)a[0] * b[2]);
-            const double z = s * b[2] - e * a[2] - ((double)a[0] * b[1] - (double)a[1] * b[0]);
-            off = 2 * atan2(sqrt(x * x + y * y + z * z),
-                            fabs(s * e + (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2]));
+        if (!y) continue;
+        if (blocks[block].count == 4) {
+            /* the rotation between the two: 2 atan2(|vec|, |scal|) of conj(x) y */
+            const double s = x[SCALAR], a = x[VECTOR], b = x[VECTOR + 1], c = x[VECTOR + 2];
+            const double e = y[SCALAR], f = y[VECTOR], g = y[VECTOR + 1], h = y[VECTOR + 2];
+            const double l = s * f - e * a - (b * h - c * g), m = s * g - e * b - (c * f - a * h);
+            const double n = s * h - e * c - (a * g - b * f);
+            off = 2 * atan2(sqrt(l * l + m * m + n * n), fabs(s * e + a * f + b * g + c * h));
         } else {
-            for (i = 0; i < 3; ++i)
-                off += ((double)given[block][i] - expected[block][i]) * ((double)given[block][i] - expected[block][i]);
-            off = sqrt(off);
+            for (i = 0; i < blocks[block].count; ++i) {
+                const double a = x[i], b = y[i];
+                off += (b - a) * (b - a);
+            }
+            off = sqrt(off) / blocks[block].scale;
         }
         /* what is no number is beyond any limit */
-        if (off <= allowed[block]) continue;
+        if (off <= blocks[block].allowed) continue;
         ++failed;
-        if (message && used < size) {
-            const int written = snprintf(message + used, size - used, "%s%s off by %.6g at t = %.6g s, %.6g allowed",
-                                         used ? "; " : "", names[block], off, (double)NAME_t[k], allowed[block]);
-            used = written < 0 ? size : used + (size_t)written;
+        if (size > 0) {
+            const size_t used = strlen(message);
+            snprintf(message + used, size - used, "%s%s off by %.6g at t = %.6g s, %.6g allowed", used > 0 ? "; " : "",
+                     blocks[block].name, off, NAME_t[k], blocks[block].allowed);
         }
     }
     return failed;
 }
 )";
 
+// ahead of the same function, and behind it
+constexpr const char* names_of_cpp = R"(
+using std::atan2, std::fabs, std::size_t, std::snprintf, std::sqrt, std::strlen;
+)";
 constexpr const char* compare_cpp = R"(
-/// Which blocks of the engine's state at sample k are beyond their tolerances, and by how much; empty where none is. A
-/// null pointer stands for a block that it has not.
-inline std::string compare(std::size_t k, const REAL* q_, const REAL* w_, const REAL* p_, const REAL* v_) {
-    std::string failed;
-    const auto judge = [&](const char* name, double off, double allowed) {
-        // what is no number is beyond any limit
-        if (off <= allowed) return;
-        char text[160];
-        std::snprintf(text, sizeof text, "%s%s off by %.6g at t = %.6g s, %.6g allowed", failed.empty() ? "" : "; ",
-                      name, off, static_cast<double>(t[k]), allowed);
-        failed += text;
-    };
-    if (q_) {
-        const double s = q[k][SCALAR], e = q_[SCALAR];
-        const double a[3] = {q[k][VECTOR], q[k][VECTOR + 1], q[k][VECTOR + 2]};
-        const double b[3] = {q_[VECTOR], q_[VECTOR + 1], q_[VECTOR + 2]};
-        const double x = s * b[0] - e * a[0] - (a[1] * b[2] - a[2] * b[1]);
-        const double y = s * b[1] - e * a[1] - (a[2] * b[0] - a[0] * b[2]);
-        const double z = s * b[2] - e * a[2] - (a[0] * b[1] - a[1] * b[0]);
-        judge("attitude",
-              2 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(s * e + a[0] * b[0] + a[1] * b[1] + a[2] * b[2])),
-              tolerance);
-    }
-    const auto distance = [](const REAL* a, const std::array<REAL, 3>& b) {
-        const double x = double(a[0]) - b[0], y = double(a[1]) - b[1], z = double(a[2]) - b[2];
-        return std::sqrt(x * x + y * y + z * z);
-    };
-    if (w_) judge("angular velocity", distance(w_, w[k]), tolerance_angular_velocity);
-    if (p_) judge("position", distance(p_, p[k]), tolerance_position);
-    if (v_) judge("velocity", distance(v_, v[k]), tolerance_velocity);
-    return failed;
+/// The message of the above: empty where nothing is beyond its tolerance.
+inline std::string compare(size_t k, const REAL* own_q, const REAL* own_w = nullptr, const REAL* own_p = nullptr,
+                           const REAL* own_v = nullptr, const REAL* own_energy = nullptr,
+                           const REAL* own_momentum = nullptr) {
+    char message[1000];
+    compare(k, own_q, own_w, own_p, own_v, own_energy, own_momentum, message, sizeof message);
+    return message;
 }
 )";
 
 constexpr const char* compare_csharp = R"(
     /// Which blocks of the engine's state at sample k are beyond their tolerances, and by how much; empty where none is.
     /// null stands for a block that it has not.
-    public static string compare(int k, REAL[] q_, REAL[] w_, REAL[] p_, REAL[] v_) {
+    public static string compare(int k, REAL[] own_q, REAL[] own_w = null, REAL[] own_p = null, REAL[] own_v = null,
+                                 REAL? own_energy = null, REAL[] own_momentum = null) {
         var failed = new System.Collections.Generic.List<string>();
         System.Action<string, double, double> judge = (name, off, allowed) => {
+            // what is no number is beyond any limit
             if (off <= allowed) return;
             failed.Add(string.Format(System.Globalization.CultureInfo.InvariantCulture,
                                      "{0} off by {1:G6} at t = {2:G6} s, {3:G6} allowed", name, off, t[k], allowed));
         };
-        if (q_ != null) {
-            double s = q[k, SCALAR], e = q_[SCALAR];
-            double[] a = { q[k, VECTOR], q[k, VECTOR + 1], q[k, VECTOR + 2] };
-            double[] b = { q_[VECTOR], q_[VECTOR + 1], q_[VECTOR + 2] };
-            double x = s * b[0] - e * a[0] - (a[1] * b[2] - a[2] * b[1]);
-            double y = s * b[1] - e * a[1] - (a[2] * b[0] - a[0] * b[2]);
-            double z = s * b[2] - e * a[2] - (a[0] * b[1] - a[1] * b[0]);
-            judge("attitude", 2 * System.Math.Atan2(System.Math.Sqrt(x * x + y * y + z * z),
-                      System.Math.Abs(s * e + a[0] * b[0] + a[1] * b[1] + a[2] * b[2])), tolerance);
-        }
-        System.Func<REAL[], REAL[,], double> distance = (a, b) => {
-            double x = (double)a[0] - b[k, 0], y = (double)a[1] - b[k, 1], z = (double)a[2] - b[k, 2];
-            return System.Math.Sqrt(x * x + y * y + z * z);
+        System.Func<REAL[], REAL[,], double> distance = (own, expected) => {
+            double off = 0;
+            for (int i = 0; i < 3; ++i) off += ((double)own[i] - expected[k, i]) * ((double)own[i] - expected[k, i]);
+            return System.Math.Sqrt(off);
         };
-        if (w_ != null) judge("angular velocity", distance(w_, w), tolerance_angular_velocity);
-        if (p_ != null) judge("position", distance(p_, p), tolerance_position);
-        if (v_ != null) judge("velocity", distance(v_, v), tolerance_velocity);
+        if (own_q != null) {
+            // the rotation between the two: 2 atan2(|vec|, |scal|) of conj(x) y
+            double s = q[k, SCALAR], a = q[k, VECTOR], b = q[k, VECTOR + 1], c = q[k, VECTOR + 2];
+            double e = own_q[SCALAR], f = own_q[VECTOR], g = own_q[VECTOR + 1], h = own_q[VECTOR + 2];
+            double x = s * f - e * a - (b * h - c * g), y = s * g - e * b - (c * f - a * h);
+            double z = s * h - e * c - (a * g - b * f);
+            judge("attitude", 2 * System.Math.Atan2(System.Math.Sqrt(x * x + y * y + z * z),
+                                                    System.Math.Abs(s * e + a * f + b * g + c * h)), tolerance);
+        }
+        if (own_w != null) judge("angular velocity", distance(own_w, w), tolerance_angular_velocity);
+        if (own_p != null) judge("position", distance(own_p, p), tolerance_position);
+        if (own_v != null) judge("velocity", distance(own_v, v), tolerance_velocity);
+        if (own_energy != null)
+            judge("energy", System.Math.Abs((double)own_energy - energy[k]) / energy_scale, tolerance_energy);
+        if (own_momentum != null)
+            judge("angular momentum", distance(own_momentum, momentum) / momentum_scale, tolerance_momentum);
         return string.Join("; ", failed);
     }
 )";
@@ -458,21 +425,23 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
     for (const std::string& line : preface(g)) text += (text == "/*" ? " " : "\n * ") + line;
     text += " */\n";
     if (!csharp) text += fmt::format("#ifndef {0}\n#define {0}\n\n", guard);
-    if (c) text += "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n\n";
+    if (c) text += "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n#include <string.h>\n\n";
     if (format == GoldenFormat::cpp)
         text += fmt::format(
-            "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdio>\n#include <string>\n\nnamespace "
-            "{} "
-            "{{\n\n",
+            "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdio>\n#include <cstring>\n"
+            "#include <string>\n\nnamespace {} {{\n\n",
             name);
     if (csharp) text += fmt::format("public static class Polhode_{} {{\n", plain);
     for (const Field& field : fields_of(g, number)) text += language.constant(c ? name + "_" : "", field);
-    std::string compare = c ? compare_c : csharp ? compare_csharp : compare_cpp;
+    std::string compare = csharp ? compare_csharp : compare_c;
+    if (format == GoldenFormat::cpp)
+        compare = names_of_cpp + replaced(compare, "static inline", "inline") + compare_cpp;
     // the name last: it may hold any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},
                                    {"VECTOR", scalar_last(g) ? "0" : "1"},
-                                   {"NAME", name}})
+                                   {"DATA", c ? "" : ".data()"},
+                                   {"NAME_", c ? name + "_" : ""}})
         compare = replaced(std::move(compare), what, by);
     text += compare;
     if (csharp) return text + "}\n";

@@ -190,12 +190,14 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
             "* e = &Q[7][0];\n" + "    q[3] = (" + real + ")(c * e[3] - s * e[0]); q[0] = (" + real +
             ")(c * e[0] + s * e[3]);\n" + "    q[1] = (" + real + ")(c * e[1] + s * e[2]); q[2] = (" + real +
             ")(c * e[2] - s * e[1]);\n" + "    v[0] = V[7][0] + 3; v[1] = V[7][1]; v[2] = V[7][2];\n";
-        write("main.c",
-              "#include \"golden.h\"\n#define Q " + name + "_q\n#define V " + name + "_v\nint main(void) {\n    " +
-                  wrong + "    char text[500]; int k, bad = 0;\n    for (k = 0; k < " + name +
-                  "_samples; ++k) bad += " + name + "_compare(k, Q[k], " + name + "_w[k], " + name +
-                  "_p[k], V[k], text, sizeof text);\n    if (bad || text[0]) return 1;\n    bad = " + name +
-                  "_compare(7, q, 0, 0, v, text, sizeof text);\n    puts(text);\n    return bad == 2 ? 0 : 2;\n}\n");
+        write("main.c", "#include \"golden.h\"\n#define Q " + name + "_q\n#define V " + name +
+                            "_v\nint main(void) {\n    " + wrong +
+                            "    char text[500]; int k, bad = 0;\n    for (k = 0; k < " + name +
+                            "_samples; ++k) bad += " + name + "_compare(k, Q[k], " + name + "_w[k], " + name +
+                            "_p[k], V[k], &" + name + "_energy[k], " + name +
+                            "_momentum[k], text, sizeof text);\n    if (bad || text[0]) return 1;\n    bad = " + name +
+                            "_compare(7, q, 0, 0, v, 0, 0, text, sizeof text);\n    puts(text);\n    return bad == 2 ? "
+                            "0 : 2;\n}\n");
         write("main.cpp",
               "#include \"golden.hpp\"\nusing namespace " + name + ";\nconst auto& Q = " + name +
                   "::q;\nconst auto& V = " + name + "::v;\nint run() {\n    using std::cos, std::sin;\n    " + wrong +
@@ -212,7 +214,7 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
         EXPECT_EQ(read(directory / "c.txt"), read(directory / "cpp.txt"));
     }
     if (shell("command -v mcs mono >/dev/null") != 0) return;
-    exported("csharp", "Golden.cs", false);
+    exported("cs", "Golden.cs", false);
     write("Main.cs",
           "public static class Program {\n    public static int Main() {\n        double[] v = { "
           "Polhode_9_lives_of_a_top.v[7, 0] + 3, "

@@ -45,8 +45,11 @@ Table parse_csv(std::string_view text);
 /// escaped.
 std::string markdown(const Table& table);
 
-/// Like markdown(), as a `table` environment for a document that uses booktabs. An empty caption or label is left out.
-/// The caption is text, the label stays as it is given. Greek letters and the field's signs become LaTeX commands.
+/// A longtable for a plain article that uses booktabs, longtable and siunitx: numbers to three significant digits, in
+/// small type, no wider than the text. Of a table that would be, columns that have one value throughout are told in the
+/// caption; then the lesser ones, and those at the right, are left to the CSV, and the caption says which. An empty
+/// caption or label is left out. The caption is text, the label stays as it is given. Greek letters and the field's
+/// signs become LaTeX commands.
 std::string latex(const Table& table, const std::string& caption, const std::string& label);
 
 /// An array of objects, one a line; real numbers as in the CSV; empty cells and numbers that are not finite are null.

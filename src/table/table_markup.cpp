@@ -1,15 +1,13 @@
-// The writers for people: Markdown and LaTeX.
+// Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <type_traits>
 
-#include "table/table.h"
+#include "table/markup.h"
 
 namespace polhode {
 
@@ -68,116 +66,6 @@ std::string markdown_text(const std::string& text) {
     return out;
 }
 
-std::string markdown_number(double value) {
-    if (!std::isfinite(value)) return text_of(value);
-    const Rounded number = rounded(value);
-    const std::string plain = plain_decimals(value, number);
-    return plain.empty() ? fmt::format("{}e{}", number.mantissa, number.exponent) : plain;
-}
-
-/// What pdfLaTeX's standard set-up cannot take as a character, though captions and messages of this field use it.
-const std::map<std::string_view, std::string_view>& latex_signs() {
-    static const std::map<std::string_view, std::string_view> signs = {
-        {"α", "\\alpha"},  {"β", "\\beta"},    {"γ", "\\gamma"},   {"δ", "\\delta"},  {"ε", "\\varepsilon"},
-        {"ζ", "\\zeta"},   {"η", "\\eta"},     {"θ", "\\theta"},   {"ι", "\\iota"},   {"κ", "\\kappa"},
-        {"λ", "\\lambda"}, {"μ", "\\mu"},      {"µ", "\\mu"},      {"ν", "\\nu"},     {"ξ", "\\xi"},
-        {"π", "\\pi"},     {"ρ", "\\rho"},     {"σ", "\\sigma"},   {"τ", "\\tau"},    {"υ", "\\upsilon"},
-        {"φ", "\\varphi"}, {"χ", "\\chi"},     {"ψ", "\\psi"},     {"ω", "\\omega"},  {"Γ", "\\Gamma"},
-        {"Δ", "\\Delta"},  {"Θ", "\\Theta"},   {"Λ", "\\Lambda"},  {"Ξ", "\\Xi"},     {"Π", "\\Pi"},
-        {"Σ", "\\Sigma"},  {"Φ", "\\Phi"},     {"Ψ", "\\Psi"},     {"Ω", "\\Omega"},  {"×", "\\times"},
-        {"·", "\\cdot"},   {"±", "\\pm"},      {"−", "-"},         {"≤", "\\le"},     {"≥", "\\ge"},
-        {"≠", "\\neq"},    {"≈", "\\approx"},  {"∞", "\\infty"},   {"√", "\\surd"},   {"∫", "\\int"},
-        {"‖", "\\Vert"},   {"°", "{}^\\circ"}, {"½", "\\frac12"},  {"⊗", "\\otimes"}, {"→", "\\to"},
-        {"∈", "\\in"},     {"²", "{}^2"},      {"³", "{}^3"},      {"⁴", "{}^4"},     {"⁻", "{}^-"},
-        {"¹", "{}^1"},     {"⁰", "{}^0"},      {"⁵", "{}^5"},      {"⁶", "{}^6"},     {"⁷", "{}^7"},
-        {"⁸", "{}^8"},     {"⁹", "{}^9"},      {"∂", "\\partial"}, {"∝", "\\propto"}, {"∇", "\\nabla"},
-    };
-    return signs;
-}
-
-std::string_view latex_special(char c) {
-    switch (c) {
-        case '\\':
-            return "\\textbackslash{}";
-        case '{':
-            return "\\{";
-        case '}':
-            return "\\}";
-        case '$':
-            return "\\$";
-        case '&':
-            return "\\&";
-        case '#':
-            return "\\#";
-        case '%':
-            return "\\%";
-        case '_':
-            return "\\_";
-        case '~':
-            return "\\textasciitilde{}";
-        case '^':
-            return "\\textasciicircum{}";
-        case '<':
-            return "\\textless{}";
-        case '>':
-            return "\\textgreater{}";
-        case '|':
-            return "\\textbar{}";
-        case '"':
-            return "''";
-        case '`':
-            return "\\textasciigrave{}";
-        // after \\ these two would be read as its arguments
-        case '[':
-            return "{[}";
-        case '*':
-            return "{*}";
-        // two hyphens would become a dash
-        case '-':
-            return "-{}";
-        default:
-            return {};
-    }
-}
-
-std::size_t character_bytes(char first) {
-    const auto byte = static_cast<unsigned char>(first);
-    return byte < 0xc0 ? 1 : byte < 0xe0 ? 2 : byte < 0xf0 ? 3 : 4;
-}
-
-std::string latex_text(const std::string& text) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size();) {
-        const char c = text[i];
-        const std::string_view character = std::string_view(text).substr(i, character_bytes(c));
-        const bool next_is_hyphen = i + 1 < text.size() && text[i + 1] == '-';
-        i += character.size();
-        if (is_control(c)) {
-            if (c == '\n' || c == '\t') out += ' ';
-        } else if (const auto sign = latex_signs().find(character); sign != latex_signs().end()) {
-            out += fmt::format("${}$", sign->second);
-        } else if (const std::string_view special = latex_special(c);
-                   !special.empty() && (c != '-' || next_is_hyphen)) {
-            out += special;
-        } else {
-            out += character;
-        }
-    }
-    return out;
-}
-
-std::string latex_number(double value) {
-    if (std::isnan(value)) return "nan";
-    if (std::isinf(value)) return value > 0 ? "$\\infty$" : "$-\\infty$";
-    const Rounded number = rounded(value);
-    const std::string plain = plain_decimals(value, number);
-    if (!plain.empty()) return fmt::format("${}$", plain);
-    const std::string power = fmt::format("10^{{{}}}", number.exponent);
-    if (number.mantissa == "1") return fmt::format("${}$", power);
-    if (number.mantissa == "-1") return fmt::format("$-{}$", power);
-    return fmt::format("${}\\times{}$", number.mantissa, power);
-}
-
 /// A table of finished text: the heading first, then the rows.
 template <typename TextWriter, typename NumberWriter>
 std::vector<std::vector<std::string>> written(const Table& table, TextWriter text, NumberWriter number) {
@@ -193,7 +81,20 @@ std::vector<std::vector<std::string>> written(const Table& table, TextWriter tex
     return lines;
 }
 
-/// Columns with at least one number and no text are aligned to the right.
+std::size_t width(const std::string& text) {
+    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_character));
+}
+
+}  // namespace
+
+std::string number_for_people(double value) {
+    if (!std::isfinite(value)) return text_of(value);
+    const Rounded number = rounded(value);
+    const std::string plain = plain_decimals(value, number);
+    return plain.empty() ? fmt::format("{}e{}", number.mantissa, number.exponent) : plain;
+}
+
 std::vector<bool> number_columns(const Table& table) {
     std::vector<bool> numbers(table.columns.size(), false);
     for (std::size_t column = 0; column < numbers.size(); ++column) {
@@ -208,16 +109,9 @@ std::vector<bool> number_columns(const Table& table) {
     return numbers;
 }
 
-std::size_t width(const std::string& text) {
-    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
-    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_character));
-}
-
-}  // namespace
-
 std::string markdown(const Table& table) {
     require_rectangular(table);
-    const auto lines = written(table, markdown_text, markdown_number);
+    const auto lines = written(table, markdown_text, number_for_people);
     const std::vector<bool> right = number_columns(table);
     std::vector<std::size_t> widths(table.columns.size(), 3);
     for (const auto& line : lines) {
@@ -240,23 +134,6 @@ std::string markdown(const Table& table) {
         }
         out += "|\n";
     }
-    return out;
-}
-
-std::string latex(const Table& table, const std::string& caption, const std::string& label) {
-    require_rectangular(table);
-    const auto lines = written(table, latex_text, latex_number);
-    std::string out = "\\begin{table}\n  \\centering\n";
-    if (!caption.empty()) out += fmt::format("  \\caption{{{}}}\n", latex_text(caption));
-    if (!label.empty()) out += fmt::format("  \\label{{{}}}\n", label);
-    out += "  \\begin{tabular}{";
-    for (const bool right : number_columns(table)) out += right ? 'r' : 'l';
-    out += "}\n    \\toprule\n";
-    for (std::size_t row = 0; row < lines.size(); ++row) {
-        out += fmt::format("    {} \\\\\n", fmt::join(lines[row], " & "));
-        if (row == 0) out += "    \\midrule\n";
-    }
-    out += "    \\bottomrule\n  \\end{tabular}\n\\end{table}\n";
     return out;
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "table/table.h"
@@ -22,8 +24,12 @@ std::string markdown_cell(const Cell& cell) {
 
 std::string latex_cell(const Cell& cell) {
     const std::string text = latex({{"h"}, {{cell}}}, "", "");
-    const std::size_t begin = text.find("\\midrule\n    ") + 13;
-    return text.substr(begin, text.find(" \\\\\n", begin) - begin);
+    const std::size_t begin = text.find("\\endfoot\n  ") + 11;
+    std::string field = text.substr(begin, text.find(" \\\\\n", begin) - begin);
+    // where a long name may be broken
+    const std::string mark = "\\allowbreak{}";
+    for (std::size_t at = field.find(mark); at != field.npos; at = field.find(mark)) field.erase(at, mark.size());
+    return field;
 }
 
 const double infinity = std::numeric_limits<double>::infinity();
@@ -71,31 +77,74 @@ TEST(Markdown, EscapesMarkup) {
     EXPECT_EQ(markdown_cell("two\nlines\r\tx"), "two<br>lines x");
 }
 
-TEST(Latex, WritesATableWithBooktabsRules) {
+TEST(Latex, WritesALongtableWithBooktabsRules) {
     const Table table{{"method", "error (%)"}, {{"odeint_rk4", 1.2e-9}, {"R&D", Cell{}}}};
-    EXPECT_EQ(latex(table, "Error of 100 % & more", "tab:a_b"),
-              "\\begin{table}\n"
-              "  \\centering\n"
-              "  \\caption{Error of 100 \\% \\& more}\n"
-              "  \\label{tab:a_b}\n"
-              "  \\begin{tabular}{lr}\n"
-              "    \\toprule\n"
-              "    method & error (\\%) \\\\\n"
-              "    \\midrule\n"
-              "    odeint\\_rk4 & $1.2\\times10^{-9}$ \\\\\n"
-              "    R\\&D &  \\\\\n"
-              "    \\bottomrule\n"
-              "  \\end{tabular}\n"
-              "\\end{table}\n");
+    const std::string text = latex(table, "Error of 100 % & more", "tab:a_b");
+    for (const char* part :
+         {"\\caption{Error of 100 \\% \\& more}\\label{tab:a_b}\\\\\n", "\\toprule\n", "\\midrule\n", "\\bottomrule\n",
+          "odeint\\_\\allowbreak{}rk4 & \\num{1.2e-9} \\\\\n", "R\\&D &  \\\\\n", "\\end{longtable}\n"})
+        EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
-TEST(Latex, WritesNumbersInMath) {
-    EXPECT_EQ(latex_cell(1e-10), "$10^{-10}$");
-    EXPECT_EQ(latex_cell(-1e5), "$-10^{5}$");
-    EXPECT_EQ(latex_cell(-0.25), "$-0.25$");
+// a table that is too wide says once what every row has, and what stands in the CSV alone
+TEST(Latex, LeavesOutWhatDoesNotFit) {
+    Table table{{"scene", "status", "message"}, {}};
+    for (int i = 0; i < 12; ++i) table.columns.push_back("error number " + std::to_string(i));
+    for (int row = 0; row < 3; ++row) {
+        std::vector<Cell> cells{"a scene", "ok", row == 0 ? Cell("why") : Cell()};
+        for (int i = 0; i < 12; ++i) cells.emplace_back(1.234e-5 * (row + i + 1));
+        table.rows.push_back(cells);
+    }
+    const std::string text = latex(table, "Wide", "");
+    EXPECT_NE(text.find("In every row status: ok; scene: a scene."), std::string::npos) << text;
+    EXPECT_NE(text.find("In the CSV also: message, error number 11"), std::string::npos) << text;
+    EXPECT_NE(text.find("\\num{1.23e-5}"), std::string::npos) << text;
+}
+
+// What is published compiles in a plain article, and no table is wider than its text (345 pt), by a real LaTeX.
+TEST(Latex, PublishedTablesCompileAndFit) {
+    if (std::system(
+            "kpsewhich siunitx.sty longtable.sty booktabs.sty >/dev/null 2>&1 && command -v pdflatex >/dev/null") != 0)
+        GTEST_SKIP() << "no LaTeX";
+    namespace fs = std::filesystem;
+    std::string pattern = (fs::temp_directory_path() / "polhode-tex-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    std::vector<std::string> names;
+    std::ofstream article(pattern + "/all.tex");
+    article << "\\documentclass{article}\n\\usepackage{booktabs,longtable,siunitx}\n\\begin{document}\n";
+    for (const auto& entry : fs::directory_iterator(POLHODE_SOURCE_DIR "/results"))
+        if (entry.path().extension() == ".tex") {
+            names.push_back(entry.path().stem().string());
+            article << "\\input{" << entry.path().string() << "}\n";
+        }
+    article << "\\end{document}\n";
+    article.close();
+    EXPECT_EQ(
+        std::system(("cd " + pattern + " && pdflatex -halt-on-error -interaction=nonstopmode all.tex >log").c_str()),
+        0);
+    // longtable notes the widths of its columns
+    std::ifstream notes(pattern + "/all.aux");
+    std::vector<double> widths;
+    for (std::string line; std::getline(notes, line);) {
+        if (line.find("\\gdef \\LT@") != line.npos) widths.push_back(0);
+        for (std::size_t at = line.find("{"); at != line.npos; at = line.find("{", at + 1)) {
+            char* end = nullptr;
+            const double width = std::strtod(line.c_str() + at + 1, &end);
+            if (std::string_view(end).starts_with("pt}")) widths.back() += width;
+        }
+    }
+    ASSERT_EQ(widths.size(), names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) EXPECT_LE(widths[i], 345) << names[i];
+    fs::remove_all(pattern);
+}
+
+TEST(Latex, WritesNumbersForSiunitx) {
+    EXPECT_EQ(latex_cell(1e-10), "\\num{1e-10}");
+    EXPECT_EQ(latex_cell(-1e5), "\\num{-1e5}");
+    EXPECT_EQ(latex_cell(-0.25), "\\num{-0.25}");
     EXPECT_EQ(latex_cell(-infinity), "$-\\infty$");
     EXPECT_EQ(latex_cell(std::nan("")), "nan");
-    EXPECT_EQ(latex_cell(12345L), "12345");
+    EXPECT_EQ(latex_cell(12345L), "\\num{12345}");
 }
 
 TEST(Latex, EscapesEverySpecialCharacter) {

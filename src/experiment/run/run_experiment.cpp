@@ -55,8 +55,8 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
 /// The identity of what a kind makes as a whole: program, experiment, scenes.
 std::string whole_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
-    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about, e.kind->name,
-                                   quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
+    std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about,
+                                   e.kind->name, quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));

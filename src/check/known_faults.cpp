@@ -1,315 +1,47 @@
 // The faults that engines and their files are known to have. Adding one is adding a row.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
-#include "body/elementary.h"
-#include "body/fast_principal_frame.h"
-#include "body/mass_properties.h"
-#include "body/rigid_body.h"
-#include "check/hypothesis.h"
+#include "check/fault_effects.h"
 
 namespace polhode {
 namespace {
 
-using Vector = Vector3<double>;
-using Matrix = Matrix3<double>;
+using namespace fault_effects;
 
 constexpr double degree = std::numbers::pi / 180;
 constexpr double revolution_per_minute = std::numbers::pi / 30;
-constexpr double inch = 0.0254;
 
-// Changes of the cause: each says whether it means anything there.
+using Apply = std::function<bool(Cause&, double)>;
+using Values = std::vector<double> (*)(const FileFacts&);
 
-auto read_as(void (*change)(Reading&)) {
-    return [change](Cause& c, double) {
-        change(c.reading);
-        return true;
-    };
+// A fault with a number that is fitted, or without.
+Hypothesis fitted(std::string fault, Subject subject, std::string what, std::string remedy, Apply apply,
+                  Values values = nullptr, std::string convention = "") {
+    Hypothesis h{.fault = std::move(fault),
+                 .subject = subject,
+                 .what = std::move(what),
+                 .remedy = std::move(remedy),
+                 .apply = std::move(apply),
+                 .values = {},
+                 .convention = std::move(convention)};
+    if (values) h.values = values;
+    return h;
 }
-auto engine_does(void (*change)(EngineFault&, double)) {
-    return [change](Cause& c, double x) {
-        change(c.engine, x);
-        return true;
-    };
-}
-
-// Whether the body is round enough that a change of its tensor's axes changes nothing.
-bool same_tensor(const Matrix& a, const Matrix& b) {
-    double change = 0, scale = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            change = std::max(change, std::abs(a[i][j] - b[i][j])), scale = std::max(scale, std::abs(a[i][j]));
-    return change <= 1e-6 * scale;
-}
-
-bool give_tensor(Cause& c, const Matrix& tensor) {
-    if (same_tensor(c.scene.body.inertia_B, tensor)) return false;
-    // no body could have it: the engine is not asked, since products of inertia alone can make it impossible
-    c.scene.body.inertia_B = tensor;
-    return true;
-}
-
-// rows and columns taken in another order
-template <int a, int b, int c>
-bool permute_axes(Cause& cause, double) {
-    constexpr std::array order{a, b, c};
-    const Matrix I = cause.scene.body.inertia_B;
-    Matrix permuted;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            permuted[i][j] = I[order[static_cast<std::size_t>(i)]][order[static_cast<std::size_t>(j)]];
-    return give_tensor(cause, permuted);
-}
-
-bool change_products(Cause& c, double factor) {
-    Matrix I = c.scene.body.inertia_B;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (i != j) I[i][j] *= factor;
-    return give_tensor(c, I);
-}
-
-bool drop_products(Cause& c, double) { return change_products(c, 0); }
-bool reverse_products(Cause& c, double) { return change_products(c, -1); }
-
-// R^T D R where R D R^T is right: R maps principal axes to body axes
-bool transpose_principal_frame(Cause& c, double) {
-    const PrincipalFrame frame = fast_principal_frame(c.scene.body.inertia_B);
-    const Matrix R = rotation_matrix(frame.q_BP);
-    return give_tensor(c, transposed(R) * diagonal(frame.moments) * R);
-}
-
-// the moments of the principal axes used as if those were the body's
-bool forget_principal_frame(Cause& c, double) {
-    return give_tensor(c, diagonal(fast_principal_frame(c.scene.body.inertia_B).moments));
-}
-
-bool mean_moment(Cause& c, double) {
-    const Matrix& I = c.scene.body.inertia_B;
-    const double mean = (I[0][0] + I[1][1] + I[2][2]) / 3;
-    return give_tensor(c, diagonal(Vector(mean, mean, mean)));
-}
-
-// Whether a torque acts that does not come from the body's own mass.
-bool has_load(const Scene& scene, auto&& is) { return std::any_of(scene.loads.begin(), scene.loads.end(), is); }
-template <class T>
-bool has(const Scene& scene) {
-    return has_load(scene, [](const Load& load) { return std::holds_alternative<T>(load); });
-}
-template <class T>
-void each(Scene& scene, auto&& change) {
-    for (Load& load : scene.loads)
-        if (T* one = std::get_if<T>(&load)) change(*one);
-}
-
-// Only where a torque stands against the moments does their size matter.
-bool torque_matters(const Scene& scene) {
-    return has<Torque>(scene) || has<Force>(scene) || has<Impulse>(scene) || has<Spring>(scene) ||
-           has_load(scene,
-                    [](const Load& load) {
-                        const Drag* drag = std::get_if<Drag>(&load);
-                        return drag && length(drag->rotational) > 0;
-                    }) ||
-           (has<Gravity>(scene) && scene.pivot);
-}
-
-bool scale_inertia(Cause& c, double factor) {
-    if (!torque_matters(c.scene)) return false;
-    for (Vector& row : c.scene.body.inertia_B.row) row = factor * row;
-    return true;
-}
-
-bool mass_matters(const Scene& scene) {
-    return has<Force>(scene) || has<Impulse>(scene) || has<Drag>(scene) || (scene.pivot && has<Gravity>(scene));
-}
-bool scale_mass(Cause& c, double factor) {
-    if (!mass_matters(c.scene)) return false;
-    c.scene.body.mass *= factor;
-    return true;
-}
-// density or unit of mass: both at once
-bool scale_density(Cause& c, double factor) {
-    const bool mass = scale_mass(c, factor);
-    return scale_inertia(c, factor) || mass;
-}
-
-bool center_at_origin(Cause& c, double) {
-    Body& body = c.scene.body;
-    if (!(length(body.center_of_mass) > 0)) return false;
-    body.center_of_mass = {};
-    return true;
-}
-bool inertia_about_origin(Cause& c, double) {
-    Body& body = c.scene.body;
-    if (!c.scene.pivot || length(*c.scene.pivot) != 0 || !(length(body.center_of_mass) > 0)) return false;
-    body.inertia_B = body.inertia_B + parallel_axis(body.mass, body.center_of_mass);
-    body.center_of_mass = {};
-    return true;
-}
-// the tensor about the centre of mass used about the pivot
-bool no_parallel_axis(Cause& c, double) {
-    Body& body = c.scene.body;
-    const Vector arm = body.center_of_mass - c.scene.pivot.value_or(body.center_of_mass);
-    if (!(length(arm) > 0)) return false;
-    body.inertia_B = body.inertia_B + parallel_axis(-body.mass, arm);
-    return true;
-}
-// the tensor about the pivot given as the one about the centre of mass: shifted twice
-bool parallel_axis_twice(Cause& c, double) {
-    Body& body = c.scene.body;
-    const Vector arm = body.center_of_mass - c.scene.pivot.value_or(body.center_of_mass);
-    if (!(length(arm) > 0)) return false;
-    body.inertia_B = body.inertia_B + parallel_axis(body.mass, arm);
-    return true;
-}
-
-bool scale_start_rate(Cause& c, double factor) {
-    if (!(length(c.scene.initial.angular_velocity) > 0)) return false;
-    c.scene.initial.angular_velocity = factor * c.scene.initial.angular_velocity;
-    return true;
-}
-template <Frame written>
-bool start_rate_in_other_frame(Cause& c, double) {
-    Initial& start = c.scene.initial;
-    const Quaternion<double> q = normalized(start.orientation);
-    if (start.angular_velocity_frame != written || !(length(start.angular_velocity) > 0) ||
-        length(rotate(q, start.angular_velocity) - start.angular_velocity) < 1e-6 * length(start.angular_velocity))
-        return false;
-    start.angular_velocity_frame = written == Frame::body ? Frame::world : Frame::body;
-    return true;
-}
-bool start_inverted(Cause& c, double) {
-    Initial& start = c.scene.initial;
-    if (length(vector_part(start.orientation)) < 1e-6) return false;
-    start.orientation = conjugate(start.orientation);
-    return true;
-}
-bool start_scalar_last(Cause& c, double) {
-    const Quaternion<double> q = c.scene.initial.orientation;
-    c.scene.initial.orientation = {q.z, q.w, q.x, q.y};
-    return true;
-}
-bool start_without_turn(Cause& c, double) {
-    if (length(vector_part(c.scene.initial.orientation)) < 1e-6) return false;
-    c.scene.initial.orientation = {};
-    return true;
-}
-bool start_without_rate(Cause& c, double) { return scale_start_rate(c, 0); }
-bool start_velocity_factor(Cause& c, double factor) {
-    if (c.scene.pivot || !(length(c.scene.initial.velocity_W) > 0)) return false;
-    c.scene.initial.velocity_W = factor * c.scene.initial.velocity_W;
-    return true;
-}
-
-bool scale_gravity(Cause& c, double factor) {
-    if (!has<Gravity>(c.scene) || (c.scene.pivot && !(length(c.scene.body.center_of_mass - *c.scene.pivot) > 0)))
-        return false;
-    each<Gravity>(c.scene, [&](Gravity& g) { g.acceleration_W = factor * g.acceleration_W; });
-    return true;
-}
-bool gravity_along_y(Cause& c, double) {
-    bool along_z = false;
-    each<Gravity>(c.scene, [&](Gravity& g) {
-        along_z = along_z || g.acceleration_W[2] != 0;
-        g.acceleration_W = {g.acceleration_W[0], g.acceleration_W[2], g.acceleration_W[1]};
-    });
-    return along_z;
-}
-
-bool scale_torque(Cause& c, double factor) {
-    each<Torque>(c.scene, [&](Torque& t) { t.vector = factor * t.vector; });
-    return has<Torque>(c.scene);
-}
-template <Frame written>
-bool torque_in_other_frame(Cause& c, double) {
-    bool any = false;
-    each<Torque>(c.scene, [&](Torque& t) {
-        if (t.frame == written) any = true, t.frame = written == Frame::body ? Frame::world : Frame::body;
-    });
-    return any;
-}
-bool scale_force(Cause& c, double factor) {
-    each<Force>(c.scene, [&](Force& f) { f.vector = factor * f.vector; });
-    return has<Force>(c.scene);
-}
-template <Frame written>
-bool force_in_other_frame(Cause& c, double) {
-    bool any = false;
-    each<Force>(c.scene, [&](Force& f) {
-        if (f.frame == written) any = true, f.frame = written == Frame::body ? Frame::world : Frame::body;
-    });
-    return any;
-}
-bool force_at_center(Cause& c, double) {
-    bool any = false;
-    const Vector center = c.scene.body.center_of_mass;
-    each<Force>(c.scene, [&](Force& f) {
-        if (f.point_frame == Frame::body && length(f.point - center) > 0) any = true, f.point = center;
-    });
-    return any && !c.scene.pivot;
-}
-bool scale_impulse(Cause& c, double factor) {
-    each<Impulse>(c.scene, [&](Impulse& i) { i.vector = factor * i.vector; });
-    return has<Impulse>(c.scene);
-}
-bool impulse_at_center(Cause& c, double) {
-    bool any = false;
-    const Vector center = c.scene.body.center_of_mass;
-    each<Impulse>(c.scene, [&](Impulse& i) {
-        if (i.point_frame == Frame::body && length(i.point - center) > 0) any = true, i.point = center;
-    });
-    return any && !c.scene.pivot;
-}
-bool impulse_from_center(Cause& c, double) {
-    bool any = false;
-    const Vector center = c.scene.body.center_of_mass;
-    each<Impulse>(c.scene, [&](Impulse& i) {
-        if (i.point_frame == Frame::body && length(center) > 0) any = true, i.point = i.point + center;
-    });
-    return any;
-}
-bool scale_spring(Cause& c, double factor) {
-    each<Spring>(c.scene, [&](Spring& s) { s.stiffness *= factor; });
-    return has<Spring>(c.scene);
-}
-bool scale_drag(Cause& c, double factor) {
-    each<Drag>(c.scene, [&](Drag& d) { d.rotational = factor * d.rotational, d.translational *= factor; });
-    return has<Drag>(c.scene);
-}
-bool scale_all_torques(Cause& c, double factor) {
-    const bool torque = scale_torque(c, factor), spring = scale_spring(c, factor);
-    return torque && spring;
-}
-
-// A fault of one number, known beforehand.
+// One of a number that is known beforehand.
 Hypothesis fixed(std::string fault, Subject subject, std::string what, std::string remedy,
                  bool (*apply)(Cause&, double), double x = 1) {
-    return {.fault = std::move(fault),
-            .subject = subject,
-            .what = std::move(what),
-            .remedy = std::move(remedy),
-            .apply = [apply, x](Cause& c, double) { return apply(c, x); }};
+    return fitted(std::move(fault), subject, std::move(what), std::move(remedy),
+                  [apply, x](Cause& c, double) { return apply(c, x); });
 }
-
 Hypothesis reading(std::string fault, Subject subject, std::string what, std::string remedy, void (*change)(Reading&),
                    std::string convention = "") {
-    return {.fault = std::move(fault),
-            .subject = subject,
-            .what = std::move(what),
-            .remedy = std::move(remedy),
-            .apply = read_as(change),
-            .convention = std::move(convention)};
+    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), read_as(change), nullptr,
+                  std::move(convention));
 }
-
 Hypothesis engine(std::string fault, Subject subject, std::string what, std::string remedy,
                   void (*change)(EngineFault&, double)) {
-    return {.fault = std::move(fault),
-            .subject = subject,
-            .what = std::move(what),
-            .remedy = std::move(remedy),
-            .apply = engine_does(change)};
+    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), engine_does(change));
 }
 
 // a factor so near to 1 is a method's own error
@@ -340,22 +72,9 @@ std::vector<double> speed_limits(const FileFacts& facts) {
 // A factor of something in the scene.
 Hypothesis scaled(std::string fault, Subject subject, std::string what, std::string remedy,
                   bool (*apply)(Cause&, double)) {
-    return {.fault = std::move(fault),
-            .subject = subject,
-            .what = std::move(what),
-            .remedy = std::move(remedy),
-            .apply = [apply](Cause& c, double x) { return is_plain(x) && apply(c, x); },
-            .values = factors};
-}
-
-Hypothesis fitted(std::string fault, Subject subject, std::string what, std::string remedy,
-                  std::function<bool(Cause&, double)> apply, std::vector<double> (*values)(const FileFacts&)) {
-    return {.fault = std::move(fault),
-            .subject = subject,
-            .what = std::move(what),
-            .remedy = std::move(remedy),
-            .apply = std::move(apply),
-            .values = values};
+    return fitted(
+        std::move(fault), subject, std::move(what), std::move(remedy),
+        [apply](Cause& c, double x) { return is_plain(x) && apply(c, x); }, factors);
 }
 
 // what the columns name is the other of the two points
@@ -411,18 +130,6 @@ std::vector<Hypothesis> readings() {
         reading("angular_velocity_negated_and_in_body_axes", S::rate_columns,
                 "wx,wy,wz have the opposite sign and are in body axes", "turn their sign, and write them in world axes",
                 [](Reading& r) { r.rate_unit = -1, r.rate_in_body = true; }),
-        reading(
-            "lengths_in_centimetres", S::lengths, "positions and velocities are in centimetres",
-            "write metres, or give --convention centimetres", [](Reading& r) { r.length_unit = 0.01; }, "centimetres"),
-        reading(
-            "lengths_in_millimetres", S::lengths, "positions and velocities are in millimetres",
-            "write metres, or give --convention millimetres", [](Reading& r) { r.length_unit = 0.001; }, "millimetres"),
-        reading(
-            "lengths_in_inches", S::lengths, "positions and velocities are in inches",
-            "write metres, or give --convention inches", [](Reading& r) { r.length_unit = inch; }, "inches"),
-        reading(
-            "lengths_in_feet", S::lengths, "positions and velocities are in feet",
-            "write metres, or give --convention feet", [](Reading& r) { r.length_unit = 12 * inch; }, "feet"),
         reading("positions_in_centimetres", S::lengths, "positions are in centimetres, velocities are not",
                 "write metres", [](Reading& r) { r.position_unit = 0.01; }),
         reading("velocities_in_centimetres", S::lengths, "velocities are in centimetres per second, positions are not",
@@ -437,6 +144,17 @@ std::vector<Hypothesis> readings() {
                 "write the start as the first row, or let the times begin one step later",
                 [](Reading& r) { r.rows_late = -1; }),
     };
+    for (const char* unit : {"centimetres", "millimetres", "inches", "feet"})
+        all.push_back({.fault = std::string("lengths_in_") + unit,
+                       .subject = S::lengths,
+                       .what = std::string("positions and velocities are in ") + unit,
+                       .remedy = std::string("write metres, or give --convention ") + unit,
+                       .apply =
+                           [metres = *length_unit(unit)](Cause& c, double) {
+                               c.reading.length_unit = metres;
+                               return true;
+                           },
+                       .convention = unit});
     all.push_back({.fault = "origin_for_center_of_mass",
                    .subject = S::point,
                    .what = "the position is the body's origin, not its centre of mass",
@@ -533,10 +251,10 @@ std::vector<Hypothesis> body_faults() {
         fixed("inertia_axes_permuted", S::inertia, "the moments of inertia stand in the order z, x, y", order,
               permute_axes<2, 0, 1>),
         fixed("products_of_inertia_dropped", S::inertia, "the products of inertia are dropped",
-              "give the engine the full tensor, or its principal axes", drop_products),
+              "give the engine the full tensor, or its principal axes", scale_products, 0),
         fixed("products_of_inertia_reversed", S::inertia,
               "the products of inertia have the opposite sign: int xy dm stands where -int xy dm belongs",
-              "turn the sign of the tensor's off-diagonal elements", reverse_products),
+              "turn the sign of the tensor's off-diagonal elements", scale_products, -1),
         fixed("principal_frame_transposed", S::inertia, "the rotation to the principal axes is transposed",
               "let I = R D R^T where R maps principal axes to body axes", transpose_principal_frame),
         fixed(
@@ -553,9 +271,9 @@ std::vector<Hypothesis> body_faults() {
               "give the engine the body's centre of mass", inertia_about_origin),
         fixed("inertia_not_shifted_to_pivot", S::inertia,
               "the tensor about the centre of mass is used about the pivot: m (r.r 1 - r r^T) is missing",
-              "add the parallel-axis term", no_parallel_axis),
+              "add the parallel-axis term", add_parallel_axis, -1),
         fixed("inertia_shifted_twice", S::inertia, "the tensor is shifted to the pivot twice",
-              "add the parallel-axis term once", parallel_axis_twice),
+              "add the parallel-axis term once", add_parallel_axis, 1),
         scaled("inertia_scaled", S::mass, "the moments of inertia are {} times what they should be",
                "check the unit of length and the density that the tensor is made with", scale_inertia),
         scaled("mass_scaled", S::mass, "the mass is {} times what it should be", "check the mass, or the density",
@@ -582,7 +300,7 @@ std::vector<Hypothesis> start_faults() {
         fixed("start_rate_negated", S::start_rate, "the initial angular velocity has the opposite sign",
               "turn the sign of the initial angular velocity", scale_start_rate, -1),
         fixed("start_without_rate", S::start_rate, "the body starts without its angular velocity",
-              "set the initial angular velocity", start_without_rate),
+              "set the initial angular velocity", scale_start_rate, 0),
         fixed("body_for_world_angular_velocity", S::start_rate, "the initial angular velocity is taken in world axes",
               "turn it into the engine's axes first", start_rate_in_other_frame<Frame::body>),
         fixed("body_for_world_angular_velocity", S::start_rate, "the initial angular velocity is taken in body axes",
@@ -613,30 +331,32 @@ std::vector<Hypothesis> load_faults() {
               gravity_along_y),
         scaled("gravity_scaled", S::gravity, "gravity is {} times the scene's",
                "give the engine the scene's gravity, in its unit of length", scale_gravity),
-        fixed("torque_missing", S::torque, "the torque is missing", "apply the torque", scale_torque, 0),
-        fixed("torque_reversed", S::torque, "the torque has the opposite sign", "turn the torque's sign", scale_torque,
-              -1),
-        fixed("torque_twice", S::torque, "the torque is applied twice", once, scale_torque, 2),
+        fixed("torque_missing", S::torque, "the torque is missing", "apply the torque", scale_vectors<Torque>, 0),
+        fixed("torque_reversed", S::torque, "the torque has the opposite sign", "turn the torque's sign",
+              scale_vectors<Torque>, -1),
+        fixed("torque_twice", S::torque, "the torque is applied twice", once, scale_vectors<Torque>, 2),
         fixed("torque_in_other_axes", S::torque, "the torque in body axes is applied in world axes", frame,
-              torque_in_other_frame<Frame::body>),
+              in_other_frame<Torque, Frame::body>),
         fixed("torque_in_other_axes", S::torque, "the torque in world axes is applied in body axes", frame,
-              torque_in_other_frame<Frame::world>),
+              in_other_frame<Torque, Frame::world>),
         scaled("torque_scaled", S::torque, "the torque is {} times the scene's", "check the torque's unit",
-               scale_torque),
-        fixed("force_missing", S::force, "the force is missing", "apply the force", scale_force, 0),
-        fixed("force_reversed", S::force, "the force has the opposite sign", "turn the force's sign", scale_force, -1),
+               scale_vectors<Torque>),
+        fixed("force_missing", S::force, "the force is missing", "apply the force", scale_vectors<Force>, 0),
+        fixed("force_reversed", S::force, "the force has the opposite sign", "turn the force's sign",
+              scale_vectors<Force>, -1),
         fixed("force_in_other_axes", S::force, "the force in body axes is applied in world axes", frame,
-              force_in_other_frame<Frame::body>),
+              in_other_frame<Force, Frame::body>),
         fixed("force_in_other_axes", S::force, "the force in world axes is applied in body axes", frame,
-              force_in_other_frame<Frame::world>),
+              in_other_frame<Force, Frame::world>),
         fixed("force_at_center_of_mass", S::force, "the force acts at the centre of mass: its torque is missing",
-              "apply the force at its point", force_at_center),
-        fixed("impulse_missing", S::impulse, "the impulse is missing", "apply the impulse", scale_impulse, 0),
+              "apply the force at its point", at_center<Force>),
+        fixed("impulse_missing", S::impulse, "the impulse is missing", "apply the impulse", scale_vectors<Impulse>, 0),
         fixed("impulse_reversed", S::impulse, "the impulse has the opposite sign", "turn the impulse's sign",
-              scale_impulse, -1),
-        fixed("impulse_twice", S::impulse, "the impulse is applied twice", "apply the impulse once", scale_impulse, 2),
+              scale_vectors<Impulse>, -1),
+        fixed("impulse_twice", S::impulse, "the impulse is applied twice", "apply the impulse once",
+              scale_vectors<Impulse>, 2),
         fixed("impulse_at_wrong_point", S::impulse, "the impulse acts at the centre of mass: its turn is missing",
-              "apply the impulse at its point", impulse_at_center),
+              "apply the impulse at its point", at_center<Impulse>),
         fixed("impulse_at_wrong_point", S::impulse,
               "the impulse's point is counted from the centre of mass in place of the body's origin",
               "count the point from the body's origin", impulse_from_center),

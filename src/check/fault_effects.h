@@ -1,0 +1,243 @@
+// What the faults of check/known_faults.cpp do to a sound cause. Each says whether it means anything there.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "body/elementary.h"
+#include "body/fast_principal_frame.h"
+#include "body/mass_properties.h"
+#include "body/rigid_body.h"
+#include "check/hypothesis.h"
+
+namespace polhode::fault_effects {
+
+inline auto read_as(void (*change)(Reading&)) {
+    return [change](Cause& c, double) {
+        change(c.reading);
+        return true;
+    };
+}
+inline auto engine_does(void (*change)(EngineFault&, double)) {
+    return [change](Cause& c, double x) {
+        change(c.engine, x);
+        return true;
+    };
+}
+
+// Whether a change of the tensor changes nothing, as of axes of a round body.
+inline bool same_tensor(const Matrix3<double>& a, const Matrix3<double>& b) {
+    double change = 0, scale = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            change = std::max(change, std::abs(a[i][j] - b[i][j])), scale = std::max(scale, std::abs(a[i][j]));
+    return change <= 1e-6 * scale;
+}
+
+inline bool give_tensor(Cause& c, const Matrix3<double>& tensor) {
+    if (same_tensor(c.scene.body.inertia_B, tensor)) return false;
+    // no body could have it: the engine is not asked, since products of inertia alone can make it impossible
+    c.scene.body.inertia_B = tensor;
+    return true;
+}
+
+// rows and columns taken in another order
+template <int a, int b, int c>
+bool permute_axes(Cause& cause, double) {
+    constexpr std::array order{a, b, c};
+    const Matrix3<double> I = cause.scene.body.inertia_B;
+    Matrix3<double> permuted;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            permuted[i][j] = I[order[static_cast<std::size_t>(i)]][order[static_cast<std::size_t>(j)]];
+    return give_tensor(cause, permuted);
+}
+
+inline bool scale_products(Cause& c, double factor) {
+    Matrix3<double> I = c.scene.body.inertia_B;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (i != j) I[i][j] *= factor;
+    return give_tensor(c, I);
+}
+
+// R^T D R where R D R^T is right: R maps principal axes to body axes
+inline bool transpose_principal_frame(Cause& c, double) {
+    const PrincipalFrame frame = fast_principal_frame(c.scene.body.inertia_B);
+    const Matrix3<double> R = rotation_matrix(frame.q_BP);
+    return give_tensor(c, transposed(R) * diagonal(frame.moments) * R);
+}
+
+// the moments of the principal axes used as if those were the body's
+inline bool forget_principal_frame(Cause& c, double) {
+    return give_tensor(c, diagonal(fast_principal_frame(c.scene.body.inertia_B).moments));
+}
+
+inline bool mean_moment(Cause& c, double) {
+    const Matrix3<double>& I = c.scene.body.inertia_B;
+    const double mean = (I[0][0] + I[1][1] + I[2][2]) / 3;
+    return give_tensor(c, diagonal(Vector3<double>(mean, mean, mean)));
+}
+
+inline bool has_load(const Scene& scene, auto&& is) { return std::any_of(scene.loads.begin(), scene.loads.end(), is); }
+template <class T>
+bool has(const Scene& scene) {
+    return has_load(scene, [](const Load& load) { return std::holds_alternative<T>(load); });
+}
+template <class T>
+void each(Scene& scene, auto&& change) {
+    for (Load& load : scene.loads)
+        if (T* one = std::get_if<T>(&load)) change(*one);
+}
+
+// Only where a torque stands against the moments does their size matter.
+inline bool torque_matters(const Scene& scene) {
+    return has<Torque>(scene) || has<Force>(scene) || has<Impulse>(scene) || has<Spring>(scene) ||
+           has_load(scene,
+                    [](const Load& load) {
+                        const Drag* drag = std::get_if<Drag>(&load);
+                        return drag && length(drag->rotational) > 0;
+                    }) ||
+           (has<Gravity>(scene) && scene.pivot);
+}
+
+inline bool scale_inertia(Cause& c, double factor) {
+    if (!torque_matters(c.scene)) return false;
+    for (Vector3<double>& row : c.scene.body.inertia_B.row) row = factor * row;
+    return true;
+}
+
+inline bool mass_matters(const Scene& scene) {
+    return has<Force>(scene) || has<Impulse>(scene) || has<Drag>(scene) || (scene.pivot && has<Gravity>(scene));
+}
+inline bool scale_mass(Cause& c, double factor) {
+    if (!mass_matters(c.scene)) return false;
+    c.scene.body.mass *= factor;
+    return true;
+}
+// density or unit of mass: both at once
+inline bool scale_density(Cause& c, double factor) {
+    const bool mass = scale_mass(c, factor);
+    return scale_inertia(c, factor) || mass;
+}
+
+inline bool center_at_origin(Cause& c, double) {
+    Body& body = c.scene.body;
+    if (!(length(body.center_of_mass) > 0)) return false;
+    body.center_of_mass = {};
+    return true;
+}
+inline bool inertia_about_origin(Cause& c, double) {
+    Body& body = c.scene.body;
+    if (!c.scene.pivot || length(*c.scene.pivot) != 0 || !(length(body.center_of_mass) > 0)) return false;
+    body.inertia_B = body.inertia_B + parallel_axis(body.mass, body.center_of_mass);
+    body.center_of_mass = {};
+    return true;
+}
+// the parallel-axis term to the pivot added so many times too often: -1, it is missing
+inline bool add_parallel_axis(Cause& c, double times) {
+    Body& body = c.scene.body;
+    const Vector3<double> arm = body.center_of_mass - c.scene.pivot.value_or(body.center_of_mass);
+    if (!(length(arm) > 0)) return false;
+    body.inertia_B = body.inertia_B + parallel_axis(times * body.mass, arm);
+    return true;
+}
+
+inline bool scale_start_rate(Cause& c, double factor) {
+    if (!(length(c.scene.initial.angular_velocity) > 0)) return false;
+    c.scene.initial.angular_velocity = factor * c.scene.initial.angular_velocity;
+    return true;
+}
+template <Frame written>
+bool start_rate_in_other_frame(Cause& c, double) {
+    Initial& start = c.scene.initial;
+    const Quaternion<double> q = normalized(start.orientation);
+    if (start.angular_velocity_frame != written || !(length(start.angular_velocity) > 0) ||
+        length(rotate(q, start.angular_velocity) - start.angular_velocity) < 1e-6 * length(start.angular_velocity))
+        return false;
+    start.angular_velocity_frame = written == Frame::body ? Frame::world : Frame::body;
+    return true;
+}
+inline bool start_inverted(Cause& c, double) {
+    Initial& start = c.scene.initial;
+    if (length(vector_part(start.orientation)) < 1e-6) return false;
+    start.orientation = conjugate(start.orientation);
+    return true;
+}
+inline bool start_scalar_last(Cause& c, double) {
+    const Quaternion<double> q = c.scene.initial.orientation;
+    c.scene.initial.orientation = {q.z, q.w, q.x, q.y};
+    return true;
+}
+inline bool start_without_turn(Cause& c, double) {
+    if (length(vector_part(c.scene.initial.orientation)) < 1e-6) return false;
+    c.scene.initial.orientation = {};
+    return true;
+}
+inline bool start_velocity_factor(Cause& c, double factor) {
+    if (c.scene.pivot || !(length(c.scene.initial.velocity_W) > 0)) return false;
+    c.scene.initial.velocity_W = factor * c.scene.initial.velocity_W;
+    return true;
+}
+
+inline bool scale_gravity(Cause& c, double factor) {
+    if (!has<Gravity>(c.scene) || (c.scene.pivot && !(length(c.scene.body.center_of_mass - *c.scene.pivot) > 0)))
+        return false;
+    each<Gravity>(c.scene, [&](Gravity& g) { g.acceleration_W = factor * g.acceleration_W; });
+    return true;
+}
+inline bool gravity_along_y(Cause& c, double) {
+    bool along_z = false;
+    each<Gravity>(c.scene, [&](Gravity& g) {
+        along_z = along_z || g.acceleration_W[2] != 0;
+        g.acceleration_W = {g.acceleration_W[0], g.acceleration_W[2], g.acceleration_W[1]};
+    });
+    return along_z;
+}
+
+// of torques, forces and impulses alike
+template <class T>
+bool scale_vectors(Cause& c, double factor) {
+    each<T>(c.scene, [&](T& load) { load.vector = factor * load.vector; });
+    return has<T>(c.scene);
+}
+template <class T, Frame written>
+bool in_other_frame(Cause& c, double) {
+    bool any = false;
+    each<T>(c.scene, [&](T& load) {
+        if (load.frame == written) any = true, load.frame = written == Frame::body ? Frame::world : Frame::body;
+    });
+    return any;
+}
+template <class T>
+bool at_center(Cause& c, double) {
+    bool any = false;
+    const Vector3<double> center = c.scene.body.center_of_mass;
+    each<T>(c.scene, [&](T& load) {
+        if (load.point_frame == Frame::body && length(load.point - center) > 0) any = true, load.point = center;
+    });
+    return any && !c.scene.pivot;
+}
+inline bool impulse_from_center(Cause& c, double) {
+    bool any = false;
+    const Vector3<double> center = c.scene.body.center_of_mass;
+    each<Impulse>(c.scene, [&](Impulse& i) {
+        if (i.point_frame == Frame::body && length(center) > 0) any = true, i.point = i.point + center;
+    });
+    return any;
+}
+inline bool scale_spring(Cause& c, double factor) {
+    each<Spring>(c.scene, [&](Spring& s) { s.stiffness *= factor; });
+    return has<Spring>(c.scene);
+}
+inline bool scale_drag(Cause& c, double factor) {
+    each<Drag>(c.scene, [&](Drag& d) { d.rotational = factor * d.rotational, d.translational *= factor; });
+    return has<Drag>(c.scene);
+}
+inline bool scale_all_torques(Cause& c, double factor) {
+    const bool torque = scale_vectors<Torque>(c, factor), spring = scale_spring(c, factor);
+    return torque && spring;
+}
+
+}  // namespace polhode::fault_effects

@@ -1,4 +1,4 @@
-#include "laboratory.h"
+#include "app/laboratory.h"
 
 #include <fcntl.h>
 

@@ -101,7 +101,7 @@ class Killed : public ::testing::TestWithParam<int> {
 
     void expect_whole_tables() const {
         const std::map<std::string, std::string> last_words{
-            {".md", "|\n"}, {".tex", "\\end{table}\n"}, {".svg", "</svg>"}, {".pdf", "%%EOF"}};
+            {".md", "|\n"}, {".tex", "\\endgroup\n"}, {".svg", "</svg>"}, {".pdf", "%%EOF"}};
         for (const auto& path : files(results())) {
             const std::string ending = path.extension().string(), text = read(path);
             SCOPED_TRACE(path);

@@ -175,10 +175,13 @@ Column column_of(const Table& table, std::size_t index, bool number, const TypeS
     // names for programs are words too
     std::string heading = table.columns[index];
     std::ranges::replace(heading, '_', ' ');
-    column.heading = lines_of(heading, std::max<std::size_t>(widest, 8));
-    for (const std::string& line : column.heading) widest = std::max(widest, line.size());
-    column.width = static_cast<double>(widest) * type.digit;
-    if (!number) column.width = std::min(column.width, type.widest_text);
+    // a text is broken at its widest, and so is its heading, if no word is longer
+    const double most = number ? text_width : type.widest_text;
+    const auto fitting = static_cast<std::size_t>(most / type.digit);
+    column.heading = lines_of(heading, std::clamp<std::size_t>(widest, 8, fitting));
+    column.width = std::min(static_cast<double>(widest) * type.digit, most);
+    for (const std::string& line : column.heading)
+        column.width = std::max(column.width, static_cast<double>(line.size()) * type.digit);
     return column;
 }
 

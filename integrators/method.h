@@ -60,6 +60,7 @@ enum class Family {
     engine_update,     ///< a step as physics engines take it
     points,            ///< the body is made of points
     reference,         ///< the truth that errors are measured against
+    engine,            ///< a physics engine itself, in a process of its own
 };
 
 /// The arithmetic of a method's steps.

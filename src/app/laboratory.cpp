@@ -4,8 +4,10 @@
 
 #include <array>
 #include <csignal>
+#include <filesystem>
 
 #include "app/commands.h"
+#include "integrators/engines/engine_methods.h"
 #include "integrators/own_methods.h"
 
 namespace polhode {
@@ -18,6 +20,14 @@ void hold_standard_streams() {
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
 }
 
+// The engines stand beside the program.
+void add_engines_of_program() {
+    std::error_code fault;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", fault);
+    const auto list = program.parent_path() / "engines" / "engines.json";
+    if (!fault && std::filesystem::exists(list, fault)) add_engines(list.string());
+}
+
 }  // namespace
 
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
@@ -25,6 +35,7 @@ int run_laboratory(int argc, const char* const* argv, std::span<const Method> ow
     // a file beyond the limit on its size is a failed write, not the end of the process
     std::signal(SIGXFSZ, SIG_IGN);
     add_methods(own);
+    add_engines_of_program();
     const std::array commands{
         add_solve, add_truth, add_check, add_describe, add_show, add_run, add_list, add_export, add_ensemble,
     };

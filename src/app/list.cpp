@@ -11,6 +11,7 @@
 #include "app/scene_index.h"
 #include "experiment/plan/experiment_keys.h"
 #include "experiment/run/result.h"
+#include "integrators/engines/engine_methods.h"
 #include "integrators/method.h"
 #include "motion/trajectory_columns.h"
 #include "scene/builtin.h"
@@ -52,6 +53,13 @@ std::vector<Entry> methods_with_auto() {
     std::vector<Entry> entries{{"auto", "The most accurate of these for the scene"}};
     for (const Method* method : methods())
         entries.push_back({std::string(method->name), first_sentence(method->documentation)});
+    return entries;
+}
+
+std::vector<Entry> engine_entries() {
+    std::vector<Entry> entries;
+    for (const EngineMethod& engine : engines())
+        entries.push_back({std::string(engine.method->name), first_sentence(engine.method->documentation)});
     return entries;
 }
 
@@ -167,11 +175,11 @@ void add_list(CLI::App& program, int&) {
     CLI::App* command = program.add_subcommand("list", "Lists what there is, a line each.");
     const auto options = std::make_shared<Options>();
     command
-        ->add_option(
-            "WHAT", options->what,
-            "scenes, methods, experiments, metrics, keys (of scene and experiment files) or columns (of trajectories)")
+        ->add_option("WHAT", options->what,
+                     "scenes, methods, experiments, metrics, keys (of scene and experiment files), columns (of "
+                     "trajectories) or engines")
         ->required()
-        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns"}));
+        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines"}));
     command->add_option("--format", options->format, "text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();
@@ -181,6 +189,7 @@ void add_list(CLI::App& program, int&) {
                                            : options->what == "experiments" ? experiments()
                                            : options->what == "keys"        ? key_entries()
                                            : options->what == "columns"     ? column_entries()
+                                           : options->what == "engines"     ? engine_entries()
                                                                             : metrics();
         write_output("", options->format == "json"       ? as_json(entries)
                          : options->format == "markdown" ? as_markdown(options->what, entries)

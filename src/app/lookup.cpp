@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/commands.h"
+#include "integrators/engines/engine_methods.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -46,11 +47,13 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
     for (const Method* method : methods()) names.emplace_back(method->name);
+    for (const EngineMethod& engine : engines()) names.emplace_back(engine.method->name);
     return names;
 }
 
 const Method& method_named(const std::string& name) {
     if (const Method* method = find_method(name)) return *method;
+    if (const EngineMethod* engine = find_engine(name)) return *engine->method;
     for (const MethodLeftOut& method : methods_left_out())
         if (method.name == name)
             throw UsageError(fmt::format("there is no method {0}; polhode describe {0} tells why", name));

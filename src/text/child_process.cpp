@@ -39,15 +39,6 @@ std::size_t size_of(std::FILE* file) {
     return fstat(fileno(file), &properties) == 0 ? static_cast<std::size_t>(properties.st_size) : 0;
 }
 
-// the last line that is not blank
-std::string last_line(std::string_view text) {
-    const std::size_t end = text.find_last_not_of(" \t\r\n");
-    if (end == std::string_view::npos) return "";
-    text = text.substr(0, end + 1);
-    const std::size_t before = text.find_last_of("\r\n");
-    return one_line(before == std::string_view::npos ? text : text.substr(before + 1), 300);
-}
-
 // posix_spawnp() with the three files as its standard streams, in a process group of its own; its error number.
 int start(const std::vector<std::string>& arguments, const File (&streams)[3], pid_t& process) {
     std::vector<char*> pointers;
@@ -76,6 +67,16 @@ bool has_ended(pid_t process) {
 }
 
 }  // namespace
+
+std::string last_line_of(std::FILE* file) {
+    const std::string written = content(file);
+    std::string_view text = written;
+    const std::size_t end = text.find_last_not_of(" \t\r\n");
+    if (end == std::string_view::npos) return "";
+    text = text.substr(0, end + 1);
+    const std::size_t before = text.find_last_of("\r\n");
+    return one_line(before == std::string_view::npos ? text : text.substr(before + 1), 300);
+}
 
 ChildRun run_child(const std::vector<std::string>& arguments, std::string_view input, const ChildLimits& limits) {
     ChildRun run;
@@ -131,7 +132,7 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
         run.fault = fmt::format("{} was ended by signal {}", name, WTERMSIG(status));
     else if (WEXITSTATUS(status) != 0)
         run.fault = fmt::format("{} failed ({})", name, WEXITSTATUS(status));
-    if (const std::string said = last_line(content(errors.get())); !run.fault.empty() && !said.empty())
+    if (const std::string said = last_line_of(errors.get()); !run.fault.empty() && !said.empty())
         run.fault += ": " + said;
     return run;
 }

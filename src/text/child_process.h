@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,5 +31,8 @@ struct ChildRun {
 /// tells of a program that could not be started, of an exit code other than 0, of a signal and of a limit reached; the
 /// last line that the program wrote to standard error is quoted in it. Nothing is thrown but std::bad_alloc.
 ChildRun run_child(const std::vector<std::string>& arguments, std::string_view input, const ChildLimits& limits = {});
+
+/// The last line of a file that is not blank, short enough to be quoted.
+std::string last_line_of(std::FILE* file);
 
 }  // namespace polhode

@@ -13,6 +13,7 @@
 #include "experiment/plan/experiment_keys.h"
 #include "experiment/plan/pattern.h"
 #include "figure/figure.h"
+#include "integrators/engines/engine_methods.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
 #include "scene/scene_file.h"
@@ -93,6 +94,9 @@ std::optional<Pattern> pattern_of(const std::string& entry, const std::string& f
     }
 }
 
+// The name of an engine in one of its settings has a colon, and so has a pattern of such names.
+bool names_engines(const std::string& entry) { return entry.find(':') != std::string::npos; }
+
 std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
                                   const std::string& file, const char* key, bool paths) {
     std::vector<std::string> names;
@@ -106,7 +110,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
             const std::size_t before = names.size();
             bool any = false;
             for (const std::string& name : known)
-                if (pattern->matches(name)) add(name), any = true;
+                if (pattern->matches(name) && names_engines(name) <= names_engines(entries[i])) add(name), any = true;
             if (!any && names.size() == before)
                 throw InputError(file, place, one_line(entries[i], 80) + " matches nothing", "one of " + listed(known));
         } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
@@ -117,6 +121,19 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
         }
     }
     return names;
+}
+
+// Methods by their names and patterns; engines, which are other programs, only where an entry has their colon.
+std::vector<const Method*> planned_methods(const std::vector<std::string>& entries, const std::string& file) {
+    std::vector<const Method*> known(methods().begin(), methods().end());
+    if (std::ranges::any_of(entries, names_engines))
+        for (const EngineMethod& engine : engines()) known.push_back(engine.method.get());
+    std::vector<std::string> names;
+    for (const Method* method : known) names.emplace_back(method->name);
+    std::vector<const Method*> planned;
+    for (const std::string& name : resolved(entries, names, file, "methods", false))
+        planned.push_back(*std::ranges::find(known, name, &Method::name));
+    return planned;
 }
 
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
@@ -271,12 +288,9 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         }
         bases.push_back({scene.name, scene, write_scene(scene)});
     }
-    std::vector<std::string> method_names;
-    for (const Method* method : methods()) method_names.emplace_back(method->name);
-    for (const std::string& name : resolved(e.methods, method_names, file, "methods", false)) {
-        const auto place = std::find(method_names.begin(), method_names.end(), name);
-        const int color = static_cast<int>(place - method_names.begin());
-        const Method* method = methods()[static_cast<std::size_t>(color)];
+    for (const Method* method : planned_methods(e.methods, file)) {
+        const std::string name(method->name);
+        const int color = static_cast<int>(std::find(methods().begin(), methods().end(), method) - methods().begin());
         const std::size_t before = plan.curves.size();
         const bool calibrated = e.kind->calibrated;
         const auto add = [&](SettingKind kind, const std::vector<double>& settings) {

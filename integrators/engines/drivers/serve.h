@@ -1,0 +1,179 @@
+// What the programs that hold an engine share: the protocol, and the march through a request's steps.
+//
+// A driver gives a World: the engine with one body in it, made anew for every run.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <concepts>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "integrators/engines/engine_request.h"
+#include "integrators/run/march.h"
+#include "motion/world_loads.h"
+
+namespace polhode::engines {
+
+/// A body as an engine is asked to make it: its origin is its centre of mass, its axes are its principal ones.
+struct Body {
+    double mass;                           ///< kg
+    Vector3<double> moments;               ///< kg m^2
+    Quaternion<double> q;                  ///< body to world
+    Vector3<double> w, p, v;               ///< world axes, rad/s, m, m/s
+    Vector3<double> gravity;               ///< of the world at t = 0, m/s^2
+    std::optional<Vector3<double>> pivot;  ///< body axes: held at the world's origin by a ball joint
+    std::vector<Plane> planes;             ///< unit normals
+    std::vector<Vector3<double>> hull;     ///< corners, body axes
+    std::optional<double> ball;            ///< or a radius, m
+    std::string setting;                   ///< one of Driver::settings
+};
+
+/// Thrown by a World for what its engine cannot represent.
+struct Unsupported : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Where a body is and how it moves; world axes.
+struct Motion {
+    Quaternion<double> q;
+    Vector3<double> w, p, v;
+};
+
+/// An engine with one body in it.
+template <class World>
+concept EngineWorld = std::constructible_from<World, const Body&> &&
+    requires(World world, const World known, const Vector3<double>& vector, double h) {
+    { known.motion() } -> std::same_as<Motion>;
+    world.set_velocities(vector, vector);  // w and v: after an impulse
+    world.set_gravity(vector);
+    world.apply(vector, vector);  // force at the centre of mass and torque, for a step
+    world.step(h);
+    { known.mass() } -> std::convertible_to<double>;
+    { known.moments() } -> std::convertible_to<Vector3<double>>;
+};
+
+/// What a driver says of its engine.
+struct Driver {
+    std::string engine, version, precision;
+    std::vector<std::pair<std::string, std::string>> settings;
+};
+
+/// A request that a driver has read.
+struct Request {
+    Problem problem;  ///< of the free body
+    Settings settings;
+    Body body;
+};
+
+/// What is written back.
+struct Run {
+    Trajectory trajectory;
+    EngineReadback readback;
+};
+
+/// Reads requests from the standard input and answers them on descriptor 3 until there are no more. The exit code.
+int serve(const Driver& driver, const std::function<Run(const Request&)>& run);
+
+/// A World marched through a request.
+template <EngineWorld World>
+class WorldStepper {
+  public:
+    WorldStepper(const Problem& problem, const Body& body, EngineReadback* readback)
+        : problem_(&problem), body_(&body), readback_(readback), loads_(problem) {}
+
+    void restart() {
+        const Stopwatch stopwatch;
+        enter_loads(problem_->segments.front());
+        Body body = *body_;
+        body.gravity = gravity_;
+        world_ = std::make_unique<World>(body);
+        const Motion made = world_->motion();
+        *readback_ = {world_->mass(), world_->moments(), made.q, made.w, made.p, made.v};
+        steps_ = 0, ++worlds_, set_up_ += stopwatch.seconds();
+    }
+    void enter(const Segment& segment) {
+        enter_loads(segment);
+        world_->set_gravity(gravity_);
+        if (segment.impulses.empty()) return;
+        const Motion at = world_->motion();
+        const Matrix3<double> R = rotation_matrix(normalized(at.q));
+        Vector3<double> kick, v = at.v;
+        WorldLoads<double>::strike(*problem_, segment, R, at.p, kick, v);
+        const Vector3<double> change = transposed(R) * kick;
+        Vector3<double> turned;
+        for (int i = 0; i < 3; ++i) turned[i] = change[i] / body_->moments[i];
+        world_->set_velocities(at.w + R * turned, v);
+    }
+    void step(double t, double h) {
+        if (is_loaded_) {
+            const Motion at = world_->motion();
+            const Quaternion<double> q = normalized(at.q);
+            const Matrix3<double> R = rotation_matrix(q);
+            const Vector3<double> force = body_->mass * (loads_.acceleration_W(R, at.v) - gravity_);
+            world_->apply(force, loads_.torque_W(
+                                     t, R, [&] { return q; }, at.w, at.p, at.v));
+        }
+        world_->step(h);
+        ++steps_;
+    }
+    Sample sample(double t) const {
+        const Motion at = world_->motion();
+        return {t, at.q, rotate_back(normalized(at.q), at.w), at.p, at.v};
+    }
+    bool finite() const {
+        const Motion at = world_->motion();
+        return all_finite(at.w, at.p, at.v) && all_finite(at.q);
+    }
+    long rhs_evaluations() const { return steps_; }
+    /// The time in which worlds were made is no time of integration.
+    void report(Trajectory& trajectory) const { trajectory.seconds -= set_up_ / static_cast<double>(worlds_); }
+
+  private:
+    // gravity is the engine's own; whatever else acts is applied from outside
+    void enter_loads(const Segment& segment) {
+        loads_.enter(segment);
+        gravity_ = {};
+        is_loaded_ = false;
+        for (const Load& load : problem_->scene.loads) {
+            if (std::holds_alternative<Impulse>(load) || !acts(window_of(load), segment.begin)) continue;
+            if (const Gravity* gravity = std::get_if<Gravity>(&load))
+                gravity_ = gravity_ + gravity->acceleration_W;
+            else
+                is_loaded_ = true;
+        }
+    }
+
+    const Problem* problem_;
+    const Body* body_;
+    EngineReadback* readback_;
+    WorldLoads<double> loads_;
+    std::unique_ptr<World> world_;
+    Vector3<double> gravity_;
+    bool is_loaded_ = false;
+    long steps_ = 0, worlds_ = 0;
+    double set_up_ = 0;
+};
+
+/// Serves requests by a World each.
+template <EngineWorld World>
+int serve(const Driver& driver) {
+    return serve(driver, [](const Request& request) {
+        Run run;
+        run.trajectory = march<WorldStepper<World>>(request.problem, request.settings, request.body, &run.readback);
+        return run;
+    });
+}
+
+/// A double's or a float's worth of an engine's own vector.
+template <class V>
+Vector3<double> vector_of(const V& v) {
+    return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+}  // namespace polhode::engines

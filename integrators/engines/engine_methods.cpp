@@ -1,0 +1,227 @@
+#include "integrators/engines/engine_methods.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <mutex>
+#include <stdexcept>
+
+#include "integrators/engines/engine_session.h"
+#include "integrators/engines/external_method.h"
+#include "integrators/run/march.h"
+#include "scene/scene_file.h"
+#include "text/json_document.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+/// What a file says of an engine.
+struct EngineEntry {
+    std::string name, about, source, needs;
+    std::vector<std::string> command, settings;
+    std::vector<std::string> by_step;  ///< of a program that is started anew for each trajectory
+    Precision precision = Precision::binary64;
+    bool planes = false;
+};
+
+std::string why_unrepresentable(const Problem& problem) {
+    try {
+        engine_scene(problem);
+    } catch (const std::invalid_argument& error) {
+        return error.what();
+    }
+    return "";
+}
+
+// The steps that a sample interval takes, 0 where all would be more than the run may take.
+long steps_for(const Problem& problem, const Settings& settings) {
+    const long steps = steps_per_sample(problem.scene.duration / static_cast<double>(settings.samples), *settings.step);
+    return steps > settings.max_steps / settings.samples ? 0 : steps;
+}
+
+/// What a method of an engine is made of.
+struct AskedEngine {
+    EngineEntry entry;
+    std::string setting;
+    std::shared_ptr<EngineSession> session;
+
+    EngineAnswer answer(const Problem& problem, const Settings& settings) const {
+        EngineAnswer result;
+        Trajectory& trajectory = result.trajectory;
+        trajectory.status = Status::failed;
+        const long steps = steps_for(problem, settings);
+        if (steps == 0) {
+            trajectory.message = fmt::format("more than the limit of {} steps", settings.max_steps);
+            trajectory.limit_reached = true;
+            return result;
+        }
+        const EngineScene scene = engine_scene(problem);
+        EngineHello hello;
+        const LineAnswer said =
+            session->ask(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
+        if (said.was_not_found || !hello.missing.empty()) {
+            trajectory = unsupported(fmt::format("{} is not here: {}", entry.name,
+                                                 hello.missing.empty() ? "it needs " + entry.needs : hello.missing));
+        } else if (!said.fault.empty()) {
+            trajectory.message = said.fault, trajectory.limit_reached = said.was_out_of_time;
+        } else {
+            result = read_answer(said.line, problem, scene, settings, steps);
+            if (trajectory.status != Status::ok && trajectory.status != Status::diverged)
+                trajectory.message = fmt::format("{}: {}", entry.name, trajectory.message);
+        }
+        return result;
+    }
+};
+
+std::vector<std::string> words(const JsonNode& node) {
+    std::vector<std::string> all;
+    for (const JsonNode* element : node.elements()) all.push_back(element->string());
+    if (all.empty()) node.fail("is empty", "give one at least");
+    return all;
+}
+
+EngineEntry read_entry(const JsonNode& node, const std::string& here) {
+    node.only({"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
+    EngineEntry entry;
+    entry.name = node.required("name", "the engine's name").string();
+    for (const char c : entry.name)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_')
+            node.find("name")->fail(node.find("name")->described(), "letters, digits and _");
+    entry.command = words(node.required("command", "the program and its arguments"));
+    for (std::string& word : entry.command)
+        for (std::size_t at; (at = word.find("{here}")) != std::string::npos;) word.replace(at, 6, here);
+    entry.settings = {"default"};
+    if (const JsonNode* settings = node.find("settings")) entry.settings = words(*settings);
+    if (const JsonNode* by_step = node.find("by_step")) {
+        entry.by_step = words(*by_step);
+        if (entry.settings.size() > 1)
+            node.find("settings")->fail(node.find("settings")->described(), "one setting beside by_step");
+    }
+    if (const JsonNode* precision = node.find("precision")) {
+        if (precision->string() != "binary32" && precision->string() != "binary64")
+            precision->fail(precision->described(), "\"binary32\" or \"binary64\"");
+        if (precision->string() == "binary32") entry.precision = Precision::binary32;
+    }
+    if (const JsonNode* planes = node.find("planes")) entry.planes = planes->boolean();
+    for (const auto& [key, text] :
+         {std::pair{"about", &entry.about}, {"source", &entry.source}, {"needs", &entry.needs}})
+        if (const JsonNode* found = node.find(key)) *text = found->string();
+    if (entry.needs.empty()) entry.needs = entry.command.front();
+    return entry;
+}
+
+/// Asks for the shortest of runs: two samples, a step.
+EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
+    EngineReport report;
+    const LineAnswer said = asked.session->greet(report.hello);
+    report.fault = said.was_not_found   ? "it needs " + asked.entry.needs
+                   : said.fault.empty() ? report.hello.missing
+                                        : said.fault;
+    if (!problem || !report.fault.empty()) return report;
+    if (report.fault = why_unrepresentable(*problem); !report.fault.empty()) return report;
+    Problem brief = *problem;
+    brief.scene.duration = 1e-3;
+    Settings settings;
+    settings.step = 1e-3, settings.samples = 1, settings.seconds_limit = 60;
+    const EngineAnswer answer = asked.answer(brief, settings);
+    if (answer.trajectory.status == Status::ok)
+        report.difference = readback_difference(engine_scene(brief), answer.readback);
+    else
+        report.fault = answer.trajectory.message;
+    return report;
+}
+
+// A program that reads a scene and prints a trajectory, started anew for each.
+EngineMethod started_anew(const EngineEntry& entry, const Method& description) {
+    const EngineCommand command{.arguments = entry.command, .by_step = entry.by_step};
+    const auto inspected = [](const Problem*) { return EngineReport{"it tells nothing but its trajectories", {}, 0}; };
+    return {entry.name, entry.settings.front(), external_method(description, command), inspected};
+}
+
+struct Registry {
+    std::vector<std::string> unread;
+    std::vector<EngineMethod> engines;
+};
+Registry& engine_registry() {
+    static Registry one;
+    return one;
+}
+
+}  // namespace
+
+std::vector<EngineMethod> read_engines(const std::string& path) {
+    const std::string here = std::filesystem::absolute(path).parent_path().string();
+    const JsonDocument document(read_text(path), path);
+    document.root().only({"engines"});
+    std::vector<EngineMethod> all;
+    for (const JsonNode* node : document.root().required("engines", "a list of engines").elements()) {
+        const EngineEntry entry = read_entry(*node, here);
+        const auto session = std::make_shared<EngineSession>(entry.command);
+        for (const std::string& setting : entry.settings) {
+            const std::string name = entry.name + ":" + setting;
+            for (const EngineMethod& other : all)
+                if (other.method->name == name)
+                    node->find("name")->fail("\"" + name + "\" stands here twice",
+                                             "give each engine a name of its own");
+            const Method description{.name = name,
+                                     .documentation = entry.about,
+                                     .source = entry.source,
+                                     .conserves = "what it does",
+                                     .control = Control::fixed_step,
+                                     .planes = entry.planes,
+                                     .family = Family::engine,
+                                     .library = entry.name,
+                                     .precision = entry.precision};
+            if (!entry.by_step.empty()) {
+                all.push_back(started_anew(entry, description));
+                continue;
+            }
+            const auto asked = std::make_shared<const AskedEngine>(AskedEngine{entry, setting, session});
+            Method method = description;
+            method.refuses = why_unrepresentable;
+            all.push_back({entry.name, setting,
+                           make_method(method,
+                                       [asked](const Problem& problem, const Settings& settings) {
+                                           return asked->answer(problem, settings).trajectory;
+                                       }),
+                           [asked](const Problem* problem) { return inspect(*asked, problem); }});
+        }
+    }
+    return all;
+}
+
+void add_engines(const std::string& path) { engine_registry().unread.push_back(path); }
+
+const std::vector<EngineMethod>& engines() {
+    Registry& registry = engine_registry();
+    while (!registry.unread.empty()) {
+        const std::string path = registry.unread.front();
+        for (EngineMethod& engine : read_engines(path)) {
+            if (std::ranges::find(registry.engines, engine.method->name, [](const EngineMethod& other) {
+                    return other.method->name;
+                }) != registry.engines.end())
+                throw InputError(path, "/engines", fmt::format("there is an engine {} already", engine.method->name),
+                                 "choose another name");
+            registry.engines.push_back(std::move(engine));
+        }
+        registry.unread.erase(registry.unread.begin());
+    }
+    return registry.engines;
+}
+
+const EngineMethod* find_engine(std::string_view name) {
+    for (const EngineMethod& engine : engines())
+        if (engine.method->name == name || engine.engine == name) return &engine;
+    return nullptr;
+}
+
+const EngineMethod* engine_of(const Method& method) {
+    for (const EngineMethod& engine : engines())
+        if (engine.method.get() == &method) return &engine;
+    return nullptr;
+}
+
+}  // namespace polhode

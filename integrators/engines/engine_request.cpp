@@ -1,0 +1,303 @@
+#include "integrators/engines/engine_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "integrators/run/watch.h"
+#include "motion/contact.h"
+#include "scene/scene_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::json;
+
+json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
+json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
+
+bool is_diagonal(const Matrix3<double>& A) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (i != j && A[i][j] != 0) return false;
+    return true;
+}
+
+/// A load of a body in the axes of the engine's.
+struct LoadTurner {
+    const Quaternion<double>& q_BP;
+    const Vector3<double>& center;
+
+    Vector3<double> vector(const Vector3<double>& v, Frame frame) const {
+        return frame == Frame::body ? rotate_back(q_BP, v) : v;
+    }
+    Vector3<double> point(const Vector3<double>& x, Frame frame) const {
+        return frame == Frame::body ? rotate_back(q_BP, x - center) : x;
+    }
+    Load operator()(const Gravity& load) const { return load; }
+    Load operator()(Torque load) const {
+        load.vector = vector(load.vector, load.frame);
+        return load;
+    }
+    Load operator()(Force load) const {
+        load.vector = vector(load.vector, load.frame), load.point = point(load.point, load.point_frame);
+        return load;
+    }
+    Load operator()(Impulse load) const {
+        load.vector = vector(load.vector, load.frame), load.point = point(load.point, load.point_frame);
+        return load;
+    }
+    Load operator()(Drag load) const {
+        const Vector3<double>& c = load.rotational;
+        const bool turned = q_BP.x != 0 || q_BP.y != 0 || q_BP.z != 0;
+        if (turned && !(c[0] == c[1] && c[1] == c[2]))
+            throw std::invalid_argument("its drag is about axes that are not the principal ones");
+        return load;
+    }
+    Load operator()(Spring load) const {
+        load.rest_orientation = load.rest_orientation * q_BP;
+        return load;
+    }
+    Load operator()(const UserTorque&) const {
+        throw std::invalid_argument("a torque of the user's own cannot be handed to another process");
+    }
+};
+
+void add_shape(EngineScene& known, const Scene& scene) {
+    for (Plane plane : scene.planes) {
+        const double length = hypotenuse(plane.normal_W);
+        plane.normal_W = (1 / length) * plane.normal_W, plane.offset /= length;
+        known.planes.push_back(plane);
+    }
+    if (known.planes.empty()) return;
+    const auto geometry = contact_geometry(scene, scene.body.center_of_mass, known.q_BP);
+    for (const SupportPiece<double>& piece : geometry.pieces) {
+        const bool is_centered = hypotenuse(piece.center) <= 1e-12 * piece.radius;
+        if (!piece.extended && piece.radius == 0)
+            known.hull.push_back(piece.center);
+        else if (!piece.extended && geometry.pieces.size() == 1 && is_centered)
+            known.ball = piece.radius;
+        else
+            throw std::invalid_argument("its hull is round and no ball about the centre of mass");
+    }
+}
+
+/// What acts on the body from one event to the next.
+struct PieceWriter {
+    double begin;
+    json& piece;
+
+    void operator()(const Gravity& load) const { add("gravity", load.acceleration_W); }
+    void operator()(const Torque& load) const { add(load.frame == Frame::body ? "torque_B" : "torque_W", load.vector); }
+    void operator()(const Force& load) const { append("forces", load); }
+    void operator()(const Impulse& load) const {
+        if (load.at == begin) append("impulses", load);
+    }
+    void operator()(const Drag& load) const {
+        json drag = piece.value("drag", json{{"rotational", {0, 0, 0}}, {"translational", 0}});
+        for (int i = 0; i < 3; ++i) drag["rotational"][i] = drag["rotational"][i].get<double>() + load.rotational[i];
+        drag["translational"] = drag["translational"].get<double>() + load.translational;
+        piece["drag"] = drag;
+    }
+    void operator()(const Spring& load) const {
+        piece["springs"].push_back({{"stiffness", load.stiffness}, {"rest", array(normalized(load.rest_orientation))}});
+    }
+    void operator()(const UserTorque&) const {}
+
+  private:
+    void add(const char* key, const Vector3<double>& v) const {
+        Vector3<double> sum = v;
+        if (piece.contains(key))
+            for (int i = 0; i < 3; ++i) sum[i] += piece[key][i].get<double>();
+        piece[key] = array(sum);
+    }
+    template <class PointLoad>
+    void append(const char* key, const PointLoad& load) const {
+        const auto word = [](Frame frame) { return frame == Frame::body ? "body" : "world"; };
+        piece[key].push_back({{"vector", array(load.vector)},
+                              {"frame", word(load.frame)},
+                              {"point", array(load.point)},
+                              {"point_frame", word(load.point_frame)}});
+    }
+};
+
+json pieces_of(const Scene& scene) {
+    json pieces = json::array();
+    for (const Leg& leg : itinerary(scene)) {
+        json piece{{"begin", leg.begin}};
+        for (const Load& load : scene.loads)
+            if (std::holds_alternative<Impulse>(load) || acts(window_of(load), leg.begin))
+                std::visit(PieceWriter{leg.begin, piece}, load);
+        pieces.push_back(std::move(piece));
+    }
+    return pieces;
+}
+
+// Null is how JSON writes what is not finite.
+double number(const json& value) { return value.is_null() ? std::nan("") : value.get<double>(); }
+
+Vector3<double> vector_at(const json& row, std::size_t first) {
+    return {number(row.at(first)), number(row.at(first + 1)), number(row.at(first + 2))};
+}
+
+Quaternion<double> quaternion_at(const json& row, std::size_t first) {
+    return {number(row.at(first)), number(row.at(first + 1)), number(row.at(first + 2)), number(row.at(first + 3))};
+}
+
+EngineReadback readback_of(const json& answer) {
+    EngineReadback back;
+    const auto found = answer.find("readback");
+    if (found == answer.end() || !found->is_object()) return back;
+    const auto vector = [&](const char* key, std::optional<Vector3<double>>& v) {
+        if (const auto at = found->find(key); at != found->end() && at->is_array()) v = vector_at(*at, 0);
+    };
+    if (const auto mass = found->find("mass"); mass != found->end() && mass->is_number()) back.mass = number(*mass);
+    vector("moments", back.moments), vector("w", back.w), vector("p", back.p), vector("v", back.v);
+    if (const auto q = found->find("q"); q != found->end() && q->is_array()) back.q = quaternion_at(*q, 0);
+    return back;
+}
+
+Status status_named(const std::string& word) {
+    for (const Status status : {Status::ok, Status::unsupported, Status::diverged})
+        if (word == name_of(status)) return status;
+    return Status::failed;
+}
+
+// The samples up to the first that is not finite or has an energy beyond all bounds.
+void read_samples(const json& rows, const Problem& problem, const EngineScene& scene, const Settings& settings,
+                  Trajectory& trajectory) {
+    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
+    if (rows.size() != wanted)
+        throw std::invalid_argument(fmt::format("{} samples where {} are asked for", rows.size(), wanted));
+    const double bound = energy_bound(problem);
+    const Quaternion<double> q_PB = conjugate(scene.q_BP);
+    for (std::size_t k = 0; k < wanted; ++k) {
+        const json& row = rows[k];
+        Sample s;
+        s.t = sample_time(problem.scene.duration, static_cast<long>(k), settings.samples);
+        const Quaternion<double> q = quaternion_at(row, 0);
+        s.q = q * q_PB;
+        s.angular_velocity_B = rotate_back(normalized(s.q), vector_at(row, 4));
+        s.position_W = vector_at(row, 7), s.velocity_W = vector_at(row, 10);
+        if (!record(problem, s, bound, trajectory)) return;
+    }
+    if (!settings.record) trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);
+}
+
+}  // namespace
+
+EngineScene engine_scene(const Problem& problem) {
+    const Scene& scene = problem.scene;
+    const ExactBody<double>& body = problem.body;
+    EngineScene known;
+    // the inertia about the centre of mass, whatever holds the body
+    Scene free = scene;
+    free.pivot.reset(), free.planes.clear(), free.loads.clear();
+    if (is_diagonal(scene.body.inertia_B)) {
+        known.moments = {scene.body.inertia_B[0][0], scene.body.inertia_B[1][1], scene.body.inertia_B[2][2]};
+    } else {
+        const PrincipalFrame frame = pose(free, Formulation::full_principal).body.principal;
+        known.moments = frame.moments, known.q_BP = frame.q_BP;
+    }
+    const Vector3<double>& center = scene.body.center_of_mass;
+    for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadTurner{known.q_BP, center}, load));
+    add_shape(known, scene);
+    free.body = {scene.body.mass, diagonal(known.moments), {}, nullptr};
+    free.initial = {body.q * known.q_BP, rotate(body.q, body.angular_velocity_B), Frame::world, body.position_W,
+                    body.velocity_W};
+    if (scene.pivot) known.pivot = rotate_back(known.q_BP, *scene.pivot - center);
+    known.free = std::move(free);
+    return known;
+}
+
+double readback_difference(const EngineScene& scene, const EngineReadback& back) {
+    double worst = 0;
+    const auto compare = [&](const Vector3<double>& asked, const std::optional<Vector3<double>>& got) {
+        if (!got) return;
+        const double size = hypotenuse(asked), difference = hypotenuse(*got - asked);
+        worst = std::max(worst, size > 0 ? difference / size : difference);
+    };
+    const Initial& initial = scene.free.initial;
+    compare(scene.moments, back.moments), compare(initial.angular_velocity, back.w);
+    compare(initial.position_W, back.p), compare(initial.velocity_W, back.v);
+    if (back.mass) worst = std::max(worst, std::abs(*back.mass / scene.free.body.mass - 1));
+    if (back.q) {
+        const Quaternion<double> turn = conjugate(initial.orientation) * *back.q;
+        worst = std::max(worst, 2 * std::atan2(hypotenuse(vector_part(turn)), std::abs(turn.w)));
+    }
+    return worst;
+}
+
+std::string engine_request(const EngineScene& scene, const std::string& setting, const Settings& settings,
+                           long steps_per_sample) {
+    const Scene& free = scene.free;
+    json planes = json::array(), hull = json::array();
+    for (const Plane& plane : scene.planes)
+        planes.push_back({{"normal", array(plane.normal_W)},
+                          {"offset", plane.offset},
+                          {"restitution", plane.restitution},
+                          {"friction", plane.friction}});
+    for (const Vector3<double>& corner : scene.hull) hull.push_back(array(corner));
+    json request{{"setting", setting},
+                 {"duration", free.duration},
+                 {"samples", settings.samples},
+                 {"steps_per_sample", steps_per_sample},
+                 {"repetitions", settings.repetitions},
+                 {"mass", free.body.mass},
+                 {"moments", array(scene.moments)},
+                 {"q", array(free.initial.orientation)},
+                 {"w", array(free.initial.angular_velocity)},
+                 {"p", array(free.initial.position_W)},
+                 {"v", array(free.initial.velocity_W)},
+                 {"pivot", scene.pivot ? array(*scene.pivot) : json()},
+                 {"pieces", pieces_of(free)},
+                 {"planes", planes},
+                 {"hull", hull},
+                 {"scene", json::parse(write_scene(free), nullptr, true, true)}};
+    if (scene.ball) request["ball"] = *scene.ball;
+    return request.dump();
+}
+
+EngineHello read_hello(std::string_view line) {
+    const json hello = json::parse(line, nullptr, false);
+    if (!hello.is_object()) throw std::invalid_argument("says something else than who it is");
+    EngineHello known;
+    try {
+        known.version = hello.value("version", ""), known.missing = one_line(hello.value("missing", ""), 300);
+        if (const auto settings = hello.find("settings"); settings != hello.end())
+            for (const auto& [name, what] : settings->items()) known.settings.emplace_back(name, what);
+    } catch (const json::exception&) {
+        throw std::invalid_argument("says who it is in words that are none");
+    }
+    return known;
+}
+
+EngineAnswer read_answer(std::string_view line, const Problem& problem, const EngineScene& scene,
+                         const Settings& settings, long steps_per_sample) {
+    EngineAnswer result;
+    Trajectory& trajectory = result.trajectory;
+    try {
+        const json answer = json::parse(line);
+        trajectory.status = status_named(answer.at("status"));
+        trajectory.message = one_line(answer.value("message", ""), 300);
+        if (trajectory.status == Status::failed && trajectory.message.empty())
+            trajectory.message = "failed, and does not say why";
+        if (trajectory.status != Status::ok) return result;
+        trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
+        trajectory.seconds = answer.at("seconds"), trajectory.steps = answer.at("steps");
+        trajectory.rhs_evaluations = trajectory.steps;
+        result.readback = readback_of(answer);
+        read_samples(answer.at("samples"), problem, scene, settings, trajectory);
+    } catch (const std::exception& error) {
+        trajectory = {};
+        trajectory.status = Status::failed;
+        trajectory.message = "its answer cannot be read: " + one_line(error.what(), 200);
+    }
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,57 @@
+#include "integrators/engines/engine_session.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace polhode {
+namespace {
+
+/// For an interpreter and an engine in WebAssembly to be loaded on a busy machine.
+constexpr std::chrono::seconds time_to_start(60);
+
+}  // namespace
+
+LineAnswer EngineSession::take(Running& running) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!idle_.empty()) {
+            running = std::move(idle_.back());
+            idle_.pop_back();
+            return {};
+        }
+    }
+    running.process = std::make_unique<LineProcess>(command_);
+    LineAnswer first = running.process->next(time_to_start);
+    if (!first.fault.empty()) return first;
+    try {
+        running.hello = read_hello(first.line);
+    } catch (const std::invalid_argument& error) {
+        first.fault = command_.front() + " " + error.what();
+    }
+    return first;
+}
+
+void EngineSession::give_back(Running running) {
+    const std::scoped_lock lock(mutex_);
+    if (running.process && running.process->alive()) idle_.push_back(std::move(running));
+}
+
+LineAnswer EngineSession::greet(EngineHello& hello) {
+    Running running;
+    LineAnswer answer = take(running);
+    hello = running.hello;
+    if (answer.fault.empty()) give_back(std::move(running));
+    return answer;
+}
+
+LineAnswer EngineSession::ask(const std::string& request, double seconds, EngineHello& hello) {
+    Running running;
+    LineAnswer answer = take(running);
+    hello = running.hello;
+    if (!answer.fault.empty() || !hello.missing.empty()) return answer;
+    answer = running.process->ask(request, std::chrono::duration<double>(seconds));
+    give_back(std::move(running));
+    return answer;
+}
+
+}  // namespace polhode

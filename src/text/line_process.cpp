@@ -1,0 +1,179 @@
+#include "text/line_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include "text/child_process.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t longest_answer = std::size_t(1) << 30;
+constexpr int answers_descriptor = 3;
+
+// poll() counts in ms; a moment longer than that of a day is as good as none
+int milliseconds_until(Clock::time_point until) {
+    const double left = std::chrono::duration<double>(until - Clock::now()).count();
+    return static_cast<int>(std::clamp(left * 1e3 + 1, 0.0, 1e8));
+}
+
+Clock::time_point after(std::chrono::duration<double> time) {
+    return Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                              std::min(time, std::chrono::duration<double>(std::chrono::hours(24))));
+}
+
+// A pair of connected descriptors that no other child inherits; -1 where there are none left.
+void connect(int (&ends)[2]) {
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) ends[0] = ends[1] = -1;
+}
+
+}  // namespace
+
+LineProcess::LineProcess(const std::vector<std::string>& arguments)
+    : name_(arguments.empty() ? "" : one_line(arguments.front(), 200)), chatter_(std::tmpfile()) {
+    int input[2], output[2];
+    connect(input), connect(output);
+    if (name_.empty() || !chatter_ || input[0] < 0 || output[0] < 0) {
+        fault_.fault = name_.empty() ? "no program is named"
+                                     : fmt::format("{} could not be started: {}", name_, std::strerror(errno));
+    } else {
+        std::vector<char*> pointers;
+        // posix_spawnp() takes them as not const and leaves them alone
+        for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+        pointers.push_back(nullptr);
+        // a copy beyond the descriptors that are written over, whatever numbers these have
+        const int answers = fcntl(output[1], F_DUPFD_CLOEXEC, answers_descriptor + 1);
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_adddup2(&actions, input[1], STDIN_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, fileno(chatter_.get()), STDOUT_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, fileno(chatter_.get()), STDERR_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, answers, answers_descriptor);
+        posix_spawnattr_t attributes;
+        posix_spawnattr_init(&attributes);
+        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+        posix_spawnattr_setpgroup(&attributes, 0);
+        const int refused = posix_spawnp(&process_, pointers.front(), &actions, &attributes, pointers.data(), environ);
+        posix_spawnattr_destroy(&attributes);
+        posix_spawn_file_actions_destroy(&actions);
+        close(answers);
+        if (refused != 0) {
+            process_ = 0;
+            fault_.was_not_found = refused == ENOENT;
+            fault_.fault = fault_.was_not_found
+                               ? name_ + " was not found"
+                               : fmt::format("{} could not be started: {}", name_, std::strerror(refused));
+        }
+    }
+    for (const int end : {input[1], output[1]})
+        if (end >= 0) close(end);
+    input_ = input[0], output_ = output[0];
+    if (output_ >= 0) fcntl(output_, F_SETFL, O_NONBLOCK);
+    if (input_ >= 0) fcntl(input_, F_SETFL, O_NONBLOCK);
+}
+
+LineProcess::~LineProcess() {
+    if (process_ > 0) die("it is no longer needed");
+    for (const int end : {input_, output_})
+        if (end >= 0) close(end);
+}
+
+LineAnswer LineProcess::next(std::chrono::duration<double> time) {
+    if (!alive()) return fault_;
+    return read_line(after(time));
+}
+
+LineAnswer LineProcess::ask(std::string_view question, std::chrono::duration<double> time) {
+    if (!alive()) return fault_;
+    const Clock::time_point until = after(time);
+    if (!write_all(std::string(question) + '\n', until)) return fault_;
+    return read_line(until);
+}
+
+bool LineProcess::write_all(std::string_view text, Clock::time_point until) {
+    while (!text.empty()) {
+        const ssize_t written = send(input_, text.data(), text.size(), MSG_NOSIGNAL);
+        if (written > 0) {
+            text.remove_prefix(static_cast<std::size_t>(written));
+            continue;
+        }
+        if (errno == EAGAIN || errno == EINTR) {
+            pollfd waiting{input_, POLLOUT, 0};
+            if (Clock::now() < until) {
+                poll(&waiting, 1, milliseconds_until(until));
+                continue;
+            }
+            die("did not read what it was asked in time", true);
+            return false;
+        }
+        die("");
+        return false;
+    }
+    return true;
+}
+
+LineAnswer LineProcess::read_line(Clock::time_point until) {
+    const auto asked = Clock::now();
+    std::size_t looked_at = 0;
+    for (;;) {
+        if (const std::size_t end = unread_.find('\n', looked_at); end != std::string::npos) {
+            LineAnswer answer;
+            answer.line = unread_.substr(0, end);
+            unread_.erase(0, end + 1);
+            return answer;
+        }
+        looked_at = unread_.size();
+        if (looked_at > longest_answer) return die(fmt::format("was stopped: it wrote more than {} bytes", looked_at));
+        char buffer[65536];
+        const ssize_t got = read(output_, buffer, sizeof buffer);
+        if (got > 0) {
+            unread_.append(buffer, static_cast<std::size_t>(got));
+            continue;
+        }
+        if (got == 0 || (errno != EAGAIN && errno != EINTR)) return die("");
+        if (Clock::now() >= until)
+            return die(fmt::format("was stopped: it gave no answer within {:.3g} s",
+                                   std::chrono::duration<double>(until - asked).count()),
+                       true);
+        pollfd waiting{output_, POLLIN, 0};
+        poll(&waiting, 1, milliseconds_until(until));
+    }
+}
+
+// Kills it, and tells how it ended where that was not by our own doing (`what` is empty).
+LineAnswer LineProcess::die(std::string what, bool out_of_time) {
+    int status = 0;
+    if (what.empty()) {
+        // it has closed its end, and is about to go if it is not gone
+        for (int i = 0; i < 200 && waitpid(process_, &status, WNOHANG) == 0; ++i) usleep(5000);
+    }
+    siginfo_t information{};
+    const bool is_left = waitid(P_PID, static_cast<id_t>(process_), &information, WEXITED | WNOHANG | WNOWAIT) == 0;
+    kill(-process_, SIGKILL);
+    if (is_left)
+        while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+        }
+    process_ = 0;
+    if (what.empty())
+        what = WIFSIGNALED(status)        ? fmt::format("was ended by signal {}", WTERMSIG(status))
+               : WEXITSTATUS(status) != 0 ? fmt::format("failed ({})", WEXITSTATUS(status))
+                                          : "ended without an answer";
+    fault_.fault = fmt::format("{} {}", name_, what), fault_.was_out_of_time = out_of_time;
+    if (const std::string said = last_line_of(chatter_.get()); !said.empty()) fault_.fault += ": " + said;
+    return fault_;
+}
+
+}  // namespace polhode

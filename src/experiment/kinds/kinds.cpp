@@ -33,6 +33,8 @@ std::span<const Kind> kinds() {
          .reads = {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
          .conclude = conclude_speed,
          .sequel = long_runs},
+        // physics engines among each other, beside textbook updates and methods of high accuracy
+        {.name = "engines", .reads = all_keys, .conclude = conclude_engines},
         {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},
         {.name = "collisions",
          .reads = {"scenes", "vary", "methods", "settings", "seconds_per_run"},

@@ -18,6 +18,7 @@ Findings conclude_drift(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_tolerance(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
 
 /// The sequel of `speed`: its closed-form motions over T, 10 T and 100 T by our own methods at their finest tolerance.

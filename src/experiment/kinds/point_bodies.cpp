@@ -33,7 +33,7 @@ constexpr PointMethod xpbd{"point_xpbd", point_xpbd};
 // h times the fastest vibration's frequency at which each explicit scheme becomes unstable
 double stability_limit(const PointMethod& way) { return way.solve == point_springs_rk4 ? 2 * std::sqrt(2.0) : 2.0; }
 
-struct Outcome {
+struct PointOutcome {
     Trajectory trajectory;
     std::optional<double> attitude_error, stretch;
 };
@@ -49,21 +49,21 @@ class Bench {
           samples(quick ? 20 : 100),
           truth(reference(planned.scene, samples)) {}
 
-    Outcome judge(const Trajectory& trajectory, std::optional<double> stretch) const {
-        Outcome outcome{trajectory, {}, stretch};
+    PointOutcome judge(const Trajectory& trajectory, std::optional<double> stretch) const {
+        PointOutcome outcome{trajectory, {}, stretch};
         if (trajectory.status != Status::ok || !truth.available) return outcome;
         outcome.attitude_error =
             errors(error_series(problem.scene, trajectory, truth), trajectory, truth)["attitude"].max;
         return outcome;
     }
-    Outcome run(const PointMethod& way, Settings settings, const PointOptions& options) const {
+    PointOutcome run(const PointMethod& way, Settings settings, const PointOptions& options) const {
         settings.samples = samples;
         const PointRun found = way.solve(problem, settings, options);
         return judge(found.trajectory,
                      found.trajectory.status == Status::ok ? std::optional(found.largest_stretch) : std::nullopt);
     }
     // of the rigid body itself
-    Outcome run(const char* method, Settings settings) const {
+    PointOutcome run(const char* method, Settings settings) const {
         settings.samples = samples;
         return judge(solve(problem, *find_method(method), settings), {});
     }
@@ -78,7 +78,7 @@ class Bench {
     Reference truth;
 };
 
-void add_row(Table& table, std::vector<Cell> row, const Outcome& outcome) {
+void add_row(Table& table, std::vector<Cell> row, const PointOutcome& outcome) {
     const Trajectory& t = outcome.trajectory;
     const bool ran = t.status == Status::ok || t.steps > 0;
     row.insert(row.end(), {std::string(name_of(t.status)), cell_of(outcome.attitude_error), cell_of(outcome.stretch),
@@ -119,7 +119,7 @@ Settings with_tolerance(double R, long max_steps) {
 
 using Curves = std::vector<Curve>;
 
-void add_point(Curves& curves, const std::string& name, double x, const Outcome& outcome) {
+void add_point(Curves& curves, const std::string& name, double x, const PointOutcome& outcome) {
     if (!outcome.attitude_error) return;
     Curve& curve = curve_named(curves, name);
     curve.x.push_back(x), curve.y.push_back(*outcome.attitude_error);
@@ -136,14 +136,14 @@ Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
         const double fastest = spring_frequencies(body, *options.stiffness).fastest;
         for (const PointMethod* way : {&rk4, &verlet}) {
             const double h = bench.step(0.5 * stability_limit(*way) / fastest);
-            const Outcome outcome = bench.run(*way, with_step(h, max_steps), options);
+            const PointOutcome outcome = bench.run(*way, with_step(h, max_steps), options);
             add_row(table, {bench.label, way->name, *options.stiffness, 0.0, "step", h}, outcome);
             add_point(curves, way->name, *options.stiffness, outcome);
         }
         for (const double ratio : {0.0, 1.0})
             for (const double R : quick ? std::vector{1e-8} : std::vector{1e-6, 1e-8, 1e-10}) {
                 options.damping_ratio = ratio;
-                const Outcome outcome = bench.run(cvode, with_tolerance(R, max_implicit), options);
+                const PointOutcome outcome = bench.run(cvode, with_tolerance(R, max_implicit), options);
                 add_row(table, {bench.label, cvode.name, *options.stiffness, ratio, "tolerance", R}, outcome);
                 add_point(curves, fmt::format("cvode_bdf {:g}{}", R, ratio == 0 ? "" : ", damped"), *options.stiffness,
                           outcome);
@@ -163,7 +163,7 @@ Table measure_stability(const Bench& bench, bool quick) {
         for (const double share : {2.0, 1.2, 1.05, 0.95, 0.8, 0.5, 0.25}) {
             if (quick && share < 0.8) continue;
             const double h = bench.step(share * stability_limit(*way) / fastest);
-            const Outcome outcome = bench.run(*way, with_step(h, 1'000'000), options);
+            const PointOutcome outcome = bench.run(*way, with_step(h, 1'000'000), options);
             add_row(table, {bench.label, way->name, h * fastest / stability_limit(*way), h}, outcome);
         }
     return table;
@@ -172,7 +172,7 @@ Table measure_stability(const Bench& bench, bool quick) {
 // Hard distances, and the rigid body itself at the same settings.
 Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "iterations", "setting_kind", "setting"});
-    const auto note = [&](const std::string& name, std::vector<Cell> row, const Outcome& outcome) {
+    const auto note = [&](const std::string& name, std::vector<Cell> row, const PointOutcome& outcome) {
         row.insert(row.begin(), bench.label);
         add_row(table, std::move(row), outcome);
         if (outcome.trajectory.seconds > 0) add_point(curves, name, outcome.trajectory.seconds, outcome);

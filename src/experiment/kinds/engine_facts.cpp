@@ -1,0 +1,90 @@
+// What engines say of themselves, and what they do with a body whose motion is known.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "check/known_update.h"
+#include "experiment/kinds/engines.h"
+
+namespace polhode {
+namespace {
+
+/// A free body with three different moments, for so long that every update has gone its own way.
+Scene probe_scene(double duration) {
+    Scene scene;
+    scene.name = "probe", scene.duration = duration;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    scene.initial.angular_velocity = {1, 1.1, 0.9};
+    return scene;
+}
+
+Trajectory probe(const Method& method, const Scene& scene, double step) {
+    Settings settings;
+    settings.step = step, settings.samples = std::lround(scene.duration / step);
+    settings.seconds_limit = 60;
+    return solve(scene, method, settings);
+}
+
+// The change of w in body axes after a tenth of a second: its part along the true one.
+std::optional<double> turning_of(const Method& method) {
+    const Scene scene = probe_scene(0.1);
+    const Trajectory own = probe(method, scene, 1e-3), truth = solve(scene, *find_method("exact"), {});
+    if (own.status != Status::ok || truth.status != Status::ok) return {};
+    const auto change = [](const Trajectory& run) {
+        return run.samples.back().angular_velocity_B - run.samples.front().angular_velocity_B;
+    };
+    const Vector3<double> expected = change(truth);
+    return dot(change(own), expected) / dot(expected, expected);
+}
+
+bool same(const Trajectory& a, const Trajectory& b) {
+    if (a.status != b.status || a.samples.size() != b.samples.size()) return false;
+    for (std::size_t k = 0; k < a.samples.size(); ++k) {
+        const Sample &x = a.samples[k], &y = b.samples[k];
+        for (int i = 0; i < 3; ++i)
+            if (x.angular_velocity_B[i] != y.angular_velocity_B[i] || x.position_W[i] != y.position_W[i]) return false;
+        if (x.q.w != y.q.w || x.q.x != y.q.x || x.q.y != y.q.y || x.q.z != y.q.z) return false;
+    }
+    return true;
+}
+
+TrajectoryFile file_of(const Trajectory& run) {
+    TrajectoryFile file;
+    for (const Sample& s : run.samples) {
+        TrajectoryRow row;
+        row.t = s.t, row.q = s.q, row.angular_velocity_W = angular_velocity_W(s);
+        file.rows.push_back(row);
+    }
+    file.has_angular_velocity = true;
+    return file;
+}
+
+EngineFacts facts_of(const EngineMethod& engine) {
+    EngineFacts facts;
+    facts.engine = &engine;
+    const Scene scene = probe_scene(2);
+    const Problem problem = pose(scene);
+    facts.report = engine.inspect(&problem);
+    if (!facts.is_here()) return facts;
+    for (const auto& [name, what] : facts.report.hello.settings)
+        if (name == engine.setting) facts.about_setting = what;
+    const Trajectory first = probe(*engine.method, scene, usual_step),
+                     second = probe(*engine.method, scene, usual_step);
+    facts.repeats = first.status == Status::ok && same(first, second);
+    facts.turning = turning_of(*engine.method);
+    if (first.status != Status::ok) return facts;
+    if (const auto followed = followed_update(scene, file_of(first), 1, true))
+        facts.follows = followed->method, facts.follows_to = followed->distance;
+    return facts;
+}
+
+}  // namespace
+
+std::vector<EngineFacts> engine_facts(const Plan& plan) {
+    std::vector<EngineFacts> all;
+    for (const PlannedCurve& curve : plan.curves)
+        if (const EngineMethod* engine = engine_of(*curve.method)) all.push_back(facts_of(*engine));
+    return all;
+}
+
+}  // namespace polhode

@@ -1,0 +1,245 @@
+// Engines among each other: places, and errors scene by scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "experiment/kinds/cells.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/engines.h"
+#include "measure/observed_order.h"
+
+namespace polhode {
+namespace {
+
+constexpr double lost = 1;     // rad: an attitude beyond it is as wrong as any
+constexpr double alike = 1.1;  // errors within this factor share a place
+
+const PlannedCurve* curve_of_engine(const Plan& plan, const EngineMethod& engine) {
+    for (const PlannedCurve& curve : plan.curves)
+        if (curve.method == engine.method.get()) return &curve;
+    return nullptr;
+}
+
+bool is_step(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
+
+// The largest attitude error, one radian at the most; infinite of a run that did not come to its end.
+double error_of(const Result& row) {
+    if (row.status != Status::ok || !row.errors["attitude"].max) return std::numeric_limits<double>::infinity();
+    return std::min(*row.errors["attitude"].max, lost);
+}
+
+std::optional<double> median_of(const std::vector<double>& values) {
+    if (values.empty()) return {};
+    return median(values);
+}
+
+std::optional<double> order_of(const std::vector<const Result*>& rows) {
+    std::vector<double> step, error;
+    for (const Result* row : rows)
+        if (row->status == Status::ok && row->errors["attitude"].max)
+            step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
+    const auto observed = observed_order(step, error, lost);
+    return observed ? std::optional(observed->order) : std::nullopt;
+}
+
+std::optional<double> step_seconds(const Result& row) {
+    if (row.status != Status::ok || !row.seconds_min || row.steps.value_or(0) == 0) return {};
+    return *row.seconds_min / static_cast<double>(*row.steps);
+}
+
+// The largest step that keeps the error on half of the scenes at least, as every smaller one does.
+std::optional<double> step_within(const std::map<double, std::vector<double>>& errors, double accuracy,
+                                  std::size_t scenes) {
+    std::optional<double> largest;
+    for (const auto& [step, all] : errors) {
+        const auto kept = std::ranges::count_if(all, [&](double error) { return error <= accuracy; });
+        if (2 * static_cast<std::size_t>(kept) < scenes) break;
+        largest = step;
+    }
+    return largest;
+}
+
+}  // namespace
+
+const char* const leaderboard_rule =
+    "On each scene and at each step all engines, in all their settings, are put in the order of their largest attitude "
+    "error over the run. Errors within a tenth of each other share a place, and so do all beyond 1 rad; a run that did "
+    "not come to its end, and a scene that the engine cannot represent, stand behind all others. The order over all is "
+    "that of the median of these places over all scenes and steps, then of their mean: no single scene decides it.";
+
+std::string step_name(double step) {
+    const double rate = 1 / step;
+    return std::abs(rate - std::round(rate)) < 1e-6 * rate ? fmt::format("1/{:.0f} s", rate)
+                                                           : fmt::format("{:.3g} s", step);
+}
+
+std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Result>& rows,
+                                       const std::vector<EngineFacts>& facts) {
+    std::vector<EnginePlace> places;
+    for (const EngineFacts& known : facts) {
+        EnginePlace place;
+        place.facts = &known;
+        const PlannedCurve& curve = *curve_of_engine(plan, *known.engine);
+        std::vector<double> standing, attitude, momentum, energy, orders, seconds;
+        std::map<double, std::vector<double>> errors;  // by step
+        std::size_t scenes = 0;
+        for (const PlannedScene& scene : plan.scenes) {
+            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            if (const auto order = order_of(own)) orders.push_back(*order);
+            bool represented = false;
+            for (const Result* row : own) {
+                const double error = error_of(*row);
+                long better = 0;
+                for (const Result& other : rows)
+                    if (other.scene == row->scene && other.setting == row->setting &&
+                        other.method.find(':') != std::string::npos)
+                        better += error_of(other) * alike < error;
+                standing.push_back(static_cast<double>(better + 1));
+                represented = represented || row->status != Status::unsupported;
+                errors[row->setting].push_back(error);
+                if (const auto time = step_seconds(*row)) seconds.push_back(*time);
+                if (!is_step(*row, usual_step) || row->status != Status::ok) continue;
+                ++place.scenes, attitude.push_back(error);
+                if (const auto e = row->errors["momentum"].max) momentum.push_back(*e);
+                if (const auto e = row->errors["energy"].max) energy.push_back(*e);
+            }
+            scenes += represented;
+        }
+        place.median_place = standing.empty() ? 0 : median(standing);
+        if (!standing.empty())
+            place.mean_place =
+                std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
+        place.attitude = median_of(attitude), place.momentum = median_of(momentum), place.energy = median_of(energy);
+        place.order = median_of(orders), place.step_seconds = median_of(seconds);
+        for (int i = 0; i < 3; ++i)
+            if (scenes > 0) place.within[i] = step_within(errors, accuracies[i], scenes);
+        places.push_back(std::move(place));
+    }
+    std::ranges::stable_sort(places, [](const EnginePlace& a, const EnginePlace& b) {
+        if (a.facts->is_here() != b.facts->is_here()) return a.facts->is_here();
+        if (a.median_place != b.median_place) return a.median_place < b.median_place;
+        return a.mean_place < b.mean_place;
+    });
+    for (std::size_t i = 0; i < places.size(); ++i)
+        if (places[i].facts->is_here()) places[i].place = static_cast<long>(i) + 1;
+    return places;
+}
+
+NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
+    NamedTable named = headed_table("leaderboard", "The order of the engines",
+                                    {{"place", "place"},
+                                     {"engine", "engine"},
+                                     {"setting", "setting"},
+                                     {"median_place", "median place"},
+                                     {"scenes", "scenes"},
+                                     {"attitude_error", "attitude at 1/60 s (rad)"},
+                                     {"momentum_error", "momentum"},
+                                     {"energy_error", "energy"},
+                                     {"order", "order"},
+                                     {"step_nanoseconds", "ns a step"},
+                                     {"within_0.1", "0.1 rad from"},
+                                     {"within_0.01", "0.01 rad from"},
+                                     {"within_0.001", "0.001 rad from"},
+                                     {"message", "not here"}});
+    named.table.columns.insert(named.table.columns.begin() + 4, "mean_place");
+    for (const EnginePlace& p : places) {
+        const auto step = [&](int i) { return p.within[i] ? Cell(step_name(*p.within[i])) : Cell(); };
+        const bool here = p.facts->is_here();
+        named.table.rows.push_back(
+            {here ? Cell(p.place) : Cell(), p.facts->engine->engine, p.facts->engine->setting,
+             here ? Cell(p.median_place) : Cell(), here ? Cell(p.mean_place) : Cell(), here ? Cell(p.scenes) : Cell(),
+             cell_of(p.attitude), cell_of(p.momentum), cell_of(p.energy), cell_of(p.order),
+             p.step_seconds ? Cell(*p.step_seconds * 1e9) : Cell(), step(0), step(1), step(2), p.facts->report.fault});
+    }
+    return named;
+}
+
+NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<double> steps;
+    for (const PlannedCurve& curve : plan.curves)
+        if (engine_of(*curve.method)) steps = curve.settings;
+    std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
+    for (const double step : steps) {
+        const std::string name = step_name(step);
+        columns.push_back({"attitude_error at " + name, name + " (rad)"});
+    }
+    for (const ColumnChoice& more : {ColumnChoice{"order", "order"},
+                                     {"attitude_error_final", "at the end, 1/60 s"},
+                                     {"position_error", "position"},
+                                     {"momentum_error", "momentum"},
+                                     {"energy_error", "energy"},
+                                     {"step_nanoseconds", "ns a step"},
+                                     {"float32_floor", "binary32's floor (rad)"},
+                                     {"message", "remark"}})
+        columns.push_back(more);
+    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    for (const PlannedScene& scene : plan.scenes)
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.kind != SettingKind::step) continue;
+            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            if (own.empty()) continue;
+            std::vector<Cell> row{scene.label, std::string(curve.method->name)};
+            const Result* usual = own.front();
+            std::vector<double> seconds;
+            std::string message;
+            for (const double step : steps) {
+                Cell cell;
+                for (const Result* r : own)
+                    if (r->setting == step) {
+                        if (r->status == Status::ok)
+                            cell = cell_of(r->errors["attitude"].max);
+                        else
+                            cell = std::string(name_of(r->status));
+                        if (r->status != Status::ok && message.empty()) message = r->message;
+                        if (is_step(*r, usual_step)) usual = r;
+                        if (const auto time = step_seconds(*r)) seconds.push_back(*time);
+                    }
+                row.push_back(cell);
+            }
+            row.push_back(cell_of(order_of(own)));
+            row.push_back(cell_of(usual->errors["attitude"].final));
+            for (const char* measure : {"position", "momentum", "energy"})
+                row.push_back(cell_of(usual->errors[measure].max));
+            row.push_back(seconds.empty() ? Cell() : Cell(1e9 * median(seconds)));
+            row.push_back(cell_of(usual->floors.float32)), row.push_back(message);
+            named.table.rows.push_back(std::move(row));
+        }
+    return named;
+}
+
+NamedTable identity_table(const std::vector<EngineFacts>& facts) {
+    NamedTable named = headed_table("identity", "Who was asked",
+                                    {{"engine", "engine"},
+                                     {"setting", "setting"},
+                                     {"version", "version"},
+                                     {"precision", "precision"},
+                                     {"about", "what the setting is"},
+                                     {"gyroscopic_term", "gyroscopic term"},
+                                     {"follows", "its motion follows"},
+                                     {"follows_to", "to (rad)"},
+                                     {"readback_difference", "read back, off by"},
+                                     {"repeats", "numbers repeat"},
+                                     {"message", "not here"}});
+    for (const EngineFacts& f : facts) {
+        const bool here = f.is_here();
+        const std::string term = !f.turning          ? ""
+                                 : *f.turning > 0.5  ? "acts"
+                                 : *f.turning < -0.5 ? "acts with the wrong sign"
+                                                     : "does not act";
+        named.table.rows.push_back(
+            {f.engine->engine, f.engine->setting, f.report.hello.version,
+             std::string(f.engine->method->precision == Precision::binary32 ? "binary32" : "binary64"), f.about_setting,
+             term, f.follows, f.follows.empty() ? Cell() : Cell(f.follows_to),
+             here ? Cell(f.report.difference) : Cell(),
+             std::string(!here       ? ""
+                         : f.repeats ? "yes"
+                                     : "no"),
+             f.report.fault});
+    }
+    return named;
+}
+
+}  // namespace polhode

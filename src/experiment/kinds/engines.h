@@ -1,0 +1,67 @@
+// What the kind `engines` is made of: physics engines beside the truth.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/run/findings.h"
+#include "experiment/run/result.h"
+#include "integrators/engines/engine_methods.h"
+
+namespace polhode {
+
+/// The step (s) at which engines are compared where one has to be chosen: games' own, 60 a second.
+inline constexpr double usual_step = 1.0 / 60;
+
+/// What is known of an engine in one setting beside its rows.
+struct EngineFacts {
+    const EngineMethod* engine = nullptr;
+    EngineReport report;
+    std::string about_setting;      ///< in the driver's own words
+    bool repeats = false;           ///< a second process gave the same numbers
+    std::optional<double> turning;  ///< how much of the gyroscopic term's change of w it has: 1 all, 0 none
+    std::string follows;            ///< the update of the catalogue that its motion follows
+    double follows_to = 0;          ///< rad, over the probe
+    bool is_here() const { return report.fault.empty(); }
+};
+
+/// Asks every engine of the plan who it is, and has it move a body whose motion is known.
+std::vector<EngineFacts> engine_facts(const Plan& plan);
+
+/// An engine in one setting among the others.
+struct EnginePlace {
+    const EngineFacts* facts = nullptr;
+    double median_place = 0, mean_place = 0;           ///< over scenes and steps
+    long place = 0;                                    ///< in the end; 0 where it is not here
+    long scenes = 0;                                   ///< that it has run to the end at the usual step
+    std::optional<double> attitude, momentum, energy;  ///< medians over those scenes, the largest errors of each
+    std::optional<double> order;                       ///< median of the observed orders
+    std::optional<double> step_seconds;                ///< median over all runs
+    /// The largest step from which on it stays within 0.1, 0.01 and 0.001 rad on half of the scenes.
+    std::optional<double> within[3];
+};
+inline constexpr double accuracies[3] = {0.1, 0.01, 0.001};
+
+/// All of them, the best first. The rule stands in leaderboard_rule.
+std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Result>& rows,
+                                       const std::vector<EngineFacts>& facts);
+extern const char* const leaderboard_rule;
+
+/// NAME_leaderboard, a row an engine and setting.
+NamedTable leaderboard_table(const std::vector<EnginePlace>& places);
+/// NAME_scenes: of each scene and engine the largest attitude error at each step, the observed order, momentum and
+/// energy at the usual step, time of a step, binary32's floor.
+NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows);
+/// NAME_identity: version, settings, what was read back, which update is followed, whether numbers repeat.
+NamedTable identity_table(const std::vector<EngineFacts>& facts);
+
+/// The page: the rule, the tables, and a paragraph for each engine.
+std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& places,
+                         const std::vector<EngineFacts>& facts, const std::vector<NamedTable>& tables);
+
+/// "1/60 s"
+std::string step_name(double step);
+
+}  // namespace polhode

@@ -1,0 +1,142 @@
+// What the rows of the kind `engines` say, in words.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/engines.h"
+#include "experiment/kinds/kinds.h"
+
+namespace polhode {
+namespace {
+
+std::string in_words(const std::optional<double>& value, const char* unit) {
+    return value ? fmt::format("{:.2g}{}{}", *value, *unit ? " " : "", unit) : "a number that does not exist";
+}
+
+std::string sentence_of_accuracy(const EnginePlace& place) {
+    std::string text;
+    for (int i = 0; i < 3; ++i) {
+        if (!place.within[i]) continue;
+        text +=
+            fmt::format("{}{:g} rad from {} on", text.empty() ? "" : ", ", accuracies[i], step_name(*place.within[i]));
+    }
+    if (text.empty()) return "On half of the scenes it is more than 0.1 rad off at every step tried.";
+    text = "On half of the scenes at least it stays within " + text;
+    if (!place.within[2]) text += fmt::format("; {:g} rad it does not reach", place.within[1] ? 0.001 : 0.01);
+    return text + ".";
+}
+
+std::string sentence_of_term(const EngineFacts& facts) {
+    if (!facts.turning) return "";
+    std::string text;
+    if (*facts.turning > 0.5)
+        text = " The gyroscopic term acts";
+    else if (*facts.turning < -0.5)
+        text = " The gyroscopic term acts with the wrong sign";
+    else
+        text =
+            " The gyroscopic term does not act: a free body that is no ball keeps turning about an axis that it should "
+            "leave, at any step";
+    if (!facts.follows.empty())
+        text += fmt::format("; the motion is that of `{}` to {:.1g} rad", facts.follows, facts.follows_to);
+    return text + ".";
+}
+
+// What its user can do about it: the best of its settings against the default.
+std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
+    const EnginePlace *first = own.front(), *best = own.front();
+    for (const EnginePlace* place : own)
+        if (place->facts->engine->setting == "default") first = place;
+    for (const EnginePlace* place : own)
+        if (place->attitude && (!best->attitude || *place->attitude < *best->attitude)) best = place;
+    if (best == first || !first->attitude || !best->attitude || *best->attitude > 0.9 * *first->attitude) return "";
+    return fmt::format(" The setting to change is `{}` ({}): the median error at {} goes from {:.2g} to {:.2g} rad.",
+                       best->facts->engine->setting, best->facts->about_setting, step_name(usual_step),
+                       *first->attitude, *best->attitude);
+}
+
+std::string paragraph(const std::string& engine, const std::vector<const EnginePlace*>& own) {
+    const EngineFacts& first = *own.front()->facts;
+    std::string text = fmt::format("### {}{}{}\n\n", engine, first.report.hello.version.empty() ? "" : " ",
+                                   first.report.hello.version);
+    if (!first.is_here()) return text + fmt::format("Not here: {}.\n", first.report.fault);
+    for (const EnginePlace* place : own) {
+        const EngineFacts& facts = *place->facts;
+        text += fmt::format("- `{}` ({}): place {}.", facts.engine->setting, facts.about_setting, place->place);
+        if (place->scenes == 0) {
+            text += " No scene was run to its end.\n";
+            continue;
+        }
+        text += fmt::format(
+            " At {} the attitude is {} off in the middle of {} scenes, the angular momentum {}, the energy {}{}. {}{}",
+            step_name(usual_step), in_words(place->attitude, "rad"), place->scenes, in_words(place->momentum, ""),
+            in_words(place->energy, ""),
+            place->order ? fmt::format("; smaller steps help with order {:.1f}", *place->order)
+                         : "; smaller steps do not help in any order",
+            sentence_of_accuracy(*place), sentence_of_term(facts));
+        if (!facts.repeats) text += " Its numbers do not repeat.";
+        text += "\n";
+    }
+    return text + sentence_of_remedy(own) + "\n";
+}
+
+// Of each engine one curve, so that a picture can be read: its best setting, or the first.
+Plan with_one_setting(const Plan& plan, const char* setting) {
+    Plan part = plan;
+    std::erase_if(part.curves, [&](const PlannedCurve& curve) {
+        const EngineMethod* engine = engine_of(*curve.method);
+        if (!engine) return false;
+        for (const PlannedCurve& other : plan.curves)
+            if (const EngineMethod* one = engine_of(*other.method); one && one->engine == engine->engine)
+                if (one->setting == setting) return engine->setting != setting;
+        return engine->setting != "default";
+    });
+    return part;
+}
+
+}  // namespace
+
+std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& places,
+                         const std::vector<EngineFacts>& facts, const std::vector<NamedTable>& tables) {
+    std::string text = fmt::format("# Physics engines against the truth\n\n{}.\n\n", plan.experiment.about);
+    text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
+    text +=
+        "Errors are the largest over a run; attitude is the rotation angle to the truth, momentum and energy are "
+        "relative to the motion's own. A step's time is that of the stepping alone, the process and its start left "
+        "out; engines in WebAssembly pay for that.\n\n";
+    for (const NamedTable& named : tables)
+        if (named.name == "leaderboard" || named.name == "identity")
+            text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
+    text += "## Engine by engine\n\n";
+    std::vector<std::string> told;
+    for (const EngineFacts& one : facts) {
+        const std::string& engine = one.engine->engine;
+        if (std::ranges::find(told, engine) != told.end()) continue;
+        told.push_back(engine);
+        std::vector<const EnginePlace*> own;
+        for (const EngineFacts& other : facts)
+            for (const EnginePlace& place : places)
+                if (place.facts == &other && other.engine->engine == engine) own.push_back(&place);
+        text += paragraph(engine, own) + "\n";
+    }
+    for (const NamedTable& named : tables)
+        if (named.name == "scenes") text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
+    return text;
+}
+
+Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows) {
+    const std::vector<EngineFacts> facts = engine_facts(plan);
+    const std::vector<EnginePlace> places = engine_places(plan, rows, facts);
+    Findings findings{{leaderboard_table(places), identity_table(facts), engine_scenes_table(plan, rows)}};
+    findings.page = engines_page(plan, places, facts, findings.tables);
+    for (const char* setting : {"default", "best"})
+        for (NamedFigure& named : work_precision_figures(with_one_setting(plan, setting), rows)) {
+            named.name += std::string("_") + setting;
+            named.figure.title += fmt::format(", engines in their setting \"{}\"", setting);
+            findings.figures.push_back(std::move(named));
+        }
+    return findings;
+}
+
+}  // namespace polhode

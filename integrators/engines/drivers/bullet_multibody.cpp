@@ -2,6 +2,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
@@ -31,6 +32,10 @@ class MultibodyWorld {
         world_.addMultiBody(&body_);
         set_velocities(body.w, body.v);
         if (body.pivot) {
+            // only bodies with a collider are in an island, and only islands are solved; it collides with nothing
+            collider_.setCollisionShape(&shape_);
+            body_.setBaseCollider(&collider_);
+            world_.addCollisionObject(&collider_, 0, 0);
             joint_ =
                 std::make_unique<btMultiBodyPoint2Point>(&body_, -1, nullptr, bullet(*body.pivot), btVector3(0, 0, 0));
             joint_->setMaxAppliedImpulse(1e30);
@@ -38,7 +43,10 @@ class MultibodyWorld {
         }
     }
     ~MultibodyWorld() {
-        if (joint_) world_.removeMultiBodyConstraint(joint_.get());
+        if (joint_) {
+            world_.removeMultiBodyConstraint(joint_.get());
+            world_.removeCollisionObject(&collider_);
+        }
         world_.removeMultiBody(&body_);
     }
     MultibodyWorld(const MultibodyWorld&) = delete;
@@ -70,6 +78,8 @@ class MultibodyWorld {
     btMultiBodyConstraintSolver solver_;
     btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     btMultiBody body_;
+    btSphereShape shape_{1};
+    btMultiBodyLinkCollider collider_{&body_, -1};
     std::unique_ptr<btMultiBodyPoint2Point> joint_;
 };
 

@@ -111,6 +111,8 @@ class MujocoWorld {
 int main() {
     using namespace polhode::engines;
     mju_user_error = give_up;
+    // else it writes a log file where it happens to be
+    mju_user_warning = [](const char*) {};
     return serve<MujocoWorld>({"mujoco",
                                mj_versionString(),
                                "binary64",

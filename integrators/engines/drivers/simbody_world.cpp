@@ -2,6 +2,8 @@
 
 #include <Simbody.h>
 
+#include <cmath>
+
 namespace polhode::engines {
 namespace {
 
@@ -20,8 +22,18 @@ struct SimbodySystem::Parts {
     SimTK::Force::DiscreteForces pushes;
     SimTK::MobilizedBody mobile;
     std::unique_ptr<SimTK::Integrator> integrator;
-    bool goes_by_h = false;
-    double time = 0;
+    bool goes_by_h = false, is_gazebos = false;
+    double time = 0, h = 1;
+
+    // An integrator takes its fixed step when it starts: another step is another integrator.
+    void start(const SimTK::State& state) {
+        if (is_gazebos)
+            integrator = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(system, h);
+        else
+            integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
+        if (goes_by_h) integrator->setFixedStepSize(h);
+        integrator->initialize(state);
+    }
 };
 
 SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_unique<Parts>(start)) {
@@ -37,12 +49,8 @@ SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_uniqu
     const SimTK::Quaternion q(start.q[0], start.q[1], start.q[2], start.q[3]);
     s.mobile.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(q), vector(start.p)));
     s.mobile.setUToFitVelocity(state, SimTK::SpatialVec(vector(start.w), vector(start.v)));
-    if (start.setting == "gazebo")
-        s.integrator = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(s.system, 1e-3);
-    else
-        s.integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(s.system);
-    s.goes_by_h = start.setting != "default";
-    s.integrator->initialize(state);
+    s.is_gazebos = start.setting == "gazebo", s.goes_by_h = start.setting != "default";
+    s.start(state);
 }
 
 SimbodySystem::~SimbodySystem() = default;
@@ -76,7 +84,11 @@ void SimbodySystem::apply(const double* force, const double* torque) {
 
 void SimbodySystem::step(double h) {
     Parts& s = *parts_;
-    if (s.goes_by_h) s.integrator->setFixedStepSize(h);
+    if (s.goes_by_h && !(std::abs(h / s.h - 1) < 1e-6)) {
+        s.h = h;
+        const SimTK::State state = s.integrator->getAdvancedState();
+        s.start(state);
+    }
     s.time += h;
     s.integrator->stepTo(s.time, s.time);
 }

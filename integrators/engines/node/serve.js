@@ -1,0 +1,193 @@
+// What the drivers share: the protocol, and the march through a request's steps.
+//
+// A driver gives a World: the engine with one body in it, whose origin is its centre of mass and whose axes are its
+// principal ones. new World(body) makes it, with the engine's own gravity and joint; then
+//   motion()              {q: [w, x, y, z] body to world, w, p, v} in world axes
+//   setVelocities(w, v)   after an impulse
+//   setGravity(g)
+//   apply(force, torque)  for the next step, world axes, at the centre of mass
+//   step(h)
+//   mass(), moments()     read back from the engine, undefined where it does not tell
+//   free()                gives back what was taken
+import fs from 'node:fs';
+import path from 'node:path';
+import {createRequire} from 'node:module';
+
+const answers = 3;
+
+export class Unsupported extends Error {}
+
+export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+export const scaled = (s, a) => [s * a[0], s * a[1], s * a[2]];
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const product = (a, b) => [
+  a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+  a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]
+];
+export const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
+export const normalized = (q) => {
+  const length = Math.hypot(...q);
+  return q.map((x) => x / length);
+};
+// From body to world axes, and back; q of unit length.
+export const rotate = (q, a) => product(product(q, [0, ...a]), conjugate(q)).slice(1);
+export const rotateBack = (q, a) => rotate(conjugate(q), a);
+
+// "1.2.3" of an installed package.
+export function versionOf(name) {
+  const require = createRequire(import.meta.url);
+  let folder = path.dirname(require.resolve(name));
+  for (;; folder = path.dirname(folder)) {
+    const file = path.join(folder, 'package.json');
+    if (!fs.existsSync(file)) continue;
+    const description = JSON.parse(fs.readFileSync(file, 'utf8'));
+    if (description.name === name) return description.version;
+  }
+}
+
+function say(line) {
+  const bytes = Buffer.from(JSON.stringify(line) + '\n');
+  for (let done = 0; done < bytes.length;) {
+    try {
+      done += fs.writeSync(answers, bytes, done);
+    } catch (error) {
+      if (error.code !== 'EAGAIN') throw error;
+    }
+  }
+}
+
+// Force on the centre of mass and torque about it, world axes, gravity left out.
+function loadsOf(piece, at) {
+  const q = normalized(at.q);
+  let force = [0, 0, 0], torque = [0, 0, 0];
+  if (piece.torque_B) torque = add(torque, rotate(q, piece.torque_B));
+  if (piece.torque_W) torque = add(torque, piece.torque_W);
+  for (const load of piece.forces ?? []) {
+    const {vector, arm} = atPoint(load, q, at.p);
+    force = add(force, vector), torque = add(torque, cross(arm, vector));
+  }
+  if (piece.drag) {
+    const w = rotateBack(q, at.w);
+    torque = subtract(torque, rotate(q, w.map((x, i) => piece.drag.rotational[i] * x)));
+    force = subtract(force, scaled(piece.drag.translational, at.v));
+  }
+  for (const {stiffness, rest} of piece.springs ?? []) {
+    const r = product(conjugate(rest), q);
+    torque = add(torque, rotate(q, scaled(-2 * stiffness * r[0], r.slice(1))));
+  }
+  return {force, torque};
+}
+
+// A force or an impulse in world axes, and the arm of its point from the centre of mass.
+function atPoint(load, q, p) {
+  return {
+    vector: load.frame === 'body' ? rotate(q, load.vector) : load.vector,
+    arm: load.point_frame === 'body' ? rotate(q, load.point) : subtract(load.point, p)
+  };
+}
+
+function strike(world, body, impulses) {
+  const at = world.motion(), q = normalized(at.q);
+  let kick = [0, 0, 0], v = at.v;
+  for (const impulse of impulses) {
+    const {vector, arm} = atPoint(impulse, q, at.p);
+    kick = add(kick, cross(arm, vector)), v = add(v, scaled(1 / body.mass, vector));
+  }
+  const change = rotateBack(q, kick).map((x, i) => x / body.moments[i]);
+  world.setVelocities(add(at.w, rotate(q, change)), v);
+}
+
+const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
+const zero = [0, 0, 0];
+
+// One run; `samples` is filled where it is given. Returns seconds and steps.
+function march(world, request, samples) {
+  const {duration, samples: count, steps_per_sample: perSample, pieces} = request;
+  const isLoaded = pieces.map((p) => Boolean(p.torque_B || p.torque_W || p.forces || p.drag || p.springs));
+  let next = 0, steps = 0;
+  const enter = () => {
+    const piece = pieces[next++];
+    world.setGravity(piece.gravity ?? zero);
+    if (piece.impulses) strike(world, request, piece.impulses);
+  };
+  const due = (t) => next < pieces.length && pieces[next].begin <= t;
+  const step = (h) => {
+    if (isLoaded[next - 1]) {
+      const {force, torque} = loadsOf(pieces[next - 1], world.motion());
+      world.apply(force, torque);
+    }
+    world.step(h);
+    ++steps;
+  };
+  const timeOf = (k) => k === count ? duration : duration * k / count;
+  const start = performance.now();
+  while (due(0)) enter();
+  samples?.push(row(world.motion()));
+  for (let k = 1; k <= count; ++k) {
+    const begin = timeOf(k - 1), end = timeOf(k), h = (end - begin) / perSample;
+    for (let i = 0; i < perSample; ++i) {
+      let t = i === 0 ? begin : begin + i * h;
+      const stop = i + 1 === perSample ? end : begin + (i + 1) * h;
+      if (!due(stop)) {
+        step(h);
+        continue;
+      }
+      // what happens within a step cuts it in two
+      while (due(stop)) {
+        const event = pieces[next].begin;
+        if (event > t) step(event - t);
+        t = event;
+        while (due(event)) enter();
+      }
+      if (stop > t) step(stop - t);
+    }
+    samples?.push(row(world.motion()));
+  }
+  return {seconds: (performance.now() - start) / 1e3, steps};
+}
+
+function answerTo(World, settings, line) {
+  const request = JSON.parse(line);
+  if (!(request.setting in settings)) throw new Error(`it has no setting ${request.setting}`);
+  const gravity = request.pieces[0].gravity ?? zero;
+  const samples = [];
+  let seconds = 0, steps = 0, readback;
+  for (let i = 0; i < request.repetitions; ++i) {
+    const world = new World({...request, gravity});
+    try {
+      readback ??= {...world.motion(), mass: world.mass(), moments: world.moments()};
+      const run = march(world, request, i + 1 === request.repetitions ? samples : undefined);
+      seconds += run.seconds, steps = run.steps;
+    } finally {
+      world.free();
+    }
+  }
+  return {status: 'ok', message: '', seconds: seconds / request.repetitions, steps, samples, readback};
+}
+
+// Answers requests until there are no more. `load` brings {World, version} or throws where the package is missing.
+export async function serve({engine, packageName, precision, settings, load}) {
+  let loaded;
+  try {
+    loaded = {version: versionOf(packageName), World: await load()};
+  } catch (error) {
+    const missing = `the npm package ${packageName} cannot be loaded (${error.code ?? error.message})`;
+    say({engine, precision, settings, missing: missing.split('\n')[0]});
+    return;
+  }
+  say({engine, version: loaded.version, precision, settings});
+  let unread = '';
+  process.stdin.setEncoding('utf8');
+  for await (const chunk of process.stdin) {
+    unread += chunk;
+    for (let end; (end = unread.indexOf('\n')) >= 0; unread = unread.slice(end + 1)) {
+      try {
+        say(answerTo(loaded.World, settings, unread.slice(0, end)));
+      } catch (error) {
+        const status = error instanceof Unsupported ? 'unsupported' : 'failed';
+        say({status, message: String(error?.message ?? error).split('\n')[0]});
+      }
+    }
+  }
+}

@@ -1,13 +1,15 @@
 // What game engines make of the gyroscopic term w x I w within a step.
 #pragma once
 
+#include <limits>
+
 #include "body/elementary.h"
 #include "body/mass_properties.h"
 #include "body/orientation.h"
 
 namespace polhode {
 
-enum class GyroscopicTerm { none, explicit_euler, one_newton_step, rescaled_momentum };
+enum class GyroscopicTerm { none, explicit_euler, one_newton_step, midpoint, rescaled_momentum };
 
 /// A tensor in body axes and its inverse.
 template <class S>
@@ -28,6 +30,29 @@ struct BodyInertia {
             J = inverse * J;
             for (int i = 0; i < 3; ++i) J[i][i] += 1;
             return w + polhode::inverse(J) * (h * (inverse * cross(L, w)));
+        }
+        if constexpr (term == GyroscopicTerm::midpoint) {
+            // for the mean m: m - w + (h/2) I^-1 (m x I m) = 0, whose Jacobian is 1 + (h/2) I^-1 (skew(m) I - skew(I
+            // m))
+            constexpr int most_iterations = 20;
+            Vector3<S> mean = w;
+            S before = std::numeric_limits<S>::infinity();
+            for (int i = 0; i < most_iterations; ++i) {
+                const Vector3<S> momentum = tensor * mean;
+                Matrix3<S> J = skew(mean) * tensor;
+                const Matrix3<S> skew_L = skew(momentum);
+                for (int k = 0; k < 3; ++k) J[k] = (h / 2) * (J[k] - skew_L[k]);
+                J = inverse * J;
+                for (int k = 0; k < 3; ++k) J[k][k] += 1;
+                const Vector3<S> residual = mean - w - (h / 2) * (inverse * cross(momentum, mean));
+                const Vector3<S> change = polhode::inverse(J) * residual;
+                mean = mean - change;
+                // until rounding keeps it from getting smaller
+                const S size = dot(change, change);
+                if (!(size < before)) break;
+                before = size;
+            }
+            return S(2) * mean - w;
         }
         if constexpr (term == GyroscopicTerm::rescaled_momentum) {
             const Vector3<S> turned = L + h * cross(L, w);

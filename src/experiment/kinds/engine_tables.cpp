@@ -42,7 +42,8 @@ std::optional<double> order_of(const std::vector<const Result*>& rows) {
         if (row->status == Status::ok && row->errors["attitude"].max)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
     const auto observed = observed_order(step, error, lost);
-    return observed ? std::optional(observed->order) : std::nullopt;
+    // what does not converge has no order
+    return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
 std::optional<double> step_seconds(const Result& row) {
@@ -83,7 +84,7 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         EnginePlace place;
         place.facts = &known;
         const PlannedCurve& curve = *curve_of_engine(plan, *known.engine);
-        std::vector<double> standing, attitude, momentum, energy, orders, seconds;
+        std::vector<double> standing, attitude, fine, momentum, energy, orders, seconds;
         std::map<double, std::vector<double>> errors;  // by step
         std::size_t scenes = 0;
         for (const PlannedScene& scene : plan.scenes) {
@@ -101,6 +102,7 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
                 represented = represented || row->status != Status::unsupported;
                 errors[row->setting].push_back(error);
                 if (const auto time = step_seconds(*row)) seconds.push_back(*time);
+                if (is_step(*row, fine_step) && row->status == Status::ok) fine.push_back(error);
                 if (!is_step(*row, usual_step) || row->status != Status::ok) continue;
                 ++place.scenes, attitude.push_back(error);
                 if (const auto e = row->errors["momentum"].max) momentum.push_back(*e);
@@ -112,7 +114,8 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         if (!standing.empty())
             place.mean_place =
                 std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
-        place.attitude = median_of(attitude), place.momentum = median_of(momentum), place.energy = median_of(energy);
+        place.attitude = median_of(attitude), place.fine_attitude = median_of(fine);
+        place.momentum = median_of(momentum), place.energy = median_of(energy);
         place.order = median_of(orders), place.step_seconds = median_of(seconds);
         for (int i = 0; i < 3; ++i)
             if (scenes > 0) place.within[i] = step_within(errors, accuracies[i], scenes);
@@ -123,8 +126,11 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         if (a.median_place != b.median_place) return a.median_place < b.median_place;
         return a.mean_place < b.mean_place;
     });
-    for (std::size_t i = 0; i < places.size(); ++i)
-        if (places[i].facts->is_here()) places[i].place = static_cast<long>(i) + 1;
+    for (std::size_t i = 0; i < places.size() && places[i].facts->is_here(); ++i) {
+        const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
+                               places[i].mean_place == places[i - 1].mean_place;
+        places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
+    }
     return places;
 }
 
@@ -136,6 +142,7 @@ NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
                                      {"median_place", "median place"},
                                      {"scenes", "scenes"},
                                      {"attitude_error", "attitude at 1/60 s (rad)"},
+                                     {"fine_attitude_error", "at 1/1000 s (rad)"},
                                      {"momentum_error", "momentum"},
                                      {"energy_error", "energy"},
                                      {"order", "order"},
@@ -151,7 +158,7 @@ NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
         named.table.rows.push_back(
             {here ? Cell(p.place) : Cell(), p.facts->engine->engine, p.facts->engine->setting,
              here ? Cell(p.median_place) : Cell(), here ? Cell(p.mean_place) : Cell(), here ? Cell(p.scenes) : Cell(),
-             cell_of(p.attitude), cell_of(p.momentum), cell_of(p.energy), cell_of(p.order),
+             cell_of(p.attitude), cell_of(p.fine_attitude), cell_of(p.momentum), cell_of(p.energy), cell_of(p.order),
              p.step_seconds ? Cell(*p.step_seconds * 1e9) : Cell(), step(0), step(1), step(2), p.facts->report.fault});
     }
     return named;

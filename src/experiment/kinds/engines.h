@@ -14,6 +14,8 @@ namespace polhode {
 
 /// The step (s) at which engines are compared where one has to be chosen: games' own, 60 a second.
 inline constexpr double usual_step = 1.0 / 60;
+/// And where they are at their best.
+inline constexpr double fine_step = 1e-3;
 
 /// What is known of an engine in one setting beside its rows.
 struct EngineFacts {
@@ -37,6 +39,7 @@ struct EnginePlace {
     long place = 0;                                    ///< in the end; 0 where it is not here
     long scenes = 0;                                   ///< that it has run to the end at the usual step
     std::optional<double> attitude, momentum, energy;  ///< medians over those scenes, the largest errors of each
+    std::optional<double> fine_attitude;               ///< the same at the fine step
     std::optional<double> order;                       ///< median of the observed orders
     std::optional<double> step_seconds;                ///< median over all runs
     /// The largest step from which on it stays within 0.1, 0.01 and 0.001 rad on half of the scenes.

@@ -73,7 +73,7 @@ std::string paragraph(const std::string& engine, const std::vector<const EngineP
             step_name(usual_step), in_words(place->attitude, "rad"), place->scenes, in_words(place->momentum, ""),
             in_words(place->energy, ""),
             place->order ? fmt::format("; smaller steps help with order {:.1f}", *place->order)
-                         : "; smaller steps do not help in any order",
+                         : "; smaller steps show no order",
             sentence_of_accuracy(*place), sentence_of_term(facts));
         if (!facts.repeats) text += " Its numbers do not repeat.";
         text += "\n";

@@ -1,0 +1,78 @@
+// What the updates of game engines keep from step to step: attitude and velocities in world axes, and the loads.
+#pragma once
+
+#include "integrators/game/gyroscopic_term.h"
+#include "integrators/run/march.h"
+#include "motion/world_loads.h"
+
+namespace polhode {
+
+/// All of a stepper (integrators/run/march.h) but its step, in the scalar S. At a pivot w, tau and I are about it, and
+/// x, v follow from q, w.
+template <class S>
+class EngineState {
+  public:
+    explicit EngineState(const Problem& problem)
+        : problem_(&problem),
+          loads_(problem),
+          inertia_{cast<S>(problem.body.full_inertia.tensor), cast<S>(problem.body.full_inertia.inverse)},
+          held_(problem.body.pivoted) {
+        restart();
+    }
+    void restart() {
+        const ExactBody<double>& body = problem_->body;
+        q_ = cast<S>(body.q);
+        w_ = cast<S>(rotate(body.q, body.angular_velocity_B));
+        x_ = cast<S>(body.position_W), v_ = cast<S>(body.velocity_W);
+        place_at_pivot();
+        steps_ = 0;
+    }
+    void enter(const Segment& segment) {
+        loads_.enter(segment);
+        if (segment.impulses.empty()) return;
+        const Matrix3<S> R = rotation_matrix(q_);
+        Vector3<S> kick;
+        WorldLoads<S>::strike(*problem_, segment, R, x_, kick, v_);
+        w_ = w_ + R * (inertia_.inverse * (transposed(R) * kick));
+        place_at_pivot();
+    }
+    Sample sample(double t) const { return sample_in_world(*problem_, t, cast<double>(q_), w_, x_, v_); }
+    bool finite() const { return all_finite(w_, x_, v_) && all_finite(q_); }
+
+  protected:
+    /// The loads' torque, world axes.
+    Vector3<S> torque_W(double t, const Matrix3<S>& R) const {
+        return loads_.torque_W(
+            t, R, [&] { return q_; }, w_, x_, v_);
+    }
+    Vector3<S> acceleration_W(const Matrix3<S>& R) const { return held_ ? Vector3<S>() : loads_.acceleration_W(R, v_); }
+    /// q turned by the rotation vector h w, and normalised.
+    void turn(S h) { q_ = normalized(quaternion_from_rotation_vector(h * w_) * q_); }
+    /// q += (h/2) (0, w) q, and normalised.
+    void turn_in_first_order(S h) {
+        const Vector3<S> half = (h / 2) * w_;
+        const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q_;
+        q_ = normalized(Quaternion<S>{q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z});
+    }
+    /// v by the acceleration, x by the new v.
+    void translate(S h, const Vector3<S>& acceleration) {
+        v_ = v_ + h * acceleration;
+        x_ = x_ + h * v_;
+    }
+    void place_at_pivot() {
+        if (!held_) return;
+        x_ = rotate(q_, loads_.forcing().arm);
+        v_ = cross(w_, x_);
+    }
+
+    const Problem* problem_;
+    WorldLoads<S> loads_;
+    BodyInertia<S> inertia_;
+    bool held_;
+    Quaternion<S> q_;
+    Vector3<S> w_;      ///< world axes
+    Vector3<S> x_, v_;  ///< of the centre of mass
+    long steps_ = 0;
+};
+
+}  // namespace polhode

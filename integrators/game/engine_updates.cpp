@@ -1,0 +1,262 @@
+// Further updates of game engines and of texts on them, which the gyroscopic updates are not.
+//
+// Each is a step of length h from q (body to world), w, x and v; R = R(q), I_W = R I R^T, tau and F at the old state.
+#include <optional>
+#include <span>
+
+#include "body/orientation.h"
+#include "integrators/game/engine_state.h"
+#include "integrators/run/binary32.h"
+#include "integrators/run/linear_growth.h"
+
+namespace polhode {
+namespace {
+
+/// L += h tau,  w = I_W^-1 L at the old attitude,  q = exp(h w) q.  w is told by the new attitude.
+template <class S>
+class MomentumUpdate : public EngineState<S> {
+    using Base = EngineState<S>;
+    using Base::q_, Base::w_, Base::inertia_, Base::steps_;
+
+  public:
+    explicit MomentumUpdate(const Problem& problem) : Base(problem) { take_momentum(); }
+    void restart() {
+        Base::restart();
+        take_momentum();
+    }
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        if (!segment.impulses.empty()) take_momentum();
+    }
+    [[gnu::flatten]] void step(double t, double step) {
+        const S h = S(step);
+        const Matrix3<S> R = rotation_matrix(q_);
+        const Vector3<S> acceleration = this->acceleration_W(R);
+        L_ = L_ + h * this->torque_W(t, R);
+        w_ = rate(R);
+        this->turn(h);
+        w_ = rate(rotation_matrix(q_));
+        this->translate(h, acceleration);
+        this->place_at_pivot();
+        ++steps_;
+    }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    Vector3<S> rate(const Matrix3<S>& R) const { return R * (inertia_.inverse * (transposed(R) * L_)); }
+    void take_momentum() {
+        const Matrix3<S> R = rotation_matrix(q_);
+        L_ = R * (inertia_.tensor * (transposed(R) * w_));
+    }
+
+    Vector3<S> L_;  ///< world axes
+};
+
+/// Drag and the gyroscopic term in one Newton step, body axes, D the drag's matrix and tau with the drag in it:
+///   (I + h D + h (skew(w) I - skew(I w))) (w' - w) = h (tau - w x I w),   v' - v = h a / (1 + h k)
+template <class S>
+class DampedImplicitUpdate : public EngineState<S> {
+    using Base = EngineState<S>;
+    using Base::q_, Base::w_, Base::v_, Base::inertia_, Base::loads_, Base::steps_;
+
+  public:
+    using Base::Base;
+    [[gnu::flatten]] void step(double t, double step) {
+        const S h = S(step);
+        const Matrix3<S> R = rotation_matrix(q_), back = transposed(R);
+        const Vector3<S> w = back * w_, L = inertia_.tensor * w, torque = back * this->torque_W(t, R);
+        Vector3<S> acceleration = this->acceleration_W(R);
+        const Forcing<S>& forcing = loads_.forcing();
+        Matrix3<S> J = skew(w) * inertia_.tensor;
+        const Matrix3<S> skew_L = skew(L);
+        for (int i = 0; i < 3; ++i) {
+            J[i] = J[i] - skew_L[i];
+            if (forcing.has_damping) J[i] = J[i] + forcing.damping[i];
+            J[i] = h * J[i];
+        }
+        J = inertia_.inverse * J;
+        for (int i = 0; i < 3; ++i) J[i][i] += 1;
+        w_ = R * (w + inverse(J) * (h * (inertia_.inverse * (torque + cross(L, w)))));
+        this->turn(h);
+        if (forcing.has_translational_drag) acceleration = (S(1) / (S(1) + h * forcing.specific_drag)) * acceleration;
+        this->translate(h, acceleration);
+        this->place_at_pivot();
+        ++steps_;
+    }
+    long rhs_evaluations() const { return steps_; }
+};
+
+/// The classical Runge-Kutta method for the velocities; the attitudes of its stages, and of the step, each by one
+/// exponential of rates in body axes that are added as if they were vectors:
+///   q_i = q exp(h a_i w_{i-1}),  w_i = w + h a_i f_{i-1},  q' = q exp(h sum b_i w_i),  w' = w + h sum b_i f_i
+template <class S>
+class MujocoRungeKutta : public EngineState<S> {
+    using Base = EngineState<S>;
+    using Base::q_, Base::w_, Base::x_, Base::v_, Base::inertia_, Base::steps_;
+
+  public:
+    using Base::Base;
+    [[gnu::flatten]] void step(double t, double step) {
+        const S h = S(step);
+        const Quaternion<S> q = q_;
+        const Vector3<S> x = x_, v = v_, w = rotate_back(q_, w_);
+        constexpr S along[4] = {0, S(0.5), S(0.5), 1}, weight[4] = {S(1) / 6, S(1) / 3, S(1) / 3, S(1) / 6};
+        Vector3<S> rate, change, speed, acceleration;  // of the stage before
+        Vector3<S> mean_rate, mean_change, mean_speed, mean_acceleration;
+        for (int i = 0; i < 4; ++i) {
+            const S part = h * along[i];
+            place(q, w, x, v, part, rate, change, speed, acceleration);
+            const Matrix3<S> R = rotation_matrix(q_);
+            rate = transposed(R) * w_, speed = v_;
+            const Vector3<S> torque = transposed(R) * this->torque_W(t + along[i] * step, R);
+            change = inertia_.inverse * (torque + cross(inertia_.tensor * rate, rate));
+            acceleration = this->acceleration_W(R);
+            mean_rate = mean_rate + weight[i] * rate, mean_change = mean_change + weight[i] * change;
+            mean_speed = mean_speed + weight[i] * speed;
+            mean_acceleration = mean_acceleration + weight[i] * acceleration;
+        }
+        place(q, w, x, v, h, mean_rate, mean_change, mean_speed, mean_acceleration);
+        ++steps_;
+    }
+    long rhs_evaluations() const { return 4 * steps_; }
+
+  private:
+    // The state a time `part` after (q, w, x, v), at these rates; w in body axes.
+    void place(const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& x, const Vector3<S>& v, S part,
+               const Vector3<S>& rate, const Vector3<S>& change, const Vector3<S>& speed,
+               const Vector3<S>& acceleration) {
+        q_ = normalized(q * quaternion_from_rotation_vector(part * rate));
+        w_ = rotate(q_, w + part * change);
+        x_ = x + part * speed, v_ = v + part * acceleration;
+        this->place_at_pivot();
+    }
+};
+
+/// A substep of extended position-based dynamics: where the body would go, then the constraint, then velocities from
+/// where it has gone.
+///   v += h a,  x += h v,  w += h I_W^-1 (tau - w x I_W w),  q += (h/2) (0, w) q
+///   pivot:  c = x + r,  r = R arm,  n = c/|c|,  lambda = -|c| / (1/m + (r x n) . I_W^-1 (r x n)),
+///           x += lambda n / m,  q += (1/2) (0, I_W^-1 (r x lambda n)) q
+///   v = (x - x_old) / h,  w = +-2 vec(q q_old*) / h
+template <class S>
+class PositionBasedUpdate : public EngineState<S> {
+    using Base = EngineState<S>;
+    using Base::q_, Base::w_, Base::x_, Base::v_, Base::inertia_, Base::problem_, Base::steps_;
+
+  public:
+    /// `arm`: of the pivot from the centre of mass, body axes.
+    PositionBasedUpdate(const Problem& problem, const std::optional<Vector3<double>>& arm) : Base(problem) {
+        if (arm) arm_ = cast<S>(*arm);
+    }
+    [[gnu::flatten]] void step(double t, double step) {
+        const S h = S(step);
+        const Quaternion<S> q = q_;
+        const Vector3<S> x = x_;
+        const Matrix3<S> R = rotation_matrix(q_);
+        const Vector3<S> w = transposed(R) * w_, torque = transposed(R) * this->torque_W(t, R);
+        this->translate(h, this->acceleration_W(R));
+        w_ = w_ + h * (R * (inertia_.inverse * (torque + cross(inertia_.tensor * w, w))));
+        this->turn_in_first_order(h);
+        if (arm_) hold();
+        v_ = (S(1) / h) * (x_ - x);
+        const Quaternion<S> change = q_ * conjugate(q);
+        w_ = ((change.w < 0 ? S(-2) : S(2)) / h) * vector_part(change);
+        ++steps_;
+    }
+    long rhs_evaluations() const { return steps_; }
+
+  private:
+    void hold() {
+        const Matrix3<S> R = rotation_matrix(q_);
+        const Vector3<S> r = R * *arm_, c = x_ + r;
+        const S distance = hypotenuse(c);
+        if (!(distance > 0)) return;
+        const Vector3<S> n = (S(1) / distance) * c, lever = cross(r, n);
+        const Vector3<S> turned = R * (inertia_.inverse * (transposed(R) * lever));
+        const S inverse_mass = S(1 / problem_->body.mass), lambda = -distance / (inverse_mass + dot(lever, turned));
+        x_ = x_ + (lambda * inverse_mass) * n;
+        w_ = lambda * turned;  // as a turn in unit time
+        this->turn_in_first_order(1);
+    }
+
+    std::optional<Vector3<S>> arm_;
+};
+
+template <class Update>
+Trajectory solve_update(const Problem& problem, const Settings& settings) {
+    return march<Update>(problem, settings);
+}
+
+// The body has all its coordinates, and the pivot is a constraint.
+template <class S>
+Trajectory solve_position_based(const Problem& problem, const Settings& settings) {
+    using Arm = std::optional<Vector3<double>>;
+    if (!problem.body.pivoted) return march<PositionBasedUpdate<S>>(problem, settings, Arm());
+    Scene free = problem.scene;
+    free.pivot.reset();
+    free.initial.position_W = problem.body.position_W, free.initial.velocity_W = problem.body.velocity_W;
+    const Arm arm = *problem.scene.pivot - free.body.center_of_mass;
+    return march<PositionBasedUpdate<S>>(pose(free, Formulation::full), settings, arm);
+}
+
+// v+ = v - c v+ - s theta, theta+ = theta + v+
+double damped_pendulum_growth(double c, double s) {
+    const double kept = 1 / (1 + c);
+    return spectral_radius(1 - s * kept, kept, -s * kept, kept);
+}
+
+constexpr Method each_update[] = {
+    {.name = "momentum_exponential_map",
+     .documentation =
+         "The angular momentum in world axes is the state, L += h tau; w = I_W^-1 L at the old attitude turns the body "
+         "by exp(h w). A free body keeps L as it is, and needs no gyroscopic term: that is what a world-axes w would "
+         "want one for. Order 1.",
+     .source = "D. Baraff 1997, Physically Based Modeling, SIGGRAPH course notes (L as the state)",
+     .conserves = "|q|; L where no torque acts",
+     .solve = solve_update<MomentumUpdate<double>>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+    {.name = "damped_implicit",
+     .documentation =
+         "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h (tau - "
+         "w x I w): without drag the two are one. Stiff drag does not blow up. MuJoCo's `implicit` and, from 3.11 on, "
+         "`implicitfast`. Order 1.",
+     .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast",
+     .conserves = "|q|",
+     .solve = solve_update<DampedImplicitUpdate<double>>,
+     .pendulum_growth = damped_pendulum_growth},
+    {.name = "mujoco_rk4",
+     .documentation =
+         "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one exponential of "
+         "the weighted mean of the stages' rates, added as vectors though each belongs to another attitude. What does "
+         "not ask for the attitude, as a free body's w and so its energy, has order 4; the attitude has order 2.",
+     .source = "Google DeepMind, MuJoCo, integrator RK4 (mj_RungeKutta)",
+     .conserves = "|q|",
+     .order = 2,
+     .solve = solve_update<MujocoRungeKutta<double>>,
+     .growth = classical_growth},
+    {.name = "xpbd_rigid",
+     .documentation =
+         "A substep of extended position-based dynamics: the body goes where its velocities take it, a pivot pulls it "
+         "back by position and attitude, and the velocities become what was covered over h. Of a free body each step "
+         "takes a part (h |w|)^2 / 8 of w away. Order 1.",
+     .source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body Simulation with "
+               "Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2",
+     .conserves = "|q|",
+     .solve = solve_position_based<double>,
+     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+};
+
+constexpr auto updates_in_binary64 = sharing(
+    {.control = Control::fixed_step, .order = 1, .family = Family::engine_update, .formulation = Formulation::full},
+    each_update);
+
+constexpr auto all_updates =
+    with_binary32<updates_in_binary64, refused_by_binary32, solve_update<MomentumUpdate<float>>,
+                  solve_update<DampedImplicitUpdate<float>>, solve_update<MujocoRungeKutta<float>>,
+                  solve_position_based<float>>();
+
+}  // namespace
+
+extern const std::span<const Method> engine_updates_methods{all_updates};
+
+}  // namespace polhode

@@ -137,7 +137,8 @@ EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
 // A program that reads a scene and prints a trajectory, started anew for each.
 EngineMethod started_anew(const EngineEntry& entry, const Method& description) {
     const EngineCommand command{.arguments = entry.command, .by_step = entry.by_step};
-    const auto inspected = [](const Problem*) { return EngineReport{"it tells nothing but its trajectories", {}, 0}; };
+    // it tells nothing of itself
+    const auto inspected = [](const Problem*) { return EngineReport(); };
     return {entry.name, entry.settings.front(), external_method(description, command), inspected};
 }
 

@@ -19,14 +19,22 @@ LineAnswer EngineSession::take(Running& running) {
             idle_.pop_back();
             return {};
         }
+        // what could not be had at first cannot be had later
+        if (absent_) {
+            running.hello = absent_->hello;
+            return absent_->answer;
+        }
     }
     running.process = std::make_unique<LineProcess>(command_);
     LineAnswer first = running.process->next(time_to_start);
-    if (!first.fault.empty()) return first;
     try {
-        running.hello = read_hello(first.line);
+        if (first.fault.empty()) running.hello = read_hello(first.line);
     } catch (const std::invalid_argument& error) {
         first.fault = command_.front() + " " + error.what();
+    }
+    if (first.was_not_found || !running.hello.missing.empty()) {
+        const std::scoped_lock lock(mutex_);
+        absent_ = {first, running.hello};
     }
     return first;
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,17 @@ class EngineSession {
         std::unique_ptr<LineProcess> process;
         EngineHello hello;
     };
+    struct Absent {
+        LineAnswer answer;
+        EngineHello hello;
+    };
     LineAnswer take(Running& running);
     void give_back(Running running);
 
     std::vector<std::string> command_;
     std::mutex mutex_;
     std::vector<Running> idle_;
+    std::optional<Absent> absent_;  ///< what a start gave that found no engine
 };
 
 }  // namespace polhode

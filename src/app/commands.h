@@ -75,4 +75,7 @@ void tell_columns(CLI::App& command);
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);
 
+/// Adds --engines FILE: engines of the user's own beside those that come with the program.
+void engines_option(CLI::App& command);
+
 }  // namespace polhode

@@ -14,6 +14,7 @@
 #include "app/polhode_picture.h"
 #include "experiment/plan/experiment.h"
 #include "integrators/analysis/linear_stability.h"
+#include "integrators/engines/engine_methods.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
 #include "text/json_document.h"
@@ -84,9 +85,21 @@ std::string describe_experiment(const std::string& name) {
     return text + fmt::format("  run it   polhode run {}: tables and pictures into build/results/{}*\n", name, e.name);
 }
 
+// A method like any other, and who it is.
+std::string describe_engine(const EngineMethod& engine) {
+    std::string text = describe_method(*engine.method);
+    const EngineReport report = engine.inspect(nullptr);
+    text += fmt::format("  engine   {}\n", report.fault.empty() ? engine.engine + " " + report.hello.version
+                                                                : "not here: " + report.fault);
+    for (const auto& [setting, what] : report.hello.settings)
+        text += fmt::format("  {:<8} {}{}\n", setting, what, setting == engine.setting ? " (this one)" : "");
+    return text;
+}
+
 std::string describe(const std::string& name) {
     if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
+    if (const EngineMethod* engine = find_engine(name)) return describe_engine(*engine);
     for (const MethodLeftOut& method : methods_left_out())
         if (method.name == name) return fmt::format("{}\n\n  Left out. {}\n", method.name, method.reason);
     if (is_experiment(name)) return describe_experiment(name);
@@ -108,7 +121,7 @@ std::string not_empty(const std::string& value) { return value.empty() ? "is emp
 int draw(const std::string& name, const std::string& path) {
     if (!path.ends_with(".svg") && !path.ends_with(".pdf"))
         throw UsageError(fmt::format("--picture: {} ends neither in .svg nor in .pdf; give one that does", path));
-    if (name == "auto" || find_method(name))
+    if (name == "auto" || find_method(name) || find_engine(name))
         throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
     require_output(path);
     const Scene scene = find_scene(name);
@@ -160,6 +173,7 @@ void add_describe(CLI::App& program, int& exit_code) {
     const auto options = std::make_shared<Options>();
     command->add_option("NAME", options->name, "A built-in scene or experiment, a file of one, or a method")
         ->required();
+    engines_option(*command);
     command->add_option("--output", options->output, "File to write, in place of stdout")->check(not_empty, "");
     command
         ->add_option("--picture", options->picture,

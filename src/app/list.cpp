@@ -180,6 +180,7 @@ void add_list(CLI::App& program, int&) {
                      "trajectories) or engines")
         ->required()
         ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines"}));
+    engines_option(*command);
     command->add_option("--format", options->format, "text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();

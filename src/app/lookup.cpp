@@ -44,6 +44,13 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
 
 }  // namespace
 
+void engines_option(CLI::App& command) {
+    command
+        .add_option("--engines",
+                    "A file of further engines (integrators/engines/README.md), found by the names ENGINE:SETTING")
+        ->each([](const std::string& path) { add_engines(path); });
+}
+
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
     for (const Method* method : methods()) names.emplace_back(method->name);

@@ -154,6 +154,7 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--max-evaluations", options->max_evaluations, "Likewise, of right-hand sides")
         ->capture_default_str();
     command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
+    engines_option(*command);
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
     command->callback([options, &exit_code] { exit_code = solve_command(*options); });

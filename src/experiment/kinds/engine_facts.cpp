@@ -70,6 +70,10 @@ EngineFacts facts_of(const EngineMethod& engine) {
         if (name == engine.setting) facts.about_setting = what;
     const Trajectory first = probe(*engine.method, scene, usual_step),
                      second = probe(*engine.method, scene, usual_step);
+    if (first.status == Status::unsupported || first.status == Status::failed) {
+        facts.report.fault = first.message;
+        return facts;
+    }
     facts.repeats = first.status == Status::ok && same(first, second);
     facts.turning = turning_of(*engine.method);
     if (first.status != Status::ok) return facts;

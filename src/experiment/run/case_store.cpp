@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "integrators/engines/engine_methods.h"
 #include "integrators/own_methods.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
@@ -39,12 +40,24 @@ std::string running_program_key() {
     return key;
 }
 
+namespace {
+
+// Other programs change without this one's doing so: an engine is another with its version.
+std::string version_of(const Method& method) {
+    const EngineMethod* engine = engine_of(method);
+    if (!engine) return "";
+    const EngineReport report = engine->inspect(nullptr);
+    return report.fault.empty() ? report.hello.version : "not here";
+}
+
+}  // namespace
+
 std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting) {
     const Experiment& e = plan.experiment;
-    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n", running_program_key(), e.name,
+    return content_hash(fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n{} {} {} {} {}\n{}", running_program_key(), e.name,
                                     scene.label, scene.canonical, curve.method->name, name_of(curve.kind), setting,
                                     name_of(curve.formulation), curve.calibrated, e.samples, e.repeats,
-                                    e.seconds_per_run, e.max_steps, e.max_evaluations));
+                                    e.seconds_per_run, e.max_steps, e.max_evaluations, version_of(*curve.method)));
 }
 
 std::optional<Result> load_case(const std::string& directory, const std::string& key) {

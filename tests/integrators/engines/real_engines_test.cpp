@@ -1,0 +1,247 @@
+// Every engine that is here, on motions whose course is known without it. Those that are missing are named and skipped.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+
+#include "body/orientation.h"
+#include "integrators/engines/engine_methods.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The engines that stand beside the program and can be started.
+const std::vector<EngineMethod>& engines_here() {
+    static const std::vector<EngineMethod> all = [] {
+        std::vector<EngineMethod> here;
+        const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
+        if (!std::filesystem::exists(list)) return here;
+        for (EngineMethod& engine : read_engines(list.string())) {
+            const EngineReport report = engine.inspect(nullptr);
+            if (report.fault.empty())
+                here.push_back(std::move(engine));
+            else
+                std::fprintf(stderr, "%s is left out: %s\n", std::string(engine.method->name).c_str(),
+                             report.fault.c_str());
+        }
+        return here;
+    }();
+    return all;
+}
+
+/// Damping and limits are off in every setting but the default of some.
+bool is_undamped(const EngineMethod& engine) {
+    return engine.setting != "default" ||
+           !(engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "havok" ||
+             engine.engine == "cannon_es" || engine.engine == "bullet_multibody");
+}
+bool has_gyroscopic_term(const EngineMethod& engine) {
+    if (engine.setting == "none" || engine.engine == "havok" || engine.engine == "cannon_es" || engine.engine == "oimo")
+        return false;
+    return !(engine.setting == "default" &&
+             (engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "ammo"));
+}
+
+Scene scene_of(const Vector3<double>& moments, const Vector3<double>& w, double duration = 1) {
+    Scene scene;
+    scene.name = "known", scene.duration = duration;
+    scene.body.mass = 2, scene.body.inertia_B = diagonal(moments);
+    scene.initial.angular_velocity = w;
+    return scene;
+}
+
+Trajectory moved(const EngineMethod& engine, const Scene& scene, double step = 1e-3) {
+    Settings settings;
+    settings.step = step, settings.samples = 10, settings.seconds_limit = 60;
+    return solve(scene, *engine.method, settings);
+}
+
+#define SKIP_WITHOUT_ENGINES() \
+    if (engines_here().empty()) GTEST_SKIP() << "no engine is here: build with POLHODE_ENGINES"
+
+// A ball keeps its w in world axes, whatever turned it before: frame, sign and order of w and q.
+TEST(RealEngines, TurnABallAboutAFixedAxis) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!is_undamped(engine)) continue;
+        Scene scene = scene_of({1, 1, 1}, {0.3, -0.4, 0.5});
+        const Quaternion<double> start = quaternion_from_rotation_vector(Vector3<double>(0.2, 0.9, -0.4));
+        scene.initial.orientation = start, scene.initial.angular_velocity_frame = Frame::world;
+        const Trajectory run = moved(engine, scene);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        const Sample& end = run.samples.back();
+        const Quaternion<double> turned = quaternion_from_rotation_vector(Vector3<double>(0.3, -0.4, 0.5)) * start;
+        EXPECT_LT(rotation_angle_between(end.q, turned), 1e-4);
+        EXPECT_LT(hypotenuse(angular_velocity_W(end) - Vector3<double>(0.3, -0.4, 0.5)), 1e-6);
+        EXPECT_NEAR(norm(end.q), 1, 1e-6);
+    }
+}
+
+// A thrown body's centre of mass: off by g h t / 2 at the most, as semi-implicit Euler's is.
+TEST(RealEngines, ThrowAParabola) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!is_undamped(engine)) continue;
+        Scene scene = scene_of({1, 2, 3}, {0, 0, 1});
+        scene.initial.position_W = {1, -2, 3}, scene.initial.velocity_W = {4, 5, 6};
+        scene.loads.push_back(Gravity{{1, 2, -9.81}, {}});
+        const Trajectory run = moved(engine, scene);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        const Sample& end = run.samples.back();
+        EXPECT_LT(hypotenuse(end.position_W - Vector3<double>(5.5, 4, 9 - 9.81 / 2)), 6e-3);
+        EXPECT_LT(hypotenuse(end.velocity_W - Vector3<double>(5, 7, 6 - 9.81)), 2e-2);
+    }
+}
+
+// A quarter turn about each principal axis of three different moments, from an attitude of its own.
+TEST(RealEngines, TurnAQuarterAboutEachPrincipalAxis) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        if (!is_undamped(engine)) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            SCOPED_TRACE(std::string(engine.method->name) + " " + "xyz"[axis]);
+            Vector3<double> w;
+            w[axis] = pi / 2;
+            Scene scene = scene_of({1, 2, 3}, w);
+            const Quaternion<double> start = quaternion_from_rotation_vector(Vector3<double>(-0.3, 0.5, 1));
+            scene.initial.orientation = start;
+            const Trajectory run = moved(engine, scene);
+            ASSERT_EQ(run.status, Status::ok) << run.message;
+            EXPECT_LT(rotation_angle_between(run.samples.back().q, start * quaternion_from_rotation_vector(w)), 2e-3);
+        }
+    }
+}
+
+// A tensor that is not diagonal, for as long as a first-order update keeps near: its principal axes and back.
+TEST(RealEngines, MoveABodyWithProductsOfInertia) {
+    SKIP_WITHOUT_ENGINES();
+    Scene scene = find_scene("l_shape");
+    scene.duration = 1;
+    Settings settings;
+    settings.samples = 10;
+    const Trajectory truth = solve(scene, *find_method("exact"), settings);
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!is_undamped(engine)) continue;
+        const Trajectory run = moved(engine, scene, 1e-3);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        double worst = 0;
+        for (std::size_t k = 0; k < run.samples.size(); ++k)
+            worst = std::max(worst, rotation_angle_between(run.samples[k].q, truth.samples[k].q));
+        if (has_gyroscopic_term(engine))
+            EXPECT_LT(worst, 0.02);
+        else
+            EXPECT_GT(worst, 0.05);
+    }
+}
+
+// From rest by a torque about a principal axis, and by a force off the centre of mass.
+TEST(RealEngines, TakeTorquesAndForces) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!is_undamped(engine) || engine.setting == "default") continue;
+        Scene scene = scene_of({1, 2, 3}, {});
+        scene.loads.push_back(Torque{{0, 0.6, 0}, Frame::body, {}});
+        Trajectory run = moved(engine, scene);
+        if (run.status == Status::failed && engine.engine == "oimo") continue;
+        if (run.status == Status::unsupported) continue;
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        EXPECT_LT(hypotenuse(run.samples.back().angular_velocity_B - Vector3<double>(0, 0.3, 0)), 1e-5);
+        EXPECT_NEAR(rotation_angle_between(run.samples.back().q, scene.initial.orientation), 0.15, 1e-3);
+        scene.loads = {Force{{0, 0, 2}, Frame::world, {0, 0.1, 0}, Frame::body, {}}};
+        run = moved(engine, scene);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        EXPECT_NEAR(run.samples.back().velocity_W[2], 1, 1e-5);
+        EXPECT_NEAR(run.samples.back().angular_velocity_B[0], 0.2, 2e-3);
+        scene.loads = {Impulse{{0, 0, 2}, Frame::world, {0, 0.1, 0}, Frame::body, 0.55}};
+        run = moved(engine, scene);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        EXPECT_EQ(run.samples[5].velocity_W[2], 0);
+        EXPECT_NEAR(run.samples[6].velocity_W[2], 1, 1e-5);
+        EXPECT_NEAR(run.samples[6].angular_velocity_B[0], 0.2, 1e-5);
+    }
+}
+
+// A pendulum of small swings about a ball joint, for a period.
+TEST(RealEngines, SwingAtAPivot) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!is_undamped(engine)) continue;
+        Scene scene = scene_of({1, 2, 3}, {});
+        // moment about the pivot 1 + 2 kg m^2
+        scene.pivot = Vector3<double>(0, 0, 1), scene.duration = 2 * pi * std::sqrt(3 / (2 * 9.81));
+        scene.loads.push_back(Gravity{{0, 0, -9.81}, {}});
+        scene.initial.orientation = quaternion_from_rotation_vector(Vector3<double>(0.05, 0, 0));
+        const Trajectory run = moved(engine, scene);
+        if (run.status == Status::unsupported) continue;
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        EXPECT_LT(rotation_angle_between(run.samples.back().q, scene.initial.orientation), 5e-3);
+        EXPECT_NEAR(rotation_angle_between(run.samples[5].q, scene.initial.orientation), 0.1, 5e-3);
+        EXPECT_LT(hypotenuse(run.samples[5].position_W + rotate(normalized(run.samples[5].q), *scene.pivot)), 2e-3);
+    }
+}
+
+// A ball dropped on a plane that gives all back, once.
+TEST(RealEngines, BounceFromAPlane) {
+    SKIP_WITHOUT_ENGINES();
+    Scene scene = find_scene("bouncing_ball");
+    scene.duration = 0.7, scene.initial.angular_velocity = {};
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!engine.method->planes) continue;
+        const Trajectory run = moved(engine, scene);
+        ASSERT_EQ(run.status, Status::ok) << run.message;
+        double lowest = 0, highest = 0;
+        for (const Sample& s : run.samples)
+            lowest = std::min(lowest, s.velocity_W[2]), highest = std::max(highest, s.velocity_W[2]);
+        EXPECT_LT(lowest, -1);
+        EXPECT_GT(highest, 1);
+    }
+}
+
+// The body that is made is the one asked for, and the same question has the same answer, from another process too.
+TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
+    SKIP_WITHOUT_ENGINES();
+    const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
+    const std::vector<EngineMethod> others = read_engines(list.string());
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        Scene scene = scene_of({1, 2, 2.5}, {1, 1.1, 0.9});
+        scene.initial.position_W = {1, 2, 3}, scene.initial.velocity_W = {-1, 0.5, 2};
+        const Problem problem = pose(scene);
+        const EngineReport report = engine.inspect(&problem);
+        EXPECT_EQ(report.fault, "");
+        EXPECT_FALSE(report.hello.version.empty());
+        EXPECT_LT(report.difference, 1e-6);
+        const auto other =
+            std::ranges::find(others, engine.method->name, [](const EngineMethod& e) { return e.method->name; });
+        const Trajectory first = moved(engine, scene), second = moved(*other, scene);
+        ASSERT_EQ(first.samples.size(), second.samples.size());
+        for (std::size_t k = 0; k < first.samples.size(); ++k) EXPECT_EQ(first.samples[k].q, second.samples[k].q);
+    }
+}
+
+// A driver refuses what it does not know, and lives on.
+TEST(RealEngines, RefuseAndLiveOn) {
+    SKIP_WITHOUT_ENGINES();
+    for (const EngineMethod& engine : engines_here()) {
+        SCOPED_TRACE(engine.method->name);
+        if (!engine.method->planes) {
+            EXPECT_EQ(moved(engine, find_scene("bouncing_ball")).status, Status::unsupported);
+        }
+        EXPECT_EQ(moved(engine, scene_of({1, 1, 1}, {0, 0, 1}, 0.1)).status, Status::ok);
+    }
+}
+
+}  // namespace
+}  // namespace polhode

@@ -8,7 +8,9 @@
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev
     gnuplot-nox)
-test_packages=(libgtest-dev librapidcheck-dev)
+test_packages=(libgtest-dev librapidcheck-dev libbullet-dev libode-dev)
+# the engines that `experiments/run engines` compares; those under Node come by npm
+engine_packages=(libbullet-dev libode-dev libmujoco-dev libsimbody-dev libdart-dev nodejs npm)
 # for tests/run --all
 check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy doxygen)
 
@@ -60,4 +62,29 @@ build() {
     shift 2
     configure "$preset" "$@"
     (cd "$top" && cmake --build --preset "$preset" --target "$target")
+}
+
+# install_wanted PACKAGE..: each by itself; one that cannot be had is named and left out
+install_wanted() {
+    local package
+    for package in "$@"; do
+        # whoever has Node from elsewhere has it
+        [[ $package != nodejs && $package != npm ]] || ! command -v "${package/nodejs/node}" >/dev/null || continue
+        (install_missing "$package") || echo "left out: $package cannot be had" >&2
+    done
+}
+
+# install_node_engines: what build/engines/package.json names, where npm is there and its registry in reach
+install_node_engines() {
+    local directory=$top/build/engines
+    [[ -s $directory/package-lock.json ]] || return 0
+    if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
+        echo "the engines under Node are left out: there is no node or no npm" >&2
+    elif ! cmp -s "$directory/package-lock.json" "$directory/node_modules/.installed"; then
+        if (cd "$directory" && timeout 300 npm ci --no-audit --no-fund --loglevel=error) >&2; then
+            cp "$directory/package-lock.json" "$directory/node_modules/.installed"
+        else
+            echo "the engines under Node are left out: npm cannot install them" >&2
+        fi
+    fi
 }

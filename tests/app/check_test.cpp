@@ -241,7 +241,7 @@ TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
     }
     EXPECT_GE(judged, has_node ? 5 : 4);
     const std::string picture = read(directory / "engine.svg");
-    for (const char* part : {"attitude", "float32 floor", "impact_stepping at 240 Hz", "allowed"})
+    for (const char* part : {"attitude", "float32 floor", "first_order_quaternion at 240 Hz", "allowed"})
         EXPECT_NE(picture.find(part), std::string::npos) << part;
 }
 

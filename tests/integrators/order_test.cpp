@@ -202,8 +202,10 @@ class Order : public ::testing::TestWithParam<const Method*> {
             EXPECT_LT(found.front(), judge.floor);
             return;
         }
-        RecordProperty("order", std::to_string(observed_order(found, judge.floor)));
-        const double order = observed_order(found, judge.floor);
+        // w that is kept in world axes, and turned into the body's and back, rounds more
+        const double floor = method.family == Family::engine_update ? 1000 * judge.floor : judge.floor;
+        const double order = observed_order(found, floor);
+        RecordProperty("order", std::to_string(order));
         if (method.order <= 8 || rounds_little(method)) {
             EXPECT_NEAR(order, method.order, 0.1) << ::testing::PrintToString(found);
         } else {

@@ -49,9 +49,9 @@ std::string answering(const std::string& answer) {
     return std::string(hello) + "while read -r request; do echo '" + answer + "' >&3; done";
 }
 
-const std::string at_rest = "[1, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0]";
-const std::string sound = R"({"status": "ok", "seconds": 0.5, "steps": 10, "samples": [)" + at_rest + ", " + at_rest +
-                          ", " + at_rest + R"(], "readback": {"mass": 2, "moments": [1, 2, 3.3]}})";
+const std::string row_at_rest = "[1, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0]";
+const std::string sound = R"({"status": "ok", "seconds": 0.5, "steps": 10, "samples": [)" + row_at_rest + ", " +
+                          row_at_rest + ", " + row_at_rest + R"(], "readback": {"mass": 2, "moments": [1, 2, 3.3]}})";
 
 Scene simple_scene() {
     Scene scene;
@@ -122,8 +122,9 @@ TEST(EngineMethods, AnEngineThatIsNotThereNamesWhatItNeeds) {
 
 // A number that is not finite is null in JSON.
 TEST(EngineMethods, WhatIsNotFiniteHasDiverged) {
-    const ScriptedEngine scripted(answering(R"({"status": "ok", "seconds": 1, "steps": 10, "samples": [)" + at_rest +
-                                            R"(, [null, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0], )" + at_rest + "]}"));
+    const ScriptedEngine scripted(answering(R"({"status": "ok", "seconds": 1, "steps": 10, "samples": [)" +
+                                            row_at_rest + R"(, [null, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0], )" +
+                                            row_at_rest + "]}"));
     const Trajectory run = scripted.solved(simple_scene());
     EXPECT_EQ(run.status, Status::diverged);
     EXPECT_EQ(run.samples.size(), 1u);

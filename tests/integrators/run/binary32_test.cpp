@@ -82,6 +82,8 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
             EXPECT_NEAR(single_order, order, 0.05) << scene.name;
             break;
         }
+        // a velocity that is a difference of places over h is rounded the more the smaller h is
+        if (narrow.name.starts_with("xpbd_")) continue;
         const long n = optimised_build ? 16384 : 2048;
         const auto [single, binary64] = both(n);
         ASSERT_EQ(single.status, Status::ok) << single.message;

@@ -48,6 +48,15 @@ bool has_gyroscopic_term(const EngineMethod& engine) {
              (engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "ammo"));
 }
 
+/// What binary32 leaves of a thousand steps, some with four parts.
+double rounding(const EngineMethod& engine) { return engine.method->precision == Precision::binary32 ? 1e-3 : 1e-6; }
+/// Havok loses a part of small changes of its velocities: of a force's effect at 1/1000 s measured 4 %.
+bool loses_small_changes(const EngineMethod& engine) { return engine.engine == "havok"; }
+bool may_sleep(const EngineMethod& engine) {
+    return engine.setting == "default" && (engine.engine.starts_with("bullet") || engine.engine == "rapier" ||
+                                           engine.engine == "ammo" || engine.engine == "oimo");
+}
+
 Scene scene_of(const Vector3<double>& moments, const Vector3<double>& w, double duration = 1) {
     Scene scene;
     scene.name = "known", scene.duration = duration;
@@ -78,8 +87,8 @@ TEST(RealEngines, TurnABallAboutAFixedAxis) {
         ASSERT_EQ(run.status, Status::ok) << run.message;
         const Sample& end = run.samples.back();
         const Quaternion<double> turned = quaternion_from_rotation_vector(Vector3<double>(0.3, -0.4, 0.5)) * start;
-        EXPECT_LT(rotation_angle_between(end.q, turned), 1e-4);
-        EXPECT_LT(hypotenuse(angular_velocity_W(end) - Vector3<double>(0.3, -0.4, 0.5)), 1e-6);
+        EXPECT_LT(rotation_angle_between(end.q, turned), 1e-4 + rounding(engine));
+        EXPECT_LT(hypotenuse(angular_velocity_W(end) - Vector3<double>(0.3, -0.4, 0.5)), rounding(engine));
         EXPECT_NEAR(norm(end.q), 1, 1e-6);
     }
 }
@@ -148,20 +157,21 @@ TEST(RealEngines, TakeTorquesAndForces) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
         SCOPED_TRACE(engine.method->name);
-        if (!is_undamped(engine) || engine.setting == "default") continue;
+        if (!is_undamped(engine) || may_sleep(engine) || engine.setting == "default") continue;
+        const double part = loses_small_changes(engine) ? 0.06 : rounding(engine);
         Scene scene = scene_of({1, 2, 3}, {});
         scene.loads.push_back(Torque{{0, 0.6, 0}, Frame::body, {}});
         Trajectory run = moved(engine, scene);
         if (run.status == Status::failed && engine.engine == "oimo") continue;
         if (run.status == Status::unsupported) continue;
         ASSERT_EQ(run.status, Status::ok) << run.message;
-        EXPECT_LT(hypotenuse(run.samples.back().angular_velocity_B - Vector3<double>(0, 0.3, 0)), 1e-5);
-        EXPECT_NEAR(rotation_angle_between(run.samples.back().q, scene.initial.orientation), 0.15, 1e-3);
+        EXPECT_LT(hypotenuse(run.samples.back().angular_velocity_B - Vector3<double>(0, 0.3, 0)), part);
+        EXPECT_NEAR(rotation_angle_between(run.samples.back().q, scene.initial.orientation), 0.15, 1e-3 + part);
         scene.loads = {Force{{0, 0, 2}, Frame::world, {0, 0.1, 0}, Frame::body, {}}};
         run = moved(engine, scene);
         ASSERT_EQ(run.status, Status::ok) << run.message;
-        EXPECT_NEAR(run.samples.back().velocity_W[2], 1, 1e-5);
-        EXPECT_NEAR(run.samples.back().angular_velocity_B[0], 0.2, 2e-3);
+        EXPECT_NEAR(run.samples.back().velocity_W[2], 1, part);
+        EXPECT_NEAR(run.samples.back().angular_velocity_B[0], 0.2, 2e-3 + part);
         scene.loads = {Impulse{{0, 0, 2}, Frame::world, {0, 0.1, 0}, Frame::body, 0.55}};
         run = moved(engine, scene);
         ASSERT_EQ(run.status, Status::ok) << run.message;
@@ -176,7 +186,7 @@ TEST(RealEngines, SwingAtAPivot) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
         SCOPED_TRACE(engine.method->name);
-        if (!is_undamped(engine)) continue;
+        if (!is_undamped(engine) || may_sleep(engine) || loses_small_changes(engine)) continue;
         Scene scene = scene_of({1, 2, 3}, {});
         // moment about the pivot 1 + 2 kg m^2
         scene.pivot = Vector3<double>(0, 0, 1), scene.duration = 2 * pi * std::sqrt(3 / (2 * 9.81));

@@ -1,11 +1,11 @@
 // Further updates of game engines and of texts on them, which the gyroscopic updates are not.
 //
 // Each is a step of length h from q (body to world), w, x and v; R = R(q), I_W = R I R^T, tau and F at the old state.
-#include <optional>
 #include <span>
 
 #include "body/orientation.h"
 #include "integrators/game/engine_state.h"
+#include "integrators/game/position_based.h"
 #include "integrators/run/binary32.h"
 #include "integrators/run/linear_growth.h"
 
@@ -132,71 +132,9 @@ class MujocoRungeKutta : public EngineState<S> {
     }
 };
 
-/// A substep of extended position-based dynamics: where the body would go, then the constraint, then velocities from
-/// where it has gone.
-///   v += h a,  x += h v,  w += h I_W^-1 (tau - w x I_W w),  q += (h/2) (0, w) q
-///   pivot:  c = x + r,  r = R arm,  n = c/|c|,  lambda = -|c| / (1/m + (r x n) . I_W^-1 (r x n)),
-///           x += lambda n / m,  q += (1/2) (0, I_W^-1 (r x lambda n)) q
-///   v = (x - x_old) / h,  w = +-2 vec(q q_old*) / h
-template <class S>
-class PositionBasedUpdate : public EngineState<S> {
-    using Base = EngineState<S>;
-    using Base::q_, Base::w_, Base::x_, Base::v_, Base::inertia_, Base::problem_, Base::steps_;
-
-  public:
-    /// `arm`: of the pivot from the centre of mass, body axes.
-    PositionBasedUpdate(const Problem& problem, const std::optional<Vector3<double>>& arm) : Base(problem) {
-        if (arm) arm_ = cast<S>(*arm);
-    }
-    [[gnu::flatten]] void step(double t, double step) {
-        const S h = S(step);
-        const Quaternion<S> q = q_;
-        const Vector3<S> x = x_;
-        const Matrix3<S> R = rotation_matrix(q_);
-        const Vector3<S> w = transposed(R) * w_, torque = transposed(R) * this->torque_W(t, R);
-        this->translate(h, this->acceleration_W(R));
-        w_ = w_ + h * (R * (inertia_.inverse * (torque + cross(inertia_.tensor * w, w))));
-        this->turn_in_first_order(h);
-        if (arm_) hold();
-        v_ = (S(1) / h) * (x_ - x);
-        const Quaternion<S> change = q_ * conjugate(q);
-        w_ = ((change.w < 0 ? S(-2) : S(2)) / h) * vector_part(change);
-        ++steps_;
-    }
-    long rhs_evaluations() const { return steps_; }
-
-  private:
-    void hold() {
-        const Matrix3<S> R = rotation_matrix(q_);
-        const Vector3<S> r = R * *arm_, c = x_ + r;
-        const S distance = hypotenuse(c);
-        if (!(distance > 0)) return;
-        const Vector3<S> n = (S(1) / distance) * c, lever = cross(r, n);
-        const Vector3<S> turned = R * (inertia_.inverse * (transposed(R) * lever));
-        const S inverse_mass = S(1 / problem_->body.mass), lambda = -distance / (inverse_mass + dot(lever, turned));
-        x_ = x_ + (lambda * inverse_mass) * n;
-        w_ = lambda * turned;  // as a turn in unit time
-        this->turn_in_first_order(1);
-    }
-
-    std::optional<Vector3<S>> arm_;
-};
-
 template <class Update>
 Trajectory solve_update(const Problem& problem, const Settings& settings) {
     return march<Update>(problem, settings);
-}
-
-// The body has all its coordinates, and the pivot is a constraint.
-template <class S>
-Trajectory solve_position_based(const Problem& problem, const Settings& settings) {
-    using Arm = std::optional<Vector3<double>>;
-    if (!problem.body.pivoted) return march<PositionBasedUpdate<S>>(problem, settings, Arm());
-    Scene free = problem.scene;
-    free.pivot.reset();
-    free.initial.position_W = problem.body.position_W, free.initial.velocity_W = problem.body.velocity_W;
-    const Arm arm = *problem.scene.pivot - free.body.center_of_mass;
-    return march<PositionBasedUpdate<S>>(pose(free, Formulation::full), settings, arm);
 }
 
 // v+ = v - c v+ - s theta, theta+ = theta + v+
@@ -219,8 +157,10 @@ constexpr Method each_update[] = {
      .documentation =
          "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h (tau - "
          "w x I w): without drag the two are one. Stiff drag does not blow up. MuJoCo's `implicit` and, from 3.11 on, "
-         "`implicitfast`. Order 1.",
-     .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast",
+         "`implicitfast`, of a free body whose frame begins at its centre of mass; where it does not, "
+         "MuJoCo solves for the velocity of the frame's origin, and the centripetal force's derivative comes in. Order "
+         "1.",
+     .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast (mj_implicitSkip, mjd_freeMhat)",
      .conserves = "|q|",
      .solve = solve_update<DampedImplicitUpdate<double>>,
      .pendulum_growth = damped_pendulum_growth},
@@ -238,7 +178,9 @@ constexpr Method each_update[] = {
      .documentation =
          "A substep of extended position-based dynamics: the body goes where its velocities take it, a pivot pulls it "
          "back by position and attitude, and the velocities become what was covered over h. Of a free body each step "
-         "takes a part (h |w|)^2 / 8 of w away. Order 1.",
+         "takes a part (h |w|)^2 / 8 of w away, and rounding leaves 2^-53 |x| / h in v (in binary32 2^-24 |x| / h): "
+         "too short a step is worse. What an event leaves of a step, if less than 1/64 of it, keeps its velocities and "
+         "leaves the pivot to the next. Order 1.",
      .source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body Simulation with "
                "Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2",
      .conserves = "|q|",

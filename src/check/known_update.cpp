@@ -71,7 +71,8 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
             method->control == Control::fixed_step && (in_binary32 || method->precision == Precision::binary64))
             updates.push_back(method);
     // of two that are as near but for rounding, the engines' own name it
-    std::ranges::stable_partition(updates, [](const Method* m) { return m->family == Family::engine_update; });
+    std::stable_partition(updates.begin(), updates.end(),
+                          [](const Method* m) { return m->family == Family::engine_update; });
     constexpr double rounding = 1e-12;
     for (const Method* method : updates) {
         const double distance = farthest(run(*method, step), rows, of_file);

@@ -119,7 +119,7 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         place.order = median_of(orders), place.step_seconds = median_of(seconds);
         for (int i = 0; i < 3; ++i)
             if (scenes > 0) place.within[i] = step_within(errors, accuracies[i], scenes);
-        places.push_back(std::move(place));
+        places.push_back(place);
     }
     std::ranges::stable_sort(places, [](const EnginePlace& a, const EnginePlace& b) {
         if (a.facts->is_here() != b.facts->is_here()) return a.facts->is_here();

@@ -136,6 +136,18 @@ std::vector<const Method*> planned_methods(const std::vector<std::string>& entri
     return planned;
 }
 
+// In methods(), and for engines in engines() behind them.
+int place_of(const Method* method) {
+    const auto found = std::find(methods().begin(), methods().end(), method);
+    std::ptrdiff_t place = found - methods().begin();
+    if (found == methods().end())
+        for (const EngineMethod& engine : engines()) {
+            if (engine.method.get() == method) break;
+            ++place;
+        }
+    return static_cast<int>(place);
+}
+
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
                     const std::string& file) {
     if (changes.empty()) return base;
@@ -290,7 +302,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     for (const Method* method : planned_methods(e.methods, file)) {
         const std::string name(method->name);
-        const int color = static_cast<int>(std::find(methods().begin(), methods().end(), method) - methods().begin());
+        const int color = place_of(method);
         const std::size_t before = plan.curves.size();
         const bool calibrated = e.kind->calibrated;
         const auto add = [&](SettingKind kind, const std::vector<double>& settings) {

@@ -57,6 +57,8 @@ NamedTable leaderboard_table(const std::vector<EnginePlace>& places);
 /// NAME_scenes: of each scene and engine the largest attitude error at each step, the observed order, momentum and
 /// energy at the usual step, time of a step, binary32's floor.
 NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows);
+/// NAME_gazebo_boxes: the published benchmark of Gazebo's boxes, where its scene and the step 1/1000 s are in the plan.
+NamedTable gazebo_table(const Plan& plan, const std::vector<Result>& rows);
 /// NAME_identity: version, settings, what was read back, which update is followed, whether numbers repeat.
 NamedTable identity_table(const std::vector<EngineFacts>& facts);
 

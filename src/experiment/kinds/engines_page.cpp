@@ -121,6 +121,12 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
         text += paragraph(engine, own) + "\n";
     }
     for (const NamedTable& named : tables)
+        if (named.name == "gazebo_boxes")
+            text += fmt::format(
+                "## {}\n\nThe angular momentum of a free box is to stay what it is. The published numbers "
+                "(S. Peters and J. Hsu 2014) are of the engines of then as Gazebo set them up.\n\n{}\n",
+                named.title, markdown(page_of(named)));
+    for (const NamedTable& named : tables)
         if (named.name == "scenes") text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
     return text;
 }
@@ -129,6 +135,8 @@ Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<EngineFacts> facts = engine_facts(plan);
     const std::vector<EnginePlace> places = engine_places(plan, rows, facts);
     Findings findings{{leaderboard_table(places), identity_table(facts), engine_scenes_table(plan, rows)}};
+    if (NamedTable gazebo = gazebo_table(plan, rows); !gazebo.table.rows.empty())
+        findings.tables.push_back(std::move(gazebo));
     findings.page = engines_page(plan, places, facts, findings.tables);
     for (const char* setting : {"default", "best"})
         for (NamedFigure& named : work_precision_figures(with_one_setting(plan, setting), rows)) {

@@ -8,9 +8,9 @@
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev
     gnuplot-nox)
-test_packages=(libgtest-dev librapidcheck-dev libbullet-dev libode-dev)
+test_packages=(libgtest-dev librapidcheck-dev pkgconf libbullet-dev libode-dev)
 # the engines that `experiments/run engines` compares; those under Node come by npm
-engine_packages=(libbullet-dev libode-dev libmujoco-dev libsimbody-dev libdart-dev nodejs npm)
+engine_packages=(pkgconf libbullet-dev libode-dev libmujoco-dev libsimbody-dev libdart-dev nodejs npm)
 # for tests/run --all
 check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy doxygen)
 

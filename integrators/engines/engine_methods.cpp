@@ -125,7 +125,7 @@ EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
     Problem brief = *problem;
     brief.scene.duration = 1e-3;
     Settings settings;
-    settings.step = 1e-3, settings.samples = 1, settings.seconds_limit = 60;
+    settings.step = 1e-3, settings.samples = 1, settings.seconds_limit = 10;
     const EngineAnswer answer = asked.answer(brief, settings);
     if (answer.trajectory.status == Status::ok)
         report.difference = readback_difference(engine_scene(brief), answer.readback);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,9 +15,9 @@ namespace polhode {
 
 /// What an engine tells beside a trajectory.
 struct EngineReport {
-    std::string fault;      ///< why it tells nothing; else empty
-    EngineHello hello;      ///< who it is
-    double difference = 0;  ///< readback_difference() of the problem's body
+    std::string fault;                 ///< why it tells nothing; else empty
+    EngineHello hello;                 ///< who it is
+    std::optional<double> difference;  ///< readback_difference() of the problem's body, where it was asked
 };
 
 /// An engine in one of its settings: the method ENGINE:SETTING.

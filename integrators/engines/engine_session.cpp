@@ -8,6 +8,8 @@ namespace {
 
 /// For an interpreter and an engine in WebAssembly to be loaded on a busy machine.
 constexpr std::chrono::seconds time_to_start(60);
+/// Questions in a row that it leaves without an answer before it is asked no more.
+constexpr int silences = 2;
 
 }  // namespace
 
@@ -53,11 +55,18 @@ LineAnswer EngineSession::greet(EngineHello& hello) {
 }
 
 LineAnswer EngineSession::ask(const std::string& request, double seconds, EngineHello& hello) {
+    if (unanswered_ >= silences) {
+        LineAnswer none;
+        none.fault = command_.front() + " was not asked: it gave no answer in time to the last questions";
+        none.was_out_of_time = true;
+        return none;
+    }
     Running running;
     LineAnswer answer = take(running);
     hello = running.hello;
     if (!answer.fault.empty() || !hello.missing.empty()) return answer;
     answer = running.process->ask(request, std::chrono::duration<double>(seconds));
+    unanswered_ = answer.was_out_of_time ? unanswered_ + 1 : 0;
     give_back(std::move(running));
     return answer;
 }

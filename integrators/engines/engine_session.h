@@ -1,6 +1,7 @@
 // An engine in a process of its own, asked by many trajectories, from several threads.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,7 +14,7 @@
 namespace polhode {
 
 /// The processes of one engine: as many as are asked at the same time. One that is done waits for the next question;
-/// one that has crashed or hung is replaced.
+/// one that has crashed or hung is replaced, and one that hangs twice in a row is asked no more.
 class EngineSession {
   public:
     /// Starts nothing yet.
@@ -40,7 +41,8 @@ class EngineSession {
     std::vector<std::string> command_;
     std::mutex mutex_;
     std::vector<Running> idle_;
-    std::optional<Absent> absent_;  ///< what a start gave that found no engine
+    std::optional<Absent> absent_;     ///< what a start gave that found no engine
+    std::atomic<int> unanswered_ = 0;  ///< the last questions in a row that ran out of time
 };
 
 }  // namespace polhode

@@ -1,6 +1,7 @@
 // What engines say of themselves, and what they do with a body whose motion is known.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "check/known_update.h"
@@ -21,7 +22,7 @@ Scene probe_scene(double duration) {
 Trajectory probe(const Method& method, const Scene& scene, double step) {
     Settings settings;
     settings.step = step, settings.samples = std::lround(scene.duration / step);
-    settings.seconds_limit = 60;
+    settings.seconds_limit = 10;
     return solve(scene, method, settings);
 }
 
@@ -84,10 +85,13 @@ EngineFacts facts_of(const EngineMethod& engine) {
 
 }  // namespace
 
-std::vector<EngineFacts> engine_facts(const Plan& plan) {
+std::vector<EngineFacts> engine_facts(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<EngineFacts> all;
-    for (const PlannedCurve& curve : plan.curves)
-        if (const EngineMethod* engine = engine_of(*curve.method)) all.push_back(facts_of(*engine));
+    for (const PlannedCurve& curve : plan.curves) {
+        const EngineMethod* engine = engine_of(*curve.method);
+        const auto is_own = [&](const Result& row) { return row.method == curve.method->name; };
+        if (engine && std::ranges::any_of(rows, is_own)) all.push_back(facts_of(*engine));
+    }
     return all;
 }
 

@@ -150,7 +150,7 @@ NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
                                      {"within_0.1", "0.1 rad from"},
                                      {"within_0.01", "0.01 rad from"},
                                      {"within_0.001", "0.001 rad from"},
-                                     {"message", "not here"}});
+                                     {"message", "takes no part"}});
     named.table.columns.insert(named.table.columns.begin() + 4, "mean_place");
     for (const EnginePlace& p : places) {
         const auto step = [&](int i) { return p.within[i] ? Cell(step_name(*p.within[i])) : Cell(); };
@@ -229,7 +229,7 @@ NamedTable identity_table(const std::vector<EngineFacts>& facts) {
                                      {"follows_to", "to (rad)"},
                                      {"readback_difference", "read back, off by"},
                                      {"repeats", "numbers repeat"},
-                                     {"message", "not here"}});
+                                     {"message", "takes no part"}});
     for (const EngineFacts& f : facts) {
         const bool here = f.is_here();
         const std::string term = !f.turning          ? ""
@@ -240,7 +240,7 @@ NamedTable identity_table(const std::vector<EngineFacts>& facts) {
             {f.engine->engine, f.engine->setting, f.report.hello.version,
              std::string(f.engine->method->precision == Precision::binary32 ? "binary32" : "binary64"), f.about_setting,
              term, f.follows, f.follows.empty() ? Cell() : Cell(f.follows_to),
-             here ? Cell(f.report.difference) : Cell(),
+             cell_of(f.report.difference),
              std::string(!here       ? ""
                          : f.repeats ? "yes"
                                      : "no"),

@@ -29,8 +29,8 @@ struct EngineFacts {
     bool is_here() const { return report.fault.empty(); }
 };
 
-/// Asks every engine of the plan who it is, and has it move a body whose motion is known.
-std::vector<EngineFacts> engine_facts(const Plan& plan);
+/// Asks every engine that has rows who it is, and has it move a body whose motion is known.
+std::vector<EngineFacts> engine_facts(const Plan& plan, const std::vector<Result>& rows);
 
 /// An engine in one setting among the others.
 struct EnginePlace {
@@ -62,9 +62,9 @@ NamedTable gazebo_table(const Plan& plan, const std::vector<Result>& rows);
 /// NAME_identity: version, settings, what was read back, which update is followed, whether numbers repeat.
 NamedTable identity_table(const std::vector<EngineFacts>& facts);
 
-/// The page: the rule, the tables, and a paragraph for each engine.
+/// The page: the rule, the tables, the pictures, and a paragraph for each engine.
 std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& places,
-                         const std::vector<EngineFacts>& facts, const std::vector<NamedTable>& tables);
+                         const std::vector<EngineFacts>& facts, const Findings& findings);
 
 /// "1/60 s"
 std::string step_name(double step);

@@ -10,9 +10,10 @@
 namespace polhode {
 namespace {
 
-std::string in_words(const std::optional<double>& value, const char* unit) {
-    return value ? fmt::format("{:.2g}{}{}", *value, *unit ? " " : "", unit) : "a number that does not exist";
+std::string in_words(const std::optional<double>& value, const char* unit = "") {
+    return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
+std::string in_brackets(const std::string& about) { return about.empty() ? "" : " (" + about + ")"; }
 
 std::string sentence_of_accuracy(const EnginePlace& place) {
     std::string text;
@@ -51,8 +52,8 @@ std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
     for (const EnginePlace* place : own)
         if (place->attitude && (!best->attitude || *place->attitude < *best->attitude)) best = place;
     if (best == first || !first->attitude || !best->attitude || *best->attitude > 0.9 * *first->attitude) return "";
-    return fmt::format(" The setting to change is `{}` ({}): the median error at {} goes from {:.2g} to {:.2g} rad.",
-                       best->facts->engine->setting, best->facts->about_setting, step_name(usual_step),
+    return fmt::format("The setting to change is `{}`{}: the median error at {} goes from {:.2g} to {:.2g} rad.",
+                       best->facts->engine->setting, in_brackets(best->facts->about_setting), step_name(usual_step),
                        *first->attitude, *best->attitude);
 }
 
@@ -60,25 +61,27 @@ std::string paragraph(const std::string& engine, const std::vector<const EngineP
     const EngineFacts& first = *own.front()->facts;
     std::string text = fmt::format("### {}{}{}\n\n", engine, first.report.hello.version.empty() ? "" : " ",
                                    first.report.hello.version);
-    if (!first.is_here()) return text + fmt::format("Not here: {}.\n", first.report.fault);
+    if (!first.is_here()) return text + fmt::format("It takes no part: {}.\n", first.report.fault);
     for (const EnginePlace* place : own) {
         const EngineFacts& facts = *place->facts;
-        text += fmt::format("- `{}` ({}): place {}.", facts.engine->setting, facts.about_setting, place->place);
+        text +=
+            fmt::format("- `{}`{}: place {}.", facts.engine->setting, in_brackets(facts.about_setting), place->place);
         if (place->scenes == 0) {
             text += " No scene was run to its end.\n";
             continue;
         }
         text += fmt::format(
-            " At {} the attitude is {} off in the middle of {} scenes, the angular momentum {}, the energy {}{}. {}{}",
-            step_name(usual_step), in_words(place->attitude, "rad"), place->scenes, in_words(place->momentum, ""),
-            in_words(place->energy, ""),
+            " At {} the attitude is {} off in the median of {} scene{}, the angular momentum {}, the energy {}{}. {}{}",
+            step_name(usual_step), in_words(place->attitude, " rad"), place->scenes, place->scenes == 1 ? "" : "s",
+            in_words(place->momentum), in_words(place->energy),
             place->order ? fmt::format("; smaller steps help with order {:.1f}", *place->order)
                          : "; smaller steps show no order",
             sentence_of_accuracy(*place), sentence_of_term(facts));
         if (!facts.repeats) text += " Its numbers do not repeat.";
         text += "\n";
     }
-    return text + sentence_of_remedy(own) + "\n";
+    if (const std::string remedy = sentence_of_remedy(own); !remedy.empty()) text += "\n" + remedy + "\n";
+    return text;
 }
 
 // Of each engine one curve, so that a picture can be read: its best setting, or the first.
@@ -98,8 +101,10 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
 }  // namespace
 
 std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& places,
-                         const std::vector<EngineFacts>& facts, const std::vector<NamedTable>& tables) {
-    std::string text = fmt::format("# Physics engines against the truth\n\n{}.\n\n", plan.experiment.about);
+                         const std::vector<EngineFacts>& facts, const Findings& findings) {
+    const std::vector<NamedTable>& tables = findings.tables;
+    std::string text = "# Physics engines against the truth\n\n";
+    if (!plan.experiment.about.empty()) text += plan.experiment.about + ".\n\n";
     text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
     text +=
         "Errors are the largest over a run; attitude is the rotation angle to the truth, momentum and energy are "
@@ -108,6 +113,9 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
     for (const NamedTable& named : tables)
         if (named.name == "leaderboard" || named.name == "identity")
             text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
+    if (!findings.figures.empty()) text += "## Error against run time\n\n";
+    for (const NamedFigure& named : findings.figures)
+        text += fmt::format("![{}]({}.svg)\n\n", named.figure.title, named.name);
     text += "## Engine by engine\n\n";
     std::vector<std::string> told;
     for (const EngineFacts& one : facts) {
@@ -132,18 +140,18 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
 }
 
 Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows) {
-    const std::vector<EngineFacts> facts = engine_facts(plan);
+    const std::vector<EngineFacts> facts = engine_facts(plan, rows);
     const std::vector<EnginePlace> places = engine_places(plan, rows, facts);
     Findings findings{{leaderboard_table(places), identity_table(facts), engine_scenes_table(plan, rows)}};
     if (NamedTable gazebo = gazebo_table(plan, rows); !gazebo.table.rows.empty())
         findings.tables.push_back(std::move(gazebo));
-    findings.page = engines_page(plan, places, facts, findings.tables);
     for (const char* setting : {"default", "best"})
         for (NamedFigure& named : work_precision_figures(with_one_setting(plan, setting), rows)) {
             named.name += std::string("_") + setting;
             named.figure.title += fmt::format(", engines in their setting \"{}\"", setting);
             findings.figures.push_back(std::move(named));
         }
+    findings.page = engines_page(plan, places, facts, findings);
     return findings;
 }
 

@@ -150,6 +150,7 @@ Findings conclude_finished(const Plan& plan, const std::string& directory) {
         Findings more = findings.tables.empty() ? conclude(part, rows) : part.experiment.kind->conclude(part, rows);
         std::move(more.tables.begin(), more.tables.end(), std::back_inserter(findings.tables));
         std::move(more.figures.begin(), more.figures.end(), std::back_inserter(findings.figures));
+        findings.page += more.page;
     }
     return findings;
 }

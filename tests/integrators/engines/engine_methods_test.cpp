@@ -145,6 +145,22 @@ TEST(EngineMethods, ACrashCostsOneRun) {
     unlink(counter);
 }
 
+// One that hangs is waited for twice; one that answers in between is only slow.
+TEST(EngineMethods, AHangCostsTwoTimeOuts) {
+    const ScriptedEngine hung(std::string(hello) + "read -r a; exec sleep 600");
+    for (int run = 0; run < 4; ++run) {
+        const Trajectory failed = hung.solved(simple_scene(), 0.2);
+        EXPECT_EQ(failed.status, Status::failed);
+        EXPECT_TRUE(failed.limit_reached);
+        EXPECT_EQ(failed.message, run < 2 ? "sh was stopped: it gave no answer within 0.2 s"
+                                          : "sh was not asked: it gave no answer in time to the last questions");
+    }
+    const ScriptedEngine slow(std::string(hello) + "read -r a; echo '" + sound + "' >&3; read -r b; exec sleep 600");
+    for (int run = 0; run < 6; ++run)
+        EXPECT_EQ(slow.solved(simple_scene(), run % 2 == 0 ? 60 : 0.2).status,
+                  run % 2 == 0 ? Status::ok : Status::failed);
+}
+
 TEST(EngineMethods, StepsBeyondTheLimitAreNotBegun) {
     const ScriptedEngine scripted(answering(sound));
     Settings settings;

@@ -232,7 +232,7 @@ TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
         const EngineReport report = engine.inspect(&problem);
         EXPECT_EQ(report.fault, "");
         EXPECT_FALSE(report.hello.version.empty());
-        EXPECT_LT(report.difference, 1e-6);
+        EXPECT_LT(report.difference.value(), 1e-6);
         const auto other =
             std::ranges::find(others, engine.method->name, [](const EngineMethod& e) { return e.method->name; });
         const Trajectory first = moved(engine, scene), second = moved(*other, scene);

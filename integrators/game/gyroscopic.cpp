@@ -7,6 +7,7 @@
 //        explicit            w_B -= h I^-1 (w_B x I w_B)
 //        implicit            one Newton step from w_B for  I (w - w_B) + h w x I w = 0:
 //                            J = I + h (skew(w_B) I - skew(I w_B)),  w_B -= J^-1 (h w_B x I w_B)
+//        linearly implicit   (I - h skew(I w0)) w = I w0: the momentum of the step's begin turns by the new w
 //        midpoint            the implicit midpoint rule of the term alone, by Newton's iteration:
 //                            I (w - w_B) + h m x I m = 0,  m = (w + w_B)/2
 //        rescaled momentum   L = I w_B,  L' = L + h L x w_B,  w_B = I^-1 L' |L| / |L'|
@@ -99,6 +100,13 @@ constexpr Method each[] = {
      .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
      .conserves = "|q|; |L|, not L, where no torque acts",
      .solve = solve<Term::rescaled_momentum>},
+    {.name = "gyroscopic_linearly_implicit",
+     .documentation =
+         "The gyroscopic term with the momentum of the step's begin and the new w, (I - h skew(I w0)) w = I w0, one "
+         "linear system: a free body loses the energy (w - w0) . I (w - w0) / 2 a step, at any step. The term of ODE "
+         "0.16, which turns the body by the first-order quaternion unless finite rotations are asked for. Order 1.",
+     .source = "C. Lacoursière 2006, Stabilizing gyroscopic forces in rigid multibody simulations, UMINF 06.05",
+     .solve = solve<Term::linearly_implicit>},
     {.name = "midpoint_gyroscopic",
      .documentation =
          "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to rounding: the term "
@@ -138,6 +146,7 @@ constexpr auto family =
                   solve<Term::explicit_euler, Turning::exponential, 1, float>,
                   solve<Term::one_newton_step, Turning::exponential, 1, float>,
                   solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                  solve<Term::linearly_implicit, Turning::exponential, 1, float>,
                   solve<Term::midpoint, Turning::exponential, 1, float>,
                   solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
                   solve<Term::explicit_euler, Turning::first_order, 1, float>>();

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-enum class GyroscopicTerm { none, explicit_euler, one_newton_step, midpoint, rescaled_momentum };
+enum class GyroscopicTerm { none, explicit_euler, one_newton_step, linearly_implicit, midpoint, rescaled_momentum };
 
 /// A tensor in body axes and its inverse.
 template <class S>
@@ -22,11 +22,12 @@ struct BodyInertia {
         if constexpr (term == GyroscopicTerm::none) return w;
         const Vector3<S> L = tensor * w;
         if constexpr (term == GyroscopicTerm::explicit_euler) return w + h * (inverse * cross(L, w));
-        if constexpr (term == GyroscopicTerm::one_newton_step) {
+        if constexpr (term == GyroscopicTerm::one_newton_step || term == GyroscopicTerm::linearly_implicit) {
             // J and the residual times I^-1: numbers near 1 whatever the units
             Matrix3<S> J = skew(w) * tensor;
             const Matrix3<S> skew_L = skew(L);
-            for (int i = 0; i < 3; ++i) J[i] = h * (J[i] - skew_L[i]);
+            for (int i = 0; i < 3; ++i)
+                J[i] = term == GyroscopicTerm::one_newton_step ? h * (J[i] - skew_L[i]) : -(h * skew_L[i]);
             J = inverse * J;
             for (int i = 0; i < 3; ++i) J[i][i] += 1;
             return w + polhode::inverse(J) * (h * (inverse * cross(L, w)));

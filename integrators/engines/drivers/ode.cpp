@@ -143,7 +143,7 @@ int main() {
          version(),
          is_double ? "binary64" : "binary32",
          {{"default",
-           "dWorldStep; the gyroscopic term by one Newton step; attitude by the first-order quaternion; no damping, "
+           "dWorldStep; the gyroscopic term linearly implicit; attitude by the first-order quaternion; no damping, "
            "never asleep"},
           {"best", "as default, with finite rotations: the attitude by an exponential"},
           {"none", "as default, the gyroscopic term switched off"}}});

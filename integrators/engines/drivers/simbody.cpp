@@ -53,5 +53,7 @@ int main() {
          "binary64",
          {{"default", "Runge-Kutta-Merson with its own error control at the accuracy 1e-3, asked for a state every h"},
           {"best", "Runge-Kutta-Merson with the fixed step h"},
-          {"gazebo", "semi-explicit Euler with the fixed step h, as Gazebo sets it up"}}});
+          {"gazebo",
+           "the second semi-explicit Euler with its own error control, asked for a state every h, as Gazebo sets it "
+           "up"}}});
 }

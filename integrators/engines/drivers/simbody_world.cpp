@@ -28,7 +28,7 @@ struct SimbodySystem::Parts {
     // An integrator takes its fixed step when it starts: another step is another integrator.
     void start(const SimTK::State& state) {
         if (is_gazebos)
-            integrator = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(system, h);
+            integrator = std::make_unique<SimTK::SemiExplicitEuler2Integrator>(system);
         else
             integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
         if (goes_by_h) integrator->setFixedStepSize(h);
@@ -49,7 +49,7 @@ SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_uniqu
     const SimTK::Quaternion q(start.q[0], start.q[1], start.q[2], start.q[3]);
     s.mobile.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(q), vector(start.p)));
     s.mobile.setUToFitVelocity(state, SimTK::SpatialVec(vector(start.w), vector(start.v)));
-    s.is_gazebos = start.setting == "gazebo", s.goes_by_h = start.setting != "default";
+    s.is_gazebos = start.setting == "gazebo", s.goes_by_h = start.setting == "best";
     s.start(state);
 }
 

@@ -78,6 +78,7 @@ EngineFacts facts_of(const EngineMethod& engine) {
     facts.repeats = first.status == Status::ok && same(first, second);
     facts.turning = turning_of(*engine.method);
     if (first.status != Status::ok) return facts;
+    facts.follows = no_update;
     if (const auto followed = followed_update(scene, file_of(first), 1, true))
         facts.follows = followed->method, facts.follows_to = followed->distance;
     return facts;

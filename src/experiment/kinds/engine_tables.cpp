@@ -239,7 +239,7 @@ NamedTable identity_table(const std::vector<EngineFacts>& facts) {
         named.table.rows.push_back(
             {f.engine->engine, f.engine->setting, f.report.hello.version,
              std::string(f.engine->method->precision == Precision::binary32 ? "binary32" : "binary64"), f.about_setting,
-             term, f.follows, f.follows.empty() ? Cell() : Cell(f.follows_to),
+             term, f.follows, f.follows.empty() || f.follows == no_update ? Cell() : Cell(f.follows_to),
              cell_of(f.report.difference),
              std::string(!here       ? ""
                          : f.repeats ? "yes"

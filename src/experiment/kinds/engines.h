@@ -17,6 +17,9 @@ inline constexpr double usual_step = 1.0 / 60;
 /// And where they are at their best.
 inline constexpr double fine_step = 1e-3;
 
+/// In place of an update's name, where none of the catalogue is ten times nearer to the engine than the truth is.
+inline constexpr const char* no_update = "none of the catalogue";
+
 /// What is known of an engine in one setting beside its rows.
 struct EngineFacts {
     const EngineMethod* engine = nullptr;
@@ -24,8 +27,8 @@ struct EngineFacts {
     std::string about_setting;      ///< in the driver's own words
     bool repeats = false;           ///< a second process gave the same numbers
     std::optional<double> turning;  ///< how much of the gyroscopic term's change of w it has: 1 all, 0 none
-    std::string follows;            ///< the update of the catalogue that its motion follows
-    double follows_to = 0;          ///< rad, over the probe
+    std::string follows;    ///< the update of the catalogue that its motion follows, or no_update; empty: unknown
+    double follows_to = 0;  ///< rad, over the probe
     bool is_here() const { return report.fault.empty(); }
 };
 

@@ -16,8 +16,9 @@ namespace {
 
 using namespace polhode::testing;
 
-constexpr std::array<const char*, 5> engine_updates{"midpoint_gyroscopic", "momentum_exponential_map",
-                                                    "damped_implicit", "mujoco_rk4", "xpbd_rigid"};
+constexpr std::array<const char*, 6> engine_updates{"midpoint_gyroscopic", "momentum_exponential_map",
+                                                    "damped_implicit",     "gyroscopic_linearly_implicit",
+                                                    "mujoco_rk4",          "xpbd_rigid"};
 
 double energy_of_turning(const Scene& scene, const Sample& s) {
     return dot(s.angular_velocity_B, scene.body.inertia_B * s.angular_velocity_B) / 2;
@@ -56,6 +57,12 @@ TEST(EngineUpdates, StepsSolveTheirEquations) {
     // I (w - w0) + h m x I m = 0 at m = (w + w0)/2
     const Vector3<double> w1 = end_of(scene, "midpoint_gyroscopic", h).angular_velocity_B, mean = 0.5 * (w0 + w1);
     EXPECT_LT(norm(I * (w1 - w0) + h * cross(mean, I * mean)), 1e-14);
+    // (I - h skew(I w0)) w = I w0, and the energy that it takes from a free body
+    const Sample linear = end_of(scene, "gyroscopic_linearly_implicit", h);
+    const Vector3<double> wl = linear.angular_velocity_B, change = wl - w0;
+    EXPECT_LT(norm(I * change - h * cross(L0, wl)), 1e-14);
+    EXPECT_NEAR(dot(w0, L0) - dot(wl, I * wl), dot(change, I * change), 1e-14);
+    EXPECT_GT(norm(change), 0.1);
     // from the identity: L = I w0 turns the body by h w0, and stays
     const Sample turned = end_of(scene, "momentum_exponential_map", h);
     EXPECT_LT(attitude_error(turned.q, quaternion_from_rotation_vector(h * w0)), 1e-15);
@@ -105,12 +112,14 @@ TEST(MujocoRk4, ConvergesWithOrderTwoUnderEveryLoad) {
 }
 
 TEST(EngineUpdates, ConvergeWithOrderOneUnderEveryLoad) {
-    for (const char* method : {"midpoint_gyroscopic", "momentum_exponential_map", "damped_implicit", "xpbd_rigid"})
+    for (const char* method : {"midpoint_gyroscopic", "gyroscopic_linearly_implicit", "momentum_exponential_map",
+                               "damped_implicit", "xpbd_rigid"})
         expect_convergence(everything(2), method, 2e-4, 1, 0.02);
 }
 
 TEST(EngineUpdates, ConvergeWithOrderOneOnAHeldBody) {
-    for (const char* method : {"midpoint_gyroscopic", "momentum_exponential_map", "damped_implicit", "xpbd_rigid"})
+    for (const char* method : {"midpoint_gyroscopic", "gyroscopic_linearly_implicit", "momentum_exponential_map",
+                               "damped_implicit", "xpbd_rigid"})
         expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 

@@ -118,7 +118,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
          {"Six engines.", "no single scene decides it", "### plain", "The gyroscopic term does not act",
           "the motion is that of `gyroscopic_implicit` to ", "smaller steps help with order 4",
           "0.001 rad from 1/60 s on", "### killed 7\n\nIt takes no part: sh was ended by signal 9.",
-          "It takes no part: it needs Debian's libnone-dev.", "(few_default.svg)"})
+          "It takes no part: it needs Debian's libnone-dev.", "(few_default.svg)", "(few_scenes.md)"})
         EXPECT_NE(page.find(part), std::string::npos) << part;
     EXPECT_TRUE(fs::exists(directory / "one" / "few_default.svg"));
 }

@@ -172,7 +172,9 @@ export async function serve({engine, packageName, precision, settings, load}) {
   try {
     loaded = {version: versionOf(packageName), World: await load()};
   } catch (error) {
-    const missing = `the npm package ${packageName} cannot be loaded (${error.code ?? error.message})`;
+    const missing = error.code === 'MODULE_NOT_FOUND' || error.code === 'ERR_MODULE_NOT_FOUND' ?
+        `the npm package ${packageName} is not installed; experiments/run engines does it` :
+        `the npm package ${packageName} cannot be loaded (${error.code ?? error.message})`;
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;
   }

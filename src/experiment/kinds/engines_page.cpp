@@ -101,6 +101,13 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
                 if (one->setting == setting) return engine->setting != setting;
         return engine->setting != "default";
     });
+    // one colour and marker each; by their places among all settings of all engines they come round again
+    const PlannedCurve* before = nullptr;
+    int color = -1;
+    for (PlannedCurve& curve : part.curves) {
+        if (!before || before->method != curve.method) ++color;
+        curve.color = color, before = &curve;
+    }
     return part;
 }
 
@@ -149,7 +156,9 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
                 "the momentum. DART was far off then, and is `gyroscopic_explicit` now.\n\n{}\n",
                 named.title, markdown(page_of(named)));
     for (const NamedTable& named : tables)
-        if (named.name == "scenes") text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
+        if (named.name == "scenes")
+            text += fmt::format("## {}\n\nEvery error of every engine on every scene: [the table]({}).\n", named.title,
+                                plan.experiment.name + "_scenes.md");
     return text;
 }
 

@@ -92,7 +92,8 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
             node.find("name")->fail(node.find("name")->described(), "letters, digits and _");
     entry.command = words(node.required("command", "the program and its arguments"));
     for (std::string& word : entry.command)
-        for (std::size_t at; (at = word.find("{here}")) != std::string::npos;) word.replace(at, 6, here);
+        for (std::size_t at = 0; (at = word.find("{here}", at)) != std::string::npos; at += here.size())
+            word.replace(at, 6, here);
     entry.settings = {"default"};
     if (const JsonNode* settings = node.find("settings")) entry.settings = words(*settings);
     if (const JsonNode* by_step = node.find("by_step")) {
@@ -153,9 +154,11 @@ Registry& engine_registry() {
 
 }  // namespace
 
-std::vector<EngineMethod> read_engines(const std::string& path) {
+std::vector<EngineMethod> read_engines(const std::string& path) { return parse_engines(read_text(path), path); }
+
+std::vector<EngineMethod> parse_engines(std::string_view text, const std::string& path) {
     const std::string here = std::filesystem::absolute(path).parent_path().string();
-    const JsonDocument document(read_text(path), path);
+    const JsonDocument document(text, path);
     document.root().only({"engines"});
     std::vector<EngineMethod> all;
     for (const JsonNode* node : document.root().required("engines", "a list of engines").elements()) {

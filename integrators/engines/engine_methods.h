@@ -32,6 +32,8 @@ struct EngineMethod {
 /// The engines of a file (JSON, see README.md), each in all its settings. In their commands {here} stands for the
 /// directory of the file. Nothing is started before a method is asked for a trajectory. Throws InputError.
 std::vector<EngineMethod> read_engines(const std::string& path);
+/// Those of a file's text.
+std::vector<EngineMethod> parse_engines(std::string_view text, const std::string& path);
 
 /// Makes the engines of a file known to engines() and find_engine(), which read it when they are first asked. Those of
 /// a file added later stand behind those of earlier ones. Not for several threads.

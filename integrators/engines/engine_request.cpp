@@ -267,9 +267,11 @@ EngineHello read_hello(std::string_view line) {
     if (!hello.is_object()) throw std::invalid_argument("says something else than who it is");
     EngineHello known;
     try {
-        known.version = hello.value("version", ""), known.missing = one_line(hello.value("missing", ""), 300);
+        known.version = one_line(hello.value("version", ""), 80);
+        known.missing = one_line(hello.value("missing", ""), 300);
         if (const auto settings = hello.find("settings"); settings != hello.end())
-            for (const auto& [name, what] : settings->items()) known.settings.emplace_back(name, what);
+            for (const auto& [name, what] : settings->items())
+                known.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
     } catch (const json::exception&) {
         throw std::invalid_argument("says who it is in words that are none");
     }
@@ -288,7 +290,11 @@ EngineAnswer read_answer(std::string_view line, const Problem& problem, const En
             trajectory.message = "failed, and does not say why";
         if (trajectory.status != Status::ok) return result;
         trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
-        trajectory.seconds = answer.at("seconds"), trajectory.steps = answer.at("steps");
+        const double steps = answer.at("steps");
+        trajectory.seconds = answer.at("seconds");
+        if (!(steps >= 0 && steps < 1e15 && trajectory.seconds >= 0 && trajectory.seconds < 1e15))
+            throw std::invalid_argument("its steps or seconds are no count");
+        trajectory.steps = static_cast<long>(steps);
         trajectory.rhs_evaluations = trajectory.steps;
         result.readback = readback_of(answer);
         read_samples(answer.at("samples"), problem, scene, settings, trajectory);

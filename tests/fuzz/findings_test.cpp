@@ -50,7 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
                       Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
                       Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
-                      Target{"table", oracles::table, {}}, Target{"cache", oracles::cache, {}}),
+                      Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}},
+                      Target{"cache", oracles::cache, {}}),
     name_of);
 
 }  // namespace

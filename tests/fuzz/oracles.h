@@ -16,6 +16,7 @@
 #include "check/sample_clock.h"
 #include "experiment/run/result.h"
 #include "experiment/write_experiment.h"
+#include "integrators/engines/engine_methods.h"
 #include "integrators/own/ensemble.h"
 #include "integrators/truth/cache.h"
 #include "motion/ensemble_table.h"
@@ -189,6 +190,33 @@ inline void cache(std::string_view text) {
     const std::optional<truth::Truth> back = truth::decode(key, written);
     require(back.has_value(), "a truth is written that is not read");
     require(truth::encode(key, *back) == written, "a truth does not read back");
+}
+
+/// What an engine says of itself and answers, and files that name engines.
+inline void engine(std::string_view text) {
+    try {
+        const EngineHello hello = read_hello(text);
+        require_one_line(hello.version), require_one_line(hello.missing);
+        for (const auto& [name, what] : hello.settings) require_one_line(name), require_one_line(what);
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
+    Scene scene;
+    scene.name = "fuzz", scene.duration = 1, scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    static const Problem problem = pose(scene);
+    static const EngineScene known = engine_scene(problem);
+    Settings settings;
+    settings.samples = 2;
+    const EngineAnswer answer = read_answer(text, problem, known, settings, 5);
+    const Trajectory& run = answer.trajectory;
+    require_one_line(run.message);
+    require((run.status == Status::ok) == (run.samples.size() == 3), "an answer without its samples is ok");
+    for (const Sample& s : run.samples)
+        require(squared_norm(s.q) * 0 == 0 && dot(s.position_W, s.position_W) * 0 == 0, "a sample is not finite");
+    if (run.status == Status::ok) require(run.seconds >= 0 && run.steps >= 0, "less than no cost");
+    const auto engines = parsed([&] { return parse_engines(text, "fuzz"); });
+    if (!engines) return;
+    for (const EngineMethod& one : *engines) require(!one.engine.empty() && !one.setting.empty(), "one without a name");
 }
 
 }  // namespace polhode::oracles

@@ -3,7 +3,8 @@
 // A step of length h: v += h a; r_old = r, r += h v; then, so many times over, each distance in turn (Gauss-Seidel)
 //   dlambda = (l - |d| - alpha/h^2 lambda) / (2/m + alpha/h^2),   alpha = 0: hard,   r_i += dlambda/m d/|d|, r_j the
 //   opposite
-// and v = (r - r_old) / h.
+// and v = (r - r_old) / h. What an event cuts off from a step may be as short as its rounding, by which nothing can be
+// divided: below a 64th of a step the points only go on.
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +18,7 @@ struct Setup {
     const PointBody* body;
     int iterations;
     double* largest_stretch;
+    double shortest;  ///< s
 };
 
 class PositionBased {
@@ -47,6 +49,7 @@ class PositionBased {
             v[i] += h * a_[i];
             r[i] += h * v[i];
         }
+        if (h < setup_.shortest) return;
         for (int k = 0; k < setup_.iterations; ++k) sweep(r);
         for (std::size_t i = 0; i < n_; ++i) v[i] = (r[i] - old_[i]) / h;
     }
@@ -113,7 +116,10 @@ PointRun point_xpbd(const Problem& problem, const Settings& settings, const Poin
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     PointRun run;
-    run.trajectory = march<PositionBased>(problem, settings, Setup{&body, options.iterations, &run.largest_stretch});
+    const double between = problem.scene.duration / static_cast<double>(settings.samples);
+    const double step = between / static_cast<double>(steps_per_sample(between, *settings.step));
+    run.trajectory =
+        march<PositionBased>(problem, settings, Setup{&body, options.iterations, &run.largest_stretch, step / 64});
     return run;
 }
 

@@ -24,6 +24,15 @@ struct Truth {
 /// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.
 Truth find_truth(const Scene& scene, long samples, int digits, double seconds_limit = truth_seconds);
 
+/// MPFR keeps pi and its like for the thread that asked for them. This gives them back where it ends.
+class KeptConstants {
+  public:
+    KeptConstants() = default;
+    KeptConstants(const KeptConstants&) = delete;
+    KeptConstants& operator=(const KeptConstants&) = delete;
+    ~KeptConstants();
+};
+
 /// Two runs of the truth, compared.
 struct Attempt {
     std::string fault;         ///< why a run did not reach the end; empty if both did

@@ -50,6 +50,8 @@ struct Piece {
 
 }  // namespace
 
+KeptConstants::~KeptConstants() { mpfr_free_cache(); }
+
 bool closed_form_serves(const Problem& problem) {
     return problem.segments.size() == 1 && problem.needs.translation != Translation::integrated &&
            !problem.needs.user_torque && Piece(problem.scene).form.has_value();

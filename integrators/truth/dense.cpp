@@ -139,6 +139,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     };
 
     const truth::Allowance allowance(truth_seconds);
+    const truth::KeptConstants constants;
     double local = 26, agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 2 && local <= 44; ++attempts) {

@@ -87,6 +87,7 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
     const auto start = std::chrono::steady_clock::now();
     const truth::Allowance allowance(seconds_limit);
+    const truth::KeptConstants constants;
     Truth made = compute(scene, times, digits);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     made.limit_reached = !made.reference.available && truth::Allowance::is_spent();

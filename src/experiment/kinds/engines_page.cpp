@@ -101,12 +101,16 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
                 if (one->setting == setting) return engine->setting != setting;
         return engine->setting != "default";
     });
-    // one colour and marker each; by their places among all settings of all engines they come round again
-    const PlannedCurve* before = nullptr;
+    // one colour and marker each: by their places among all settings of all engines they come round again. The
+    // methods of high accuracy come first, whose colours engines far above them in the picture take again.
     int color = -1;
-    for (PlannedCurve& curve : part.curves) {
-        if (!before || before->method != curve.method) ++color;
-        curve.color = color, before = &curve;
+    for (const bool engines : {false, true}) {
+        const Method* before = nullptr;
+        for (PlannedCurve& curve : part.curves) {
+            if ((engine_of(*curve.method) != nullptr) != engines) continue;
+            if (curve.method != before) ++color;
+            curve.color = color, before = curve.method;
+        }
     }
     return part;
 }

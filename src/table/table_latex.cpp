@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <string_view>
 
@@ -123,6 +125,26 @@ std::string latex_number(double value) {
     return fmt::format("\\num{{{}}}", number_for_people(value));
 }
 
+// aLongNameOfAProgram may be broken where its words begin.
+std::string with_breaks_in_long_names(const std::string& text) {
+    constexpr std::size_t long_name = 14;
+    const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+    const auto is_capital = [](char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; };
+    std::string out;
+    for (auto begin = text.begin(); begin != text.end();) {
+        const auto end = std::find_if_not(begin, text.end(), is_letter);
+        for (auto c = begin; c != end; ++c) {
+            if (end - begin > static_cast<std::ptrdiff_t>(long_name) && c != begin && is_capital(*c) &&
+                !is_capital(*(c - 1)))
+                out += "\\allowbreak{}";
+            out += *c;
+        }
+        begin = end;
+        if (begin != text.end()) out += *begin++;
+    }
+    return out;
+}
+
 std::string latex_cell_text(const Cell& cell) {
     if (const double* real = std::get_if<double>(&cell)) return latex_number(*real);
     if (const long* count = std::get_if<long>(&cell)) return fmt::format("\\num{{{}}}", *count);
@@ -131,7 +153,7 @@ std::string latex_cell_text(const Cell& cell) {
     for (const std::string_view end : {"\\_", "\\{", "/", "="})
         for (std::size_t at = text.find(end); at != text.npos; at = text.find(end, at + end.size()))
             text.insert(at + end.size(), "\\allowbreak{}");
-    return text;
+    return with_breaks_in_long_names(text);
 }
 
 std::size_t printed_characters(const Cell& cell) {

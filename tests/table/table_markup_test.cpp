@@ -106,7 +106,8 @@ Table awkward_table() {
     Table table{{"discontinuities (rad)"}, {}};
     for (int i = 0; i < 6; ++i) table.columns.push_back("what the text describes " + std::to_string(i));
     for (const double value : {-1.234e-300, std::nan(""), infinity, -infinity, 0.0, 999.6}) {
-        const std::string text = "ω ≤ 50 % & more, odeint_rk4_float32_projected " + std::to_string(table.rows.size());
+        const std::string text = "ω ≤ 50 % & more, odeint_rk4_float32_projected, mApplyGyroscopicForceNow " +
+                                 std::to_string(table.rows.size());
         table.rows.emplace_back(7, text)[0] = value;
     }
     return table;

@@ -86,7 +86,7 @@ await serve({
   precision: 'binary32',
   settings: {
     default: 'no gyroscopic term; a slow body falls asleep; no damping; a turn of at most pi/4 a step',
-    best: 'BT_ENABLE_GYROPSCOPIC_FORCE, never asleep'
+    best: 'the gyroscopic term by an explicit step (setFlags(1)), never asleep'
   },
   load: async () => {
     Ammo = await (await import('ammojs-typed')).default();

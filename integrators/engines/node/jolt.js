@@ -113,7 +113,7 @@ await serve({
   precision: 'binary32',
   settings: {
     default: 'no gyroscopic term; damping 0.05 of either velocity; a slow body falls asleep; up to 47 rad/s and 500 m/s',
-    best: 'mApplyGyroscopicForce; no damping, never asleep, no limit of speed'
+    best: 'the gyroscopic term on (mApplyGyroscopicForce); no damping, never asleep, no limit of speed'
   },
   load: async () => {
     Jolt = await (await import('jolt-physics/wasm-compat')).default();

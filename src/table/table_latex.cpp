@@ -150,7 +150,7 @@ std::string latex_cell_text(const Cell& cell) {
     if (const long* count = std::get_if<long>(&cell)) return fmt::format("\\num{{{}}}", *count);
     // long names may be broken where their words end
     std::string text = latex_text(text_of(cell));
-    for (const std::string_view end : {"\\_", "\\{", "/", "="})
+    for (const std::string_view end : {"\\_", "\\{", "/", "=", ":"})
         for (std::size_t at = text.find(end); at != text.npos; at = text.find(end, at + end.size()))
             text.insert(at + end.size(), "\\allowbreak{}");
     return with_breaks_in_long_names(text);

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "text/child_process.h"
+
 namespace polhode {
 namespace {
 
@@ -32,7 +34,7 @@ LineAnswer EngineSession::take(Running& running) {
     try {
         if (first.fault.empty()) running.hello = read_hello(first.line);
     } catch (const std::invalid_argument& error) {
-        first.fault = command_.front() + " " + error.what();
+        first.fault = program_name(command_.front()) + " " + error.what();
     }
     if (first.was_not_found || !running.hello.missing.empty()) {
         const std::scoped_lock lock(mutex_);
@@ -57,7 +59,7 @@ LineAnswer EngineSession::greet(EngineHello& hello) {
 LineAnswer EngineSession::ask(const std::string& request, double seconds, EngineHello& hello) {
     if (unanswered_ >= silences) {
         LineAnswer none;
-        none.fault = command_.front() + " was not asked: it gave no answer in time to the last questions";
+        none.fault = program_name(command_.front()) + " was not asked: it gave no answer in time to the last questions";
         none.was_out_of_time = true;
         return none;
     }

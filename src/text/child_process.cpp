@@ -78,6 +78,11 @@ std::string last_line_of(std::FILE* file) {
     return one_line(before == std::string_view::npos ? text : text.substr(before + 1), 300);
 }
 
+std::string program_name(std::string_view command) {
+    const std::string_view name = command.substr(command.rfind('/') + 1);
+    return one_line(name.empty() ? command : name, 200);
+}
+
 ChildRun run_child(const std::vector<std::string>& arguments, std::string_view input, const ChildLimits& limits) {
     ChildRun run;
     const std::string name = arguments.empty() ? "" : one_line(arguments.front(), 200);
@@ -102,14 +107,15 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
                                                           : name + " was not found";
         return run;
     }
+    const std::string running = program_name(arguments.front());
     // short programs are waited for closely, long ones seldom looked at
     auto pause = std::chrono::microseconds(50);
     while (!has_ended(process)) {
         run.was_out_of_time = Clock::now() - begin >= limits.time;
         if (run.was_out_of_time) {
-            run.fault = fmt::format("{} was stopped after {:g} s", name, limits.time.count());
+            run.fault = fmt::format("{} was stopped after {:g} s", running, limits.time.count());
         } else if (size_of(out.get()) > limits.output_bytes || size_of(errors.get()) > limits.output_bytes) {
-            run.fault = fmt::format("{} was stopped: it wrote more than {} bytes", name, limits.output_bytes);
+            run.fault = fmt::format("{} was stopped: it wrote more than {} bytes", running, limits.output_bytes);
         } else {
             std::this_thread::sleep_for(pause);
             pause = std::min(2 * pause, std::chrono::microseconds(2000));
@@ -125,13 +131,13 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
     run.output = content(out.get());
     if (!run.fault.empty()) return run;
     if (run.output.size() > limits.output_bytes) {
-        run.fault = fmt::format("{} wrote more than {} bytes", name, limits.output_bytes);
+        run.fault = fmt::format("{} wrote more than {} bytes", running, limits.output_bytes);
         return run;
     }
     if (WIFSIGNALED(status))
-        run.fault = fmt::format("{} was ended by signal {}", name, WTERMSIG(status));
+        run.fault = fmt::format("{} was ended by signal {}", running, WTERMSIG(status));
     else if (WEXITSTATUS(status) != 0)
-        run.fault = fmt::format("{} failed ({})", name, WEXITSTATUS(status));
+        run.fault = fmt::format("{} failed ({})", running, WEXITSTATUS(status));
     if (const std::string said = last_line_of(errors.get()); !run.fault.empty() && !said.empty())
         run.fault += ": " + said;
     return run;

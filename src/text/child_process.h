@@ -32,6 +32,9 @@ struct ChildRun {
 /// last line that the program wrote to standard error is quoted in it. Nothing is thrown but std::bad_alloc.
 ChildRun run_child(const std::vector<std::string>& arguments, std::string_view input, const ChildLimits& limits = {});
 
+/// What messages call a program that runs: `command`, one line, without its folders, which differ by machine.
+std::string program_name(std::string_view command);
+
 /// The last line of a file that is not blank, short enough to be quoted.
 std::string last_line_of(std::FILE* file);
 

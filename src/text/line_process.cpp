@@ -171,7 +171,7 @@ LineAnswer LineProcess::die(std::string what, bool out_of_time) {
         what = WIFSIGNALED(status)        ? fmt::format("was ended by signal {}", WTERMSIG(status))
                : WEXITSTATUS(status) != 0 ? fmt::format("failed ({})", WEXITSTATUS(status))
                                           : "ended without an answer";
-    fault_.fault = fmt::format("{} {}", name_, what), fault_.was_out_of_time = out_of_time;
+    fault_.fault = fmt::format("{} {}", program_name(name_), what), fault_.was_out_of_time = out_of_time;
     if (const std::string said = last_line_of(chatter_.get()); !said.empty()) fault_.fault += ": " + said;
     return fault_;
 }

@@ -63,5 +63,14 @@ TEST(ChildProcess, EndsAtItsLimits) {
     EXPECT_EQ(endless.fault, "yes was stopped: it wrote more than 100000 bytes");
 }
 
+// What is published names no machine's folders.
+TEST(ProgramName, HasNoFolders) {
+    EXPECT_EQ(program_name("/usr/bin/engine"), "engine");
+    EXPECT_EQ(program_name("./engine"), "engine");
+    EXPECT_EQ(program_name("engine"), "engine");
+    EXPECT_EQ(program_name("folder/"), "folder/");
+    EXPECT_EQ(run_child({"/bin/sh", "-c", "exit 3"}, "").fault, "sh failed (3)");
+}
+
 }  // namespace
 }  // namespace polhode

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -19,12 +20,14 @@ namespace {
 
 constexpr const char* hello = R"(echo '{"version": "1.0", "settings": {"default": "what it does"}}' >&3; )";
 
+std::string temporary(const char* pattern) { return (std::filesystem::temp_directory_path() / pattern).string(); }
+
 /// A file of one engine, which goes by this script.
 class ScriptedEngine {
   public:
     explicit ScriptedEngine(const std::string& script, const nlohmann::json& more = {}) {
-        char name[] = "/tmp/polhode-engines-XXXXXX";
-        const int file = mkstemp(name);
+        std::string name = temporary("polhode-engines-XXXXXX");
+        const int file = mkstemp(name.data());
         close(file);
         path_ = name;
         nlohmann::json entry{{"name", "scripted"}, {"command", {"sh", "-c", script}}};
@@ -133,8 +136,8 @@ TEST(EngineMethods, WhatIsNotFiniteHasDiverged) {
 
 // One that has crashed is started anew; one that has not is asked again.
 TEST(EngineMethods, ACrashCostsOneRun) {
-    char counter[] = "/tmp/polhode-starts-XXXXXX";
-    close(mkstemp(counter));
+    std::string counter = temporary("polhode-starts-XXXXXX");
+    close(mkstemp(counter.data()));
     const std::string count = std::string("echo start >> ") + counter + "; ";
     const ScriptedEngine scripted(count + hello + "read -r a; echo '" + sound + "' >&3; read -r b; kill -9 $$");
     EXPECT_EQ(scripted.solved(simple_scene()).status, Status::ok);
@@ -142,7 +145,7 @@ TEST(EngineMethods, ACrashCostsOneRun) {
     EXPECT_EQ(scripted.solved(simple_scene()).status, Status::ok);
     std::ifstream file(counter);
     EXPECT_EQ(std::distance(std::istream_iterator<std::string>(file), {}), 2);
-    unlink(counter);
+    unlink(counter.c_str());
 }
 
 // One that hangs is waited for twice; one that answers in between is only slow.
@@ -188,16 +191,16 @@ TEST(EngineMethods, AProgramThatPrintsATrajectoryIsAnEngine) {
 
 TEST(EngineMethods, AFilesFaultsAreNamed) {
     const auto fault = [](const std::string& text) -> std::string {
-        char name[] = "/tmp/polhode-engines-XXXXXX";
-        close(mkstemp(name));
+        std::string name = temporary("polhode-engines-XXXXXX");
+        close(mkstemp(name.data()));
         std::ofstream(name) << text;
         std::string what = "none";
         try {
             read_engines(name);
         } catch (const InputError& error) {
-            what = std::string(error.what()).substr(std::string(name).size());
+            what = std::string(error.what()).substr(name.size());
         }
-        unlink(name);
+        unlink(name.c_str());
         return what;
     };
     EXPECT_NE(fault(R"({"engines": [{"name": "a b", "command": ["x"]}]})").find("/engines/0/name"), std::string::npos);

@@ -42,6 +42,17 @@ class Bodies : public std::span<const Sample> {
 /// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
 Vector3<double> angular_velocity_W(const Sample& sample);
 
+/// What the parent of a joint exerts on the child through it, or a loop's first body on the second: the whole force and
+/// torque, the joint's own spring, damper and motor included.
+template <class S>
+struct Reaction {
+    Vector3<S> force_W;   ///< N
+    Vector3<S> torque_W;  ///< about the child's point, or the second body's, N m
+
+    /// Whether all numbers are equal.
+    bool operator==(const Reaction&) const = default;
+};
+
 /// What a solver tells of its troubles; empty where it does not tell, or cannot have them.
 struct SolverCounts {
     std::optional<long> rejected_steps;    ///< tried and taken back, the error being too large
@@ -56,13 +67,15 @@ struct Trajectory {
     int bodies = 1;               ///< how many there are in each moment
     std::vector<Sample> samples;  ///< those reached, by time and then by body; the first at t = 0
     std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
-    std::vector<double> impact_times;          ///< s, of the impacts on the scene's planes
-    long steps = 0;                            ///< taken
-    long rhs_evaluations = 0;    ///< evaluations of the right-hand side, or what a method counts in their place
-    SolverCounts counts;         ///< the solver's own troubles
-    double seconds = 0;          ///< wall clock of the integration alone, set-up left out
-    bool limit_reached = false;  ///< `failed` because of one of Settings' limits
-    double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
+    /// Where the method gives them, at each time those of all joints, then of all loops, in the scene's order.
+    std::vector<Reaction<double>> reactions;
+    std::vector<double> impact_times;  ///< s, of the impacts on the scene's planes
+    long steps = 0;                    ///< taken
+    long rhs_evaluations = 0;          ///< evaluations of the right-hand side, or what a method counts in their place
+    SolverCounts counts;               ///< the solver's own troubles
+    double seconds = 0;                ///< wall clock of the integration alone, set-up left out
+    bool limit_reached = false;        ///< `failed` because of one of Settings' limits
+    double step = 0;                   ///< s, the fixed step really taken (the largest); 0 where there is none
 
     /// How many times have samples.
     std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }
@@ -100,17 +113,20 @@ struct Pair {
     constexpr Pair() = default;
     /// high + low, which must not overlap.
     constexpr Pair(double high_, double low_ = 0) : high(high_), low(low_) {}
+    /// Whether both parts are equal.
+    bool operator==(const Pair&) const = default;
 };
 
-/// The truth at one time, to more digits than a double has.
+/// The truth of a body at one time, to more digits than a double has.
 struct ReferenceSample {
     double t = 0;                      ///< s
     Quaternion<Pair> q;                ///< body to world, |q| = 1, without sign flips between samples
     Vector3<Pair> angular_velocity_B;  ///< rad/s
-    Vector3<Pair> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
-    Vector3<Pair> position_W;          ///< of the centre of mass, m
-    Vector3<Pair> velocity_W;          ///< of the centre of mass, m/s
-    Pair energy;                       ///< kinetic and potential, J
+    /// About the pivot, or else about the centre of mass, kg m^2/s; zero of one of several bodies.
+    Vector3<Pair> angular_momentum_W;
+    Vector3<Pair> position_W;  ///< of the centre of mass, m
+    Vector3<Pair> velocity_W;  ///< of the centre of mass, m/s
+    Pair energy;               ///< kinetic and potential, J; zero of one of several bodies
 
     /// The sample in binary64: the leading part of each number.
     Sample rounded() const {
@@ -120,6 +136,16 @@ struct ReferenceSample {
     }
 };
 
+/// What several bodies have together at one time, in truth.
+struct ReferenceSystem {
+    double t = 0;  ///< s
+    Pair kinetic;  ///< energy, J
+    Pair energy;   ///< kinetic and potential, J
+    /// About the world's origin, or about the centre of mass of all where no joint ties them to the world, kg m^2/s.
+    Vector3<Pair> angular_momentum_W;
+    Vector3<Pair> linear_momentum_W;  ///< kg m/s
+};
+
 /// The truth: the motion that others are judged by.
 struct Reference {
     bool available = false;          ///< false: there is none, and nothing but `message` is set
@@ -127,7 +153,13 @@ struct Reference {
     double bound = 0;                ///< largest of the attitude's error (rad) and the other blocks' relative errors
     std::vector<Pair> impact_times;  ///< s, of the impacts on the scene's planes
     double impact_time_error = 0;    ///< s, largest of them
-    std::vector<ReferenceSample> samples;  ///< one at each sample time
+    int bodies = 1;                  ///< how many there are at each time
+    std::vector<ReferenceSample> samples;   ///< at each sample time one of each body
+    std::vector<ReferenceSystem> system;    ///< of a scene of several bodies, one at each sample time; else empty
+    std::vector<Reaction<Pair>> reactions;  ///< where they are known, in the order of Trajectory::reactions
+
+    /// How many times have samples.
+    std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }
 };
 
 }  // namespace polhode

@@ -65,6 +65,10 @@ struct LoadTurner {
     Load operator()(const UserTorque&) const {
         throw std::invalid_argument("a torque of the user's own cannot be handed to another process");
     }
+    Load operator()(const Motor&) const { throw std::invalid_argument(several_bodies); }
+    Load operator()(const PointSpring&) const { throw std::invalid_argument(several_bodies); }
+
+    static constexpr const char* several_bodies = "a load between several bodies does not act on one";
 };
 
 void add_shape(EngineScene& known, const Scene& scene) {
@@ -107,6 +111,8 @@ struct PieceWriter {
         piece["springs"].push_back({{"stiffness", load.stiffness}, {"rest", array(normalized(load.rest_orientation))}});
     }
     void operator()(const UserTorque&) const {}
+    void operator()(const Motor&) const {}
+    void operator()(const PointSpring&) const {}
 
   private:
     void add(const char* key, const Vector3<double>& v) const {

@@ -174,6 +174,9 @@ class Article {
         apply_torque(rotate(orientation_, cast<S>(load.torque_B(state))), h);
     }
     void apply(const Impulse&, double, double) {}
+    // of several bodies
+    void apply(const Motor&, double, double) {}
+    void apply(const PointSpring&, double, double) {}
 
     void update_body_orientation(S h) {
         Vector3<S>& w = angular_velocity_;

@@ -365,7 +365,8 @@ Scene in_units_of_rate(Scene scene, int k) {
                 if constexpr (std::is_same_v<L, Torque> || std::is_same_v<L, Force>) scale(l.vector, -2);
                 if constexpr (std::is_same_v<L, Impulse>) scale(l.vector, -1);
                 if constexpr (std::is_same_v<L, Drag>) scale(l.rotational, -1), scale(l.translational, -1);
-                if constexpr (std::is_same_v<L, Spring>) scale(l.stiffness, -2);
+                if constexpr (std::is_same_v<L, Spring> || std::is_same_v<L, PointSpring>) scale(l.stiffness, -2);
+                if constexpr (std::is_same_v<L, Motor>) scale(l.force, -2);
             },
             load);
     }

@@ -117,7 +117,21 @@ struct LoadText {
                            text(load.rest_orientation));
     }
     std::string operator()(const UserTorque& load) const { return "torque of the user's own: " + load.name; }
+    std::string operator()(const Motor& load) const {
+        return fmt::format("motor of joint \"{}\", {} N m (N) along its axis", load.joint, number(load.force));
+    }
+    std::string operator()(const PointSpring& load) const {
+        return fmt::format("spring {} N/m from {} m in {} to {} m in {}, {} m long at rest", number(load.stiffness),
+                           text(load.first_point), load.first, text(load.second_point), load.second,
+                           number(load.rest_length));
+    }
 };
+
+// of several, the one that a load acts on
+std::string on_body(const Load& load) {
+    const std::string name = load_body(load);
+    return name.empty() ? "" : fmt::format(", on body \"{}\"", name);
+}
 
 void loads(Report& report, const Problem& problem) {
     report.title("Loads");
@@ -127,7 +141,7 @@ void loads(Report& report, const Problem& problem) {
         std::string when;
         if (std::isfinite(window.from)) when += fmt::format(", from {} s", number(window.from));
         if (std::isfinite(window.until)) when += fmt::format(", until {} s", number(window.until));
-        report.line(std::visit(LoadText{}, load) + when);
+        report.line(std::visit(LoadText{}, load) + when + on_body(load));
     }
 }
 

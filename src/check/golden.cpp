@@ -58,6 +58,11 @@ class Way {
         s.stiffness = scaled(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
     }
     void operator()(UserTorque&) const {}
+    void operator()(Motor&) const {}
+    void operator()(PointSpring& s) const {
+        s.first_point = vector(s.first_point, 1), s.second_point = vector(s.second_point, 1);
+        s.rest_length = scaled(s.rest_length, 1);
+    }
 
   private:
     Axes axes_;

@@ -13,4 +13,15 @@ Window window_of(const Load& load) {
         load);
 }
 
+std::string load_body(const Load& load) {
+    return std::visit(
+        [](const auto& one) {
+            if constexpr (requires { one.body; })
+                return one.body;
+            else
+                return std::string();
+        },
+        load);
+}
+
 }  // namespace polhode

@@ -232,6 +232,8 @@ struct Scene {
     /// The errors that `check` lets pass, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s),
     /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run).
     std::map<std::string, double> tolerated;
+    /// What a robot description says that the scene has no place for, a phrase each. It has no file form.
+    std::vector<std::string> left_out;
 };
 
 /// Whether a scene is one of several bodies, with joints: `bodies` in place of `body`.
@@ -247,10 +249,14 @@ std::optional<double> tolerated_error(const Scene& scene, std::string_view block
 /// Throws InputError where the scene breaks a rule of the file format: a number that is not finite, a mass or a
 /// principal moment that is not positive, triangle inequality or symmetry broken by more than 1e-12 of the largest
 /// moment, | |q| - 1 | > 1e-6, an empty window, a position beside a pivot, a plane beside a body without a shape or
-/// above where it starts. `file` is named in the message.
+/// above where it starts; of several bodies, names that are missing or there twice, joints that form no trees. Whether
+/// loops close is not looked at. `file` is named in the message.
 void validate(const Scene& scene, const std::string& file);
 
 /// When a load acts: its window, or all time for an impulse, which has none.
 Window window_of(const Load& load);
+
+/// The name of the body that a load acts on, of several: empty where it acts on all, between two or on the only one.
+std::string load_body(const Load& load);
 
 }  // namespace polhode

@@ -1,5 +1,11 @@
-// Taylor coefficients of a recorded system's solution, order by order (Moore 1966): a product's k-th coefficient is
-// the Cauchy sum of its factors' first k + 1, and (k + 1) y_{k+1} = f_k.
+// Taylor coefficients of a recorded system's solution, order by order (Moore 1966; Griewank & Walther 2008, Evaluating
+// Derivatives, table 13.2): (k + 1) y_{k+1} = f_k, a product's k-th coefficient is the Cauchy sum of its factors' first
+// k + 1, and those of the other operations follow from products:
+//
+//   q = a / b:              b_0 q_k = a_k - sum of b_j q_{k-j},  j = 1..k
+//   r = sqrt a:           2 r_0 r_k = a_k - sum of r_j r_{k-j},  j = 1..k-1
+//   s = sin a, c = cos a:     k s_k =   sum of j a_j c_{k-j},    j = 1..k
+//                             k c_k = - sum of j a_j s_{k-j},    j = 1..k
 #pragma once
 
 #include <algorithm>
@@ -8,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "body/elementary.h"
 #include "integrators/series/real.h"
 #include "motion/traced.h"
 
@@ -45,10 +52,12 @@ template <class T>
 class Series {
   public:
     Series(Recording<T> recording, int order)
-        : recording_(std::move(recording)),
-          order_(order),
-          stride_(order + 1),
-          coefficients_(recording_.tape.nodes.size() * stride_) {}
+        : recording_(std::move(recording)), order_(order), stride_(order + 1), slope_(recording_.tape.nodes.size(), 0) {
+        std::size_t rows = recording_.tape.nodes.size();
+        for (std::size_t i = 0; i < slope_.size(); ++i)
+            if (recording_.tape.nodes[i].kind == Kind::sine) slope_[i] = slope_[i + 1] = static_cast<int>(rows++);
+        coefficients_.resize(rows * stride_);
+    }
 
     int order() const { return order_; }
     /// For the expansions to come: at most that of the constructor.
@@ -90,9 +99,12 @@ class Series {
     }
 
   private:
+    using Kind = typename Node<T>::Kind;
+
     Recording<T> recording_;
     int order_;
     std::size_t stride_;
+    std::vector<int> slope_;       // of a sine and its cosine: the row of a_1, 2 a_2, 3 a_3, ..
     std::vector<T> coefficients_;  // node by node, order + 1 each, and room for more
     T scratch_{0};
 
@@ -101,16 +113,59 @@ class Series {
 
     void expand_node(const Node<T>& node, int index, int k) {
         T& result = row(index)[k];
-        const T* a = row(node.a);
-        if (node.kind == Node<T>::Kind::combination) {
-            result = node.factor_a * a[k];
-            if (node.b >= 0)
-                add_product(result, node.factor_b, row(node.b)[k], scratch_);
-            else if (k == 0)
-                result += node.factor_b;
+        switch (node.kind) {
+            case Kind::state:
+                break;
+            case Kind::combination:
+                result = node.factor_a * row(node.a)[k];
+                if (node.b >= 0)
+                    add_product(result, node.factor_b, row(node.b)[k], scratch_);
+                else if (k == 0)
+                    result += node.factor_b;
+                break;
+            case Kind::product:
+                convolve(result, row(node.a), row(node.b), k, scratch_);
+                break;
+            case Kind::quotient:
+                expand_quotient(node, row(index), k);
+                break;
+            case Kind::sine:
+                if (k == 0)
+                    sine_cosine(row(node.a)[0], result, row(node.b)[0]);
+                else
+                    row(slope_[index])[k - 1] = T(k) * row(node.a)[k];
+                [[fallthrough]];
+            case Kind::cosine:
+                if (k == 0) break;
+                convolve(result, row(slope_[index]), row(node.b), k - 1, scratch_);
+                divide(result, static_cast<unsigned long>(k));
+                if (node.kind == Kind::cosine) result = -result;
+                break;
+            case Kind::root:
+                expand_root(row(node.a), row(index), k);
+                break;
+        }
+    }
+    void expand_quotient(const Node<T>& node, T* q, int k) {
+        const T* b = row(node.b);
+        T above = node.a >= 0 ? row(node.a)[k] : T(k == 0 ? 1 : 0);
+        if (k > 0) {
+            convolve(q[k], b + 1, q, k - 1, scratch_);
+            above -= q[k];
+        }
+        q[k] = above / b[0];
+    }
+    void expand_root(const T* a, T* r, int k) {
+        if (k == 0) {
+            r[0] = square_root(a[0]);
             return;
         }
-        convolve(result, a, row(node.b), k, scratch_);
+        T above = a[k];
+        if (k > 1) {
+            convolve(r[k], r + 1, r + 1, k - 2, scratch_);
+            above -= r[k];
+        }
+        r[k] = above / (r[0] + r[0]);
     }
 };
 

@@ -70,6 +70,12 @@ struct Elementary {
     static S cube_root(const S& x) { return cbrt(x); }
 };
 
+/// The sine and the cosine of an angle in rad, in any scalar that has Elementary.
+template <class S>
+void sine_cosine(const S& x, S& sine, S& cosine) {
+    Elementary<S>::sine_cosine(x, sine, cosine);
+}
+
 /// @cond specialisations
 
 template <std::floating_point F>

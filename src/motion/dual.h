@@ -6,6 +6,8 @@
 #include <concepts>
 #include <vector>
 
+#include "body/elementary.h"
+
 namespace polhode {
 
 /// S: the scalar of value and derivatives; P: that of the parameters, which have none.
@@ -64,7 +66,45 @@ struct Dual {
     friend Dual operator+(const P& a, const Dual& b) { return b + a; }
     friend Dual operator-(const Dual& a, const P& b) { return a + (-b); }
     friend Dual operator-(const P& a, const Dual& b) { return -b + a; }
+    friend Dual operator/(const Dual& a, const P& b) {
+        Dual c;
+        c.value = a.value / b;
+        for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] / b;
+        return c;
+    }
+    friend Dual operator/(const P& a, const Dual& b) {
+        Dual c;
+        c.value = a / b.value;
+        const S change = -(c.value / b.value);
+        for (int i = 0; i < N; ++i) c.slope[i] = change * b.slope[i];
+        return c;
+    }
+    Dual& operator+=(const Dual& b) { return *this = *this + b; }
+    Dual& operator-=(const Dual& b) { return *this = *this - b; }
+    /// What square_root() calls.
+    friend Dual sqrt(const Dual& a) {
+        Dual c;
+        c.value = square_root(a.value);
+        const S twice = c.value + c.value;
+        for (int i = 0; i < N; ++i) c.slope[i] = a.slope[i] / twice;
+        return c;
+    }
 };
+
+/// @cond specialisations
+/// What sine_cosine() calls.
+template <int N, class S, class P>
+struct Elementary<Dual<N, S, P>> {
+    static void sine_cosine(const Dual<N, S, P>& x, Dual<N, S, P>& sine, Dual<N, S, P>& cosine) {
+        const Dual<N, S, P> angle = x;  // x may be one of the results
+        polhode::sine_cosine(angle.value, sine.value, cosine.value);
+        for (int i = 0; i < N; ++i) {
+            sine.slope[i] = cosine.value * angle.slope[i];
+            cosine.slope[i] = -(sine.value * angle.slope[i]);
+        }
+    }
+};
+/// @endcond
 
 /// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
 template <class SystemType>

@@ -1,21 +1,33 @@
 // A scalar that records what is done to it. The right-hand side, run once on traced numbers, leaves a list of its
 // operations, from which Taylor coefficients follow to any order: the one right-hand side is all that is ever written.
 //
-// A traced number is factor * node, so that scaling costs nothing; constants fold (0 x, x + 0, 1 x), equal nodes are
-// made once, and products are of nodes alone.
+// A traced number is factor * node, so that scaling costs nothing; constants fold (0 x, x + 0, 1 x, 0 / x, x / x),
+// equal nodes are made once, and products, quotients and functions are of nodes alone.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "body/elementary.h"
+
 namespace polhode::truth {
 
-/// A node of the tape: a state variable, factor_a * a + factor_b * b (b < 0: a constant factor_b), or a * b.
+/// A node of the tape. Its operands come before it; only a sine's partner, its cosine, comes right after it.
+///
+///  * state: the a-th variable
+///  * combination: factor_a * a + factor_b * b; b < 0: + factor_b
+///  * product: a * b
+///  * quotient: a / b; a < 0: 1 / b
+///  * sine, cosine: of a, and b is the other one; always both
+///  * root: the square root of a; b < 0
 template <class T>
 struct Node {
-    enum class Kind { state, combination, product } kind;
+    enum class Kind { state, combination, product, quotient, sine, cosine, root } kind;
     int a, b;
     T factor_a, factor_b;
 
@@ -27,11 +39,43 @@ template <class T>
 struct Tape {
     std::vector<Node<T>> nodes;
 
+    /// The place of the node: of an equal one, or of itself at the end.
     int add(const Node<T>& node) {
-        for (std::size_t i = 0; i < nodes.size(); ++i)
-            if (nodes[i] == node) return static_cast<int>(i);
+        while (before_.size() < nodes.size()) note(nodes[before_.size()]);
+        const auto found = last_.find(key(node));
+        for (int i = found == last_.end() ? none : found->second; i != none; i = before_[i])
+            if (nodes[i] == node) return i;
         nodes.push_back(node);
+        note(node);
         return static_cast<int>(nodes.size()) - 1;
+    }
+    /// The place of the sine of a node; its cosine's is the next.
+    int add_sine(int argument) {
+        const int place = static_cast<int>(nodes.size());
+        const auto [found, is_new] = sine_of_.try_emplace(argument, place);
+        if (is_new) {
+            nodes.push_back({Node<T>::Kind::sine, argument, place + 1, T(0), T(0)});
+            nodes.push_back({Node<T>::Kind::cosine, argument, place, T(0), T(0)});
+        }
+        return found->second;
+    }
+
+  private:
+    static constexpr int none = -1;
+    // the last node of each key, and before each node the one of the same key: factors are compared, not hashed
+    std::unordered_map<std::uint64_t, int> last_;
+    std::vector<int> before_;
+    std::unordered_map<int, int> sine_of_;
+
+    static std::uint64_t key(const Node<T>& node) {
+        return (static_cast<std::uint64_t>(node.kind) << 60U) ^
+               (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a + 1)) << 30U) ^
+               static_cast<std::uint32_t>(node.b + 1);
+    }
+    void note(const Node<T>& node) {
+        const int place = static_cast<int>(before_.size());
+        const auto [found, is_new] = last_.try_emplace(key(node), place);
+        before_.push_back(is_new ? none : std::exchange(found->second, place));
     }
 };
 
@@ -70,6 +114,13 @@ class Traced {
         using Kind = typename Node<T>::Kind;
         return {a.factor * b.factor, a.tape->add({Kind::product, a.node, b.node, T(0), T(0)}), a.tape};
     }
+    friend Traced operator/(const Traced& a, const Traced& b) {
+        if (b.node == constant || a.node == b.node)
+            return {a.factor / b.factor, b.node == constant ? a.node : constant, a.tape};
+        if (a.is_zero()) return Traced();
+        using Kind = typename Node<T>::Kind;
+        return {a.factor / b.factor, b.tape->add({Kind::quotient, a.node, b.node, T(0), T(0)}), b.tape};
+    }
     friend Traced operator-(const Traced& a) { return {-a.factor, a.node, a.tape}; }
     friend Traced operator-(const Traced& a, const Traced& b) { return a + (-b); }
 
@@ -79,12 +130,48 @@ class Traced {
     friend Traced operator-(const Traced& a, const T& b) { return a - Traced(b); }
     friend Traced operator*(const T& a, const Traced& b) { return Traced(a) * b; }
     friend Traced operator*(const Traced& a, const T& b) { return a * Traced(b); }
+    friend Traced operator/(const T& a, const Traced& b) { return Traced(a) / b; }
+    friend Traced operator/(const Traced& a, const T& b) { return a / Traced(b); }
+    Traced& operator+=(const Traced& b) { return *this = *this + b; }
+    Traced& operator-=(const Traced& b) { return *this = *this - b; }
+
+    /// What square_root() calls.
+    friend Traced sqrt(const Traced& x) {
+        if (x.node == constant) return Traced(T(square_root(x.factor)));
+        using Kind = typename Node<T>::Kind;
+        return {T(1), x.tape->add({Kind::root, x.scaled(x.factor), constant, T(0), T(0)}), x.tape};
+    }
+    /// What polhode::sine_cosine() calls. The sign stays outside: the sine is odd, the cosine even.
+    static void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
+        if (x.node == constant) {
+            T s(0), c(1);
+            polhode::sine_cosine(x.factor, s, c);
+            sine = Traced(s), cosine = Traced(c);
+            return;
+        }
+        const bool negative = x.is_below_zero();
+        Tape<T>* const recorded = x.tape;
+        const int place = recorded->add_sine(x.scaled(negative ? T(-x.factor) : x.factor));
+        sine = {negative ? T(-1) : T(1), place, recorded};
+        cosine = {T(1), place + 1, recorded};
+    }
 
   private:
+    /// A node that is factor_ * node.
+    int scaled(const T& factor_) const {
+        using Kind = typename Node<T>::Kind;
+        return factor_ == 1 ? node : tape->add({Kind::combination, node, constant, factor_, T(0)});
+    }
+    bool is_below_zero() const {
+        if constexpr (requires { factor.is_negative(); })
+            return factor.is_negative();
+        else
+            return factor < 0;
+    }
     bool is_zero() const { return node == constant && factor == 0; }
 };
 
-/// An autonomous polynomial system dy/dt = f(y), recorded.
+/// An autonomous system dy/dt = f(y), recorded.
 template <class T>
 struct Recording {
     Tape<T> tape;
@@ -109,19 +196,20 @@ Recording<T> record(const Form& form, int dimension) {
         if (rate.node >= 0) needed[rate.node] = 1;
     for (std::size_t i = tape.nodes.size(); i-- > static_cast<std::size_t>(dimension);) {
         if (!needed[i]) continue;
-        needed[tape.nodes[i].a] = 1;
-        if (tape.nodes[i].b >= 0) needed[tape.nodes[i].b] = 1;
+        for (const int operand : {tape.nodes[i].a, tape.nodes[i].b})
+            if (operand >= 0) needed[operand] = 1;
     }
     Recording<T> result;
     std::vector<int> renamed(tape.nodes.size(), Traced<T>::constant);
     for (std::size_t i = 0; i < tape.nodes.size(); ++i) {
         if (!needed[i]) continue;
         Node<T> node = tape.nodes[i];
-        if (node.kind != Kind::state) {
-            node.a = renamed[node.a];
-            if (node.b >= 0) node.b = renamed[node.b];
-        }
         renamed[i] = static_cast<int>(result.tape.nodes.size());
+        if (node.kind != Kind::state) {
+            if (node.a >= 0) node.a = renamed[node.a];
+            // a sine's partner comes next
+            if (node.b >= 0) node.b = node.kind == Kind::sine ? renamed[i] + 1 : renamed[node.b];
+        }
         result.tape.nodes.push_back(std::move(node));
     }
     for (const Traced<T>& rate : rates)
@@ -129,4 +217,23 @@ Recording<T> record(const Form& form, int dimension) {
     return result;
 }
 
+/// Whether there are only sums and products: what proofs and kernels for polynomials take.
+template <class T>
+bool is_polynomial(const Recording<T>& recording) {
+    using Kind = typename Node<T>::Kind;
+    return std::all_of(recording.tape.nodes.begin(), recording.tape.nodes.end(), [](const Node<T>& node) {
+        return node.kind == Kind::state || node.kind == Kind::combination || node.kind == Kind::product;
+    });
+}
+
 }  // namespace polhode::truth
+
+namespace polhode {
+/// @cond specialisations
+template <class T>
+struct Elementary<truth::Traced<T>> {
+    using S = truth::Traced<T>;
+    static void sine_cosine(const S& x, S& sine, S& cosine) { S::sine_cosine(x, sine, cosine); }
+};
+/// @endcond
+}  // namespace polhode

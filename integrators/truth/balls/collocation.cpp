@@ -34,6 +34,7 @@ class Follower {
         : piece_(piece), norm_(plan), recording_(record<Ball>(piece.form, piece.form.dimension())), reached_(start) {
         const WorkingPrecision precision(bound_bits);
         coarse_ = rounded(recording_);
+        if (!is_polynomial(recording_)) result_.fault = not_polynomial, result_.hopeless = true;
     }
 
     const std::string& fault() const { return result_.fault; }

@@ -26,6 +26,10 @@ struct Enclosure {
     std::vector<Ball> end;
 };
 
+/// The fault of pieces whose right-hand side is_polynomial() does not hold of: the defects' bounds know sums and
+/// products.
+inline constexpr const char* not_polynomial = "bounds are known for right-hand sides of sums and products only";
+
 /// How the errors of the steps so far are carried on.
 enum class Carry {
     norm,            ///< one length, which grows by the logarithmic norm: cheap, and loses some of a bit in each step

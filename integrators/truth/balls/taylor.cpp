@@ -244,6 +244,11 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
     // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
     const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
     Series<Ball> series(record<Ball>(piece.form, n), order);
+    if (!is_polynomial(series.recording())) {
+        result.fault = not_polynomial;
+        result.hopeless = true;
+        return result;
+    }
     const WeightedNorm norm(plan);
     const Recording<Ball> coarse = [&] {
         const WorkingPrecision precision(bound_bits);

@@ -14,11 +14,12 @@ namespace polhode::truth {
 /// A reference with its decimals and what it cost.
 struct Truth {
     Reference reference;
-    long steps = 0;                            ///< of both runs
-    double seconds = 0;                        ///< wall clock, when it was computed
-    bool limit_reached = false;                ///< there is none because the time allowed was spent
-    std::vector<DecimalColumns> decimals;      ///< one a sample, to more digits than agree
-    std::vector<std::string> impact_decimals;  ///< Reference::impact_times, to more digits than agree
+    long steps = 0;                                   ///< of both runs
+    double seconds = 0;                               ///< wall clock, when it was computed
+    bool limit_reached = false;                       ///< there is none because the time allowed was spent
+    std::vector<DecimalColumns> decimals;             ///< one a sample, to more digits than agree
+    std::vector<std::string> impact_decimals;         ///< Reference::impact_times, to more digits than agree
+    std::vector<ReactionDecimals> reaction_decimals;  ///< Reference::reactions, to more digits than agree
 };
 
 /// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.

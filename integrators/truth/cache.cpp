@@ -25,6 +25,8 @@ namespace fs = std::filesystem;
 // how every file of the cache begins
 constexpr std::string_view mark = "polhode truth";
 constexpr std::string_view checksum_word = "checksum ";
+// before what only a truth of several bodies has
+constexpr std::string_view bodies_word = "bodies";
 
 fs::path cache_directory() {
     const auto variable = [](const char* name) {
@@ -44,6 +46,19 @@ void each_pair(SampleType& sample, Visit&& visit) {
     for (auto* block : {&sample.angular_velocity_B, &sample.angular_momentum_W, &sample.position_W, &sample.velocity_W})
         for (int i = 0; i < 3; ++i) visit((*block)[i]);
     visit(sample.energy);
+}
+
+// the same of what several bodies have together, and of a reaction
+template <class SystemType, class Visit>
+void each_pair_of_system(SystemType& system, Visit&& visit) {
+    visit(system.kinetic), visit(system.energy);
+    for (auto* block : {&system.angular_momentum_W, &system.linear_momentum_W})
+        for (int i = 0; i < 3; ++i) visit((*block)[i]);
+}
+template <class ReactionType, class Visit>
+void each_pair_of_reaction(ReactionType& reaction, Visit&& visit) {
+    for (auto* block : {&reaction.force_W, &reaction.torque_W})
+        for (int i = 0; i < 3; ++i) visit((*block)[i]);
 }
 
 void put(std::string& text, double value) {
@@ -87,6 +102,10 @@ class Words {
             throw std::runtime_error("no count");
         return value;
     }
+    bool next_is(std::string_view word) const {
+        Words ahead = *this;
+        return ahead.more() && ahead.word() == word;
+    }
     bool more() const { return rest_.find_first_not_of(" \n") != rest_.npos; }
     std::size_t left() const { return rest_.size(); }
 
@@ -119,9 +138,45 @@ std::string encode(const std::string& key, const Truth& truth) {
         }
         text += '\n';
     }
+    // only of several bodies
+    if (!reference.system.empty()) {
+        const auto pair = [&](const Pair& p) { put(text, p.high), put(text, p.low); };
+        text += fmt::format("{} {} {}\n", bodies_word, reference.bodies, reference.reactions.size());
+        for (const ReferenceSystem& system : reference.system) {
+            put(text, system.t), each_pair_of_system(system, pair);
+            text += '\n';
+        }
+        for (std::size_t i = 0; i < reference.reactions.size(); ++i) {
+            each_pair_of_reaction(reference.reactions[i], pair);
+            for (const std::string& decimal : truth.reaction_decimals[i]) text.append(decimal).append(" ");
+            text += '\n';
+        }
+    }
     const std::string checksum = content_hash(text);
     return text.append(checksum_word).append(checksum).append("\n");
 }
+
+namespace {
+
+// What encode() writes of several bodies.
+void read_system(Words& in, Truth& truth) {
+    Reference& reference = truth.reference;
+    const auto pair = [&](Pair& p) { p.high = in.real(), p.low = in.real(); };
+    if (in.word() != bodies_word) throw std::runtime_error("foreign");
+    const std::size_t bodies = in.count(std::max<std::size_t>(reference.samples.size(), 1));
+    const std::size_t reactions = in.count(in.left() / 36);
+    if (bodies < 1 || reference.samples.size() % bodies != 0) throw std::runtime_error("torn");
+    reference.bodies = static_cast<int>(bodies);
+    reference.system.resize(reference.samples.size() / bodies);
+    for (ReferenceSystem& system : reference.system) system.t = in.real(), each_pair_of_system(system, pair);
+    reference.reactions.resize(reactions), truth.reaction_decimals.resize(reactions);
+    for (std::size_t i = 0; i < reactions; ++i) {
+        each_pair_of_reaction(reference.reactions[i], pair);
+        for (std::string& decimal : truth.reaction_decimals[i]) decimal = in.word();
+    }
+}
+
+}  // namespace
 
 std::optional<Truth> decode(const std::string& key, std::string_view text) {
     const std::size_t sealed = text.rfind(checksum_word);
@@ -146,7 +201,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
             each_pair(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
             for (std::string& decimal : truth.decimals[i]) decimal = in.word();
         }
-        if (in.more()) {
+        if (in.more() && !in.next_is(bodies_word)) {
             const std::size_t impacts = in.count(in.left() / 6);
             truth.reference.impact_time_error = in.real();
             for (std::size_t i = 0; i < impacts; ++i) {
@@ -155,6 +210,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
                 truth.impact_decimals.emplace_back(in.word());
             }
         }
+        if (in.more()) read_system(in, truth);
         return truth;
     } catch (const std::runtime_error&) {
         return {};

@@ -4,22 +4,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "body/elementary.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/taylor.h"
 #include "motion/exact_body_of.h"
+#include "motion/mechanism_motion_of.h"
 
 namespace polhode::truth {
 
-/// The largest difference between two runs: the attitude's angle in rad, and each other block relative to its largest
-/// length over the run (absolute where that is zero).
+/// The largest difference between motions: the attitude's angle in rad, and each other block relative to its largest
+/// length among all of them (absolute where that is zero).
 template <class P>
-double disagreement(const Run<P>& a, const Run<P>& b) {
+class Difference {
+  public:
+    void note(const Motion<P>& x, const Motion<P>& y) {
+        const Quaternion<P> between = conjugate(x.q) * y.q;
+        angle_ = std::max(angle_, P(2 * length(vector_part(between))));
+        if (between.w <= 0) angle_ = std::max(angle_, P(3));  // opposite sign: a flip is a disagreement too
+        w_.note(x.angular_velocity_B, y.angular_velocity_B);
+        p_.note(x.position_W, y.position_W);
+        v_.note(x.velocity_W, y.velocity_W);
+    }
+    double worst() const {
+        const P worst = std::max({angle_, w_.relative(), p_.relative(), v_.relative()});
+        return is_finite(worst) ? worst.template convert_to<double>() : std::numeric_limits<double>::infinity();
+    }
+
+  private:
     struct Tally {
         P largest{0}, difference{0};
         void note(const Vector3<P>& x, const Vector3<P>& y) {
@@ -28,19 +46,25 @@ double disagreement(const Run<P>& a, const Run<P>& b) {
         }
         P relative() const { return largest == 0 ? difference : P(difference / largest); }
     };
-    P angle(0);
-    Tally w, p, v;
-    for (std::size_t i = 0; i < a.motions.size(); ++i) {
-        const Motion<P>&x = a.motions[i], &y = b.motions[i];
-        const Quaternion<P> between = conjugate(x.q) * y.q;
-        angle = std::max(angle, P(2 * length(vector_part(between))));
-        if (between.w <= 0) angle = std::max(angle, P(3));  // opposite sign: a flip is a disagreement too
-        w.note(x.angular_velocity_B, y.angular_velocity_B);
-        p.note(x.position_W, y.position_W);
-        v.note(x.velocity_W, y.velocity_W);
-    }
-    const P worst = std::max({angle, w.relative(), p.relative(), v.relative()});
-    return is_finite(worst) ? worst.template convert_to<double>() : std::numeric_limits<double>::infinity();
+    P angle_{0};
+    Tally w_, p_, v_;
+};
+
+/// The largest difference between two runs.
+template <class P>
+double disagreement(const Run<P>& a, const Run<P>& b) {
+    Difference<P> difference;
+    for (std::size_t i = 0; i < a.motions.size(); ++i) difference.note(a.motions[i], b.motions[i]);
+    return difference.worst();
+}
+/// Of several bodies: lengths are relative to the largest of all bodies.
+template <class P>
+double disagreement(const Run<P, Motions<P>>& a, const Run<P, Motions<P>>& b) {
+    Difference<P> difference;
+    for (std::size_t i = 0; i < a.motions.size(); ++i)
+        for (std::size_t body = 0; body < a.motions[i].size(); ++body)
+            difference.note(a.motions[i][body], b.motions[i][body]);
+    return difference.worst();
 }
 
 template <class P>
@@ -48,6 +72,27 @@ Vector3<Pair> pairs(const Vector3<P>& v) {
     Vector3<Pair> result;
     for (int i = 0; i < 3; ++i) result[i] = pair_of(v[i]);
     return result;
+}
+
+/// Appends the sample of a body, without its energy and its angular momentum, and its decimals.
+template <class P>
+ReferenceSample& write_motion(Truth& truth, double t, const Motion<P>& m, int digits) {
+    ReferenceSample sample;
+    sample.t = t;
+    sample.q = {pair_of(m.q.w), pair_of(m.q.x), pair_of(m.q.y), pair_of(m.q.z)};
+    sample.angular_velocity_B = pairs(m.angular_velocity_B);
+    sample.position_W = pairs(m.position_W);
+    sample.velocity_W = pairs(m.velocity_W);
+    truth.reference.samples.push_back(sample);
+
+    const Vector3<P> w_W = rotate(m.q, m.angular_velocity_B);
+    const P* columns[13] = {&m.q.w,           &m.q.x,           &m.q.y,           &m.q.z,           &w_W[0],
+                            &w_W[1],          &w_W[2],          &m.position_W[0], &m.position_W[1], &m.position_W[2],
+                            &m.velocity_W[0], &m.velocity_W[1], &m.velocity_W[2]};
+    DecimalColumns decimals;
+    for (int c = 0; c < 13; ++c) decimals[c] = decimal_of(*columns[c], digits);
+    truth.decimals.push_back(decimals);
+    return truth.reference.samples.back();
 }
 
 /// Fills in the truth's samples from `run`.
@@ -59,43 +104,82 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
         const Motion<P>& m = run.motions[i];
         const Invariants<P> kept =
             invariants<P>(problem.scene, body, sample_times[i], m.q, m.angular_velocity_B, m.position_W, m.velocity_W);
-        ReferenceSample sample;
-        sample.t = sample_times[i];
-        sample.q = {pair_of(m.q.w), pair_of(m.q.x), pair_of(m.q.y), pair_of(m.q.z)};
-        sample.angular_velocity_B = pairs(m.angular_velocity_B);
+        ReferenceSample& sample = write_motion(truth, sample_times[i], m, digits);
         sample.angular_momentum_W = pairs(kept.angular_momentum_W);
-        sample.position_W = pairs(m.position_W);
-        sample.velocity_W = pairs(m.velocity_W);
         sample.energy = pair_of(kept.energy);
-        truth.reference.samples.push_back(sample);
-
-        const Vector3<P> w_W = rotate(m.q, m.angular_velocity_B);
-        const P* columns[13] = {&m.q.w,           &m.q.x,           &m.q.y,           &m.q.z,
-                                &w_W[0],          &w_W[1],          &w_W[2],          &m.position_W[0],
-                                &m.position_W[1], &m.position_W[2], &m.velocity_W[0], &m.velocity_W[1],
-                                &m.velocity_W[2]};
-        DecimalColumns decimals;
-        for (int c = 0; c < 13; ++c) decimals[c] = decimal_of(*columns[c], digits);
-        truth.decimals.push_back(decimals);
     }
     return truth;
 }
 
-/// Both runs as an attempt; `how` says by what.
+/// What the makers of a truth of several bodies know beside their motions, at each sample time, or of none.
 template <class P>
-Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& first,
-                 const Run<P>& second, const std::string& how, int digits) {
+struct Beside {
+    std::vector<std::vector<Reaction<P>>> reactions;  ///< of all joints, then of all loops
+    /// Of each joint, as JointCoordinates has them. Without, its angles are followed from sample to sample.
+    std::vector<std::vector<std::array<double, 2>>> coordinates;
+};
+
+/// Fills in the truth's samples of several bodies, and of the whole, from `run`.
+template <class P>
+Truth written(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& run,
+              int digits, const Beside<P>& beside = {}) {
+    const MechanismMeasure<P> measure(problem.scene);
+    JointCoordinates coordinates(problem.scene);
+    Truth truth;
+    truth.reference.bodies = static_cast<int>(measure.bodies());
+    for (std::size_t i = 0; i < sample_times.size(); ++i) {
+        const double t = sample_times[i];
+        for (const Motion<P>& m : run.motions[i]) write_motion(truth, t, m, digits);
+        if (!beside.coordinates.empty()) coordinates.set(t, beside.coordinates[i]);
+        const SystemInvariants<P> all = measure.invariants(t, run.motions[i], coordinates);
+        truth.reference.system.push_back({t, pair_of(all.kinetic), pair_of(all.energy), pairs(all.angular_momentum_W),
+                                          pairs(all.linear_momentum_W)});
+        if (beside.reactions.empty()) continue;
+        for (const Reaction<P>& r : beside.reactions[i]) {
+            truth.reference.reactions.push_back({pairs(r.force_W), pairs(r.torque_W)});
+            ReactionDecimals decimals;
+            for (std::size_t c = 0; c < 3; ++c) {
+                decimals[c] = decimal_of(r.force_W[c], digits);
+                decimals[c + 3] = decimal_of(r.torque_W[c], digits);
+            }
+            truth.reaction_decimals.push_back(decimals);
+        }
+    }
+    return truth;
+}
+
+/// The largest difference between the reactions of two runs: of forces relative to the largest, of torques to the
+/// largest or to what a force does about the child's centre of mass.
+template <class P>
+double disagreement(const Scene& scene, const Beside<P>& a, const Beside<P>& b) {
+    const std::vector<P> arms = MechanismMeasure<P>(scene).arms();
+    P force(0), torque(0), force_off(0), torque_off(0);
+    for (std::size_t i = 0; i < a.reactions.size(); ++i)
+        for (std::size_t j = 0; j < arms.size(); ++j) {
+            const Reaction<P>&x = a.reactions[i][j], &y = b.reactions[i][j];
+            const P pull = length(x.force_W);
+            force = std::max(force, pull);
+            torque = std::max({torque, length(x.torque_W), P(pull * arms[j])});
+            force_off = std::max(force_off, length(x.force_W - y.force_W));
+            torque_off = std::max(torque_off, length(x.torque_W - y.torque_W));
+        }
+    const auto relative = [](const P& off, const P& largest) { return largest == 0 ? off : P(off / largest); };
+    const P worst = std::max(relative(force_off, force), relative(torque_off, torque));
+    return is_finite(worst) ? worst.template convert_to<double>() : std::numeric_limits<double>::infinity();
+}
+
+/// An attempt of two runs whose largest difference is known, and what the first one makes of the truth.
+template <class P, class Sample>
+Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample>& second, double difference,
+                   const std::string& how, int digits) {
     Attempt attempt;
-    attempt.fault = first.fault.empty() ? second.fault : first.fault;
-    if (!attempt.fault.empty()) return attempt;
-    double difference = disagreement(first, second);
     P late(0);
     for (std::size_t i = 0; i < std::min(first.impacts.size(), second.impacts.size()); ++i)
         late = std::max(late, P(abs(first.impacts[i] - second.impacts[i])));
     // another number of impacts is another motion
     if (first.impacts.size() != second.impacts.size()) difference = std::numeric_limits<double>::infinity();
     attempt.agreed_digits = difference > 0 ? -std::log10(difference) : digits;
-    attempt.truth = written(problem, sample_times, first, digits);
+    attempt.truth = std::move(truth);
     attempt.truth.steps = first.steps + second.steps;
     attempt.truth.reference.bound = difference;
     attempt.truth.reference.message = how;
@@ -109,6 +193,37 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
         fmt::format("; {} impact{}, whose times differ by {:.1e} s at most", first.impacts.size(),
                     first.impacts.size() == 1 ? "" : "s", attempt.truth.reference.impact_time_error);
     return attempt;
+}
+
+/// The attempt that did not reach the end.
+inline Attempt failed_attempt(const std::string& fault) {
+    Attempt attempt;
+    attempt.fault = fault;
+    return attempt;
+}
+
+/// Both runs as an attempt; `how` says by what.
+template <class P>
+Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& first,
+                 const Run<P>& second, const std::string& how, int digits) {
+    const std::string& fault = first.fault.empty() ? second.fault : first.fault;
+    if (!fault.empty()) return failed_attempt(fault);
+    return attempt_of(written(problem, sample_times, first, digits), first, second, disagreement(first, second), how,
+                      digits);
+}
+
+/// The same of several bodies. Where both runs know reactions, these are compared and written too.
+template <class P>
+Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& first,
+                 const Run<P, Motions<P>>& second, const std::string& how, int digits,
+                 const Beside<P>& beside_first = {}, const Beside<P>& beside_second = {}) {
+    const std::string& fault = first.fault.empty() ? second.fault : first.fault;
+    if (!fault.empty()) return failed_attempt(fault);
+    double difference = disagreement(first, second);
+    if (!beside_first.reactions.empty() && !beside_second.reactions.empty())
+        difference = std::max(difference, disagreement(problem.scene, beside_first, beside_second));
+    return attempt_of(written(problem, sample_times, first, digits, beside_first), first, second, difference, how,
+                      digits);
 }
 
 }  // namespace polhode::truth

@@ -4,15 +4,16 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "motion/mechanism_motion.h"
 
 namespace polhode::truth {
 
-/// The motion at one time; p and v of the centre of mass.
+/// The motion of a body at one time.
 template <class P>
-struct Motion {
-    Quaternion<P> q;  ///< body to world, of unit length
-    Vector3<P> angular_velocity_B, position_W, velocity_W;
-};
+using Motion = BodyMotion<P>;
+/// The motions of several bodies at one time, in the scene's order.
+template <class P>
+using Motions = std::vector<Motion<P>>;
 
 /// A block of a state's variables that are measured by one scale.
 struct Block {

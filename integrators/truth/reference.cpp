@@ -156,12 +156,18 @@ DecimalReference decimal_reference(const Scene& scene, long samples, int digits,
     for (const std::string& t : truth.impact_decimals)
         result.impact_times.push_back(truth::rounded_decimal(t, written));
     result.impact_time_error = truth.reference.impact_time_error;
-    for (std::size_t i = 0; i < truth.decimals.size(); ++i) {
+    result.bodies = truth.reference.bodies;
+    for (std::size_t i = 0; i < truth.reference.samples.size(); i += static_cast<std::size_t>(result.bodies))
         result.times.push_back(truth.reference.samples[i].t);
-        result.columns.emplace_back();
-        for (std::size_t c = 0; c < truth.decimals[i].size(); ++c)
-            result.columns.back()[c] = truth::rounded_decimal(truth.decimals[i][c], written);
-    }
+    const auto rounded = [&](const auto& decimals, auto& columns) {
+        for (const auto& exact : decimals) {
+            columns.emplace_back();
+            for (std::size_t c = 0; c < exact.size(); ++c)
+                columns.back()[c] = truth::rounded_decimal(exact[c], written);
+        }
+    };
+    rounded(truth.decimals, result.columns);
+    rounded(truth.reaction_decimals, result.reactions);
     return result;
 }
 

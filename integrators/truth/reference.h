@@ -39,6 +39,9 @@ std::string_view truth_method(const Problem& problem);
 /// The numbers of one line of a trajectory file after t, as decimals: q, w in world axes, p, v.
 using DecimalColumns = std::array<std::string, 13>;
 
+/// The numbers of a reaction as decimals: force, torque, both in world axes.
+using ReactionDecimals = std::array<std::string, 6>;
+
 /// The truth in decimals.
 struct DecimalReference {
     bool available = false;     ///< false: there is none, and nothing but `message` is set
@@ -46,9 +49,11 @@ struct DecimalReference {
     double bound = 0;           ///< largest of the attitude's error (rad) and the other blocks' relative errors
     std::string scene_hash;     ///< of write_scene(scene)
     std::vector<double> times;  ///< of the samples, s
-    std::vector<DecimalColumns> columns;    ///< one a sample
-    std::vector<std::string> impact_times;  ///< s, of the impacts on the scene's planes
-    double impact_time_error = 0;           ///< s, largest of them
+    int bodies = 1;             ///< how many there are at each time
+    std::vector<DecimalColumns> columns;      ///< at each time those of each body
+    std::vector<ReactionDecimals> reactions;  ///< where they are known, as Reference::reactions
+    std::vector<std::string> impact_times;    ///< s, of the impacts on the scene's planes
+    double impact_time_error = 0;             ///< s, largest of them
 };
 
 /// The truth at sample_time(duration, k, samples), k = 0..samples, as decimals. `digits` digits are right relative to

@@ -17,6 +17,7 @@ struct TrajectoryColumns {
 inline std::span<const TrajectoryColumns> trajectory_columns() {
     static constexpr TrajectoryColumns all[] = {
         {"t", "s", "the time; a sample at the time of an impulse shows the motion after it"},
+        {"body", "", "of scenes of several bodies alone: the body's name; there is a line for each body at each t"},
         {"qw,qx,qy,qz", "",
          "the attitude: the quaternion q that maps body vectors to world vectors, v_W = q v_B q*, as the method left "
          "it, not "

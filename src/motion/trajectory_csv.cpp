@@ -5,10 +5,13 @@
 
 namespace polhode {
 
-std::string trajectory_csv(const Trajectory& trajectory) {
-    std::string text = "t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n";
+std::string trajectory_csv(const Trajectory& trajectory, std::span<const std::string> bodies) {
+    std::string text = bodies.empty() ? "t," : "t,body,";
+    text += "qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n";
+    std::size_t k = 0;
     for (const Sample& s : trajectory.samples) {
         text += shortest_decimal(s.t);
+        if (!bodies.empty()) text.append(",").append(bodies[k++ % bodies.size()]);
         for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) text.append(",").append(shortest_decimal(value));
         for (const Vector3<double>& v : {angular_velocity_W(s), s.position_W, s.velocity_W})
             for (const double value : v.component) text.append(",").append(shortest_decimal(value));
@@ -23,7 +26,23 @@ std::string trajectory_csv(const Trajectory& trajectory) {
     return text;
 }
 
+std::string reactions_csv(const Trajectory& trajectory, std::span<const std::string> joints) {
+    std::string text = "t,joint,fx,fy,fz,tx,ty,tz\n";
+    for (std::size_t k = 0; k < trajectory.reactions.size(); ++k) {
+        const std::string time = shortest_decimal(trajectory.at(k / joints.size())[0].t);
+        text.append(time).append(",").append(joints[k % joints.size()]);
+        for (const Vector3<double>& v : {trajectory.reactions[k].force_W, trajectory.reactions[k].torque_W})
+            for (const double value : v.component) text.append(",").append(shortest_decimal(value));
+        text += '\n';
+    }
+    return text;
+}
+
 std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass) {
+    return samples_of(file, std::span(&center_of_mass, 1));
+}
+
+std::vector<Sample> samples_of(const TrajectoryFile& file, std::span<const Vector3<double>> centers_of_mass) {
     // (1/|q|^2) times a vector turned by q
     const auto scaled = [](const Quaternion<Wide>& q, const Vector3<Wide>& turned) {
         return cast<double>((Wide(1) / squared_norm(q)) * turned);
@@ -38,7 +57,8 @@ std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>
         if (file.has_origin) {
             const Wide size = squared_norm(q);
             const Vector3<Wide> origin = size * cast<Wide>(row.position_W);
-            s.position_W = scaled(q, origin + rotate(q, cast<Wide>(center_of_mass)));
+            const Vector3<double>& center = centers_of_mass[samples.size() % centers_of_mass.size()];
+            s.position_W = scaled(q, origin + rotate(q, cast<Wide>(center)));
         }
         samples.push_back(s);
     }

@@ -1,6 +1,7 @@
-// Trajectories as CSV files: t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz.
+// Trajectories as CSV files: t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz; of several bodies t,body,qw,..
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,8 +12,13 @@ namespace polhode {
 
 /// A header line, then one line a sample: t (s); q body to world as the method left it; w in world axes (rad/s); p, v
 /// of the centre of mass (m, m/s). Shortest decimals that read back to the same binary64. A trajectory whose status is
-/// not ok ends in a comment line that says so.
-std::string trajectory_csv(const Trajectory& trajectory);
+/// not ok ends in a comment line that says so. `bodies`: the names of several bodies, in the order of the samples; a
+/// column `body` follows t, and at each t there is a line for each.
+std::string trajectory_csv(const Trajectory& trajectory, std::span<const std::string> bodies = {});
+
+/// A header line t,joint,fx,fy,fz,tx,ty,tz, then at each of the trajectory's times a line for each joint that it gives
+/// reactions of. `joints`: their names, in the order of Trajectory::reactions.
+std::string reactions_csv(const Trajectory& trajectory, std::span<const std::string> joints);
 
 /// One line of a trajectory file, as it stands there.
 struct TrajectoryRow {
@@ -28,13 +34,17 @@ struct TrajectoryRow {
 
 /// What a trajectory file says. Blocks that it lacks are zero.
 struct TrajectoryFile {
-    std::vector<TrajectoryRow> rows;    ///< at least one; t >= 0 and increasing
+    /// At least one; t >= 0 and increasing. Of several bodies: at each t one for each, in the order of `bodies`.
+    std::vector<TrajectoryRow> rows;
+    std::vector<std::string> bodies;    ///< the names in a column `body`; empty where there is none
     bool has_angular_velocity = false;  ///< wx, wy, wz
     bool has_position = false;          ///< px, py, pz
     bool has_origin = false;            ///< ox, oy, oz in their place: position_W is the body's origin
     bool has_velocity = false;          ///< vx, vy, vz
     std::string read_past;              ///< "line 1 begins with a byte order mark", ..: empty where nothing was
 
+    /// How many rows there are at each time.
+    std::size_t bodies_at_once() const { return bodies.empty() ? 1 : bodies.size(); }
     /// Whether the rows, and what is known of them, are equal.
     bool operator==(const TrajectoryFile&) const = default;
 };
@@ -55,14 +65,21 @@ enum class QuaternionColumns {
 /// than the header, what is no finite number, a time below 0 or not above the one before, a quaternion without a
 /// direction (of length below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64
 /// KiB.
+///
+/// With a column `body`, a line for each body at each t, in any order of bodies; else InputError. `bodies`: the names
+/// that there must be, whose order is the file's then; where it is empty, those at the first t.
 TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
-                                QuaternionColumns quaternion = QuaternionColumns::by_name);
+                                QuaternionColumns quaternion = QuaternionColumns::by_name,
+                                std::span<const std::string> bodies = {});
 
 /// Reads and parses a file of at most 1 GiB. Throws InputError, also when it cannot be read.
-TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion = QuaternionColumns::by_name);
+TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion = QuaternionColumns::by_name,
+                               std::span<const std::string> bodies = {});
 
 /// The samples of a trajectory file, as a method gives them: w is turned into body axes, and a body's origin exchanged
 /// for its centre of mass (m, from the origin, body axes), by each row's attitude, in 128 bits and rounded once.
 std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>& center_of_mass);
+/// The same of several bodies, with the centre of mass of each.
+std::vector<Sample> samples_of(const TrajectoryFile& file, std::span<const Vector3<double>> centers_of_mass);
 
 }  // namespace polhode

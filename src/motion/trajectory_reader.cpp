@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <optional>
 
 #include "body/orientation.h"
@@ -23,8 +25,10 @@ struct Column {
     int block;                         // columns of one block stand together
 };
 
-enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, blocks };
-constexpr const char* block_names[blocks] = {"t", "qw,qx,qy,qz", "wx,wy,wz", "px,py,pz", "ox,oy,oz", "vx,vy,vz", ""};
+enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, block_body, blocks };
+constexpr const char* block_names[blocks] = {"t",        "qw,qx,qy,qz", "wx,wy,wz", "px,py,pz",
+                                             "ox,oy,oz", "vx,vy,vz",    "",         ""};
+constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
 
 const std::vector<Column>& known_columns() {
     using Row = TrajectoryRow;
@@ -47,6 +51,7 @@ const std::vector<Column>& known_columns() {
         {"vy", [](Row& r) { return &r.velocity_W[1]; }, block_v},
         {"vz", [](Row& r) { return &r.velocity_W[2]; }, block_v},
         {"bound", nullptr, block_bound},
+        {"body", nullptr, block_body},
     };
     return columns;
 }
@@ -54,8 +59,15 @@ const std::vector<Column>& known_columns() {
 // One file, line by line.
 class Reader {
   public:
-    Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion)
-        : lines_(text, file), file_(file), quaternion_(quaternion) {}
+    Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion,
+           std::span<const std::string> bodies)
+        : lines_(text, file),
+          file_(file),
+          quaternion_(quaternion),
+          bodies_known_(!bodies.empty()),
+          bodies_(bodies.begin(), bodies.end()) {
+        for (std::size_t i = 0; i < bodies_.size(); ++i) index_.emplace(bodies_[i], i);
+    }
 
     TrajectoryFile read() {
         if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
@@ -66,6 +78,8 @@ class Reader {
             sample();
         }
         if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
+        if (body_column_ != nowhere) end_moment();
+        result_.bodies = std::move(bodies_);
         result_.read_past = lines_.read_past();
         return std::move(result_);
     }
@@ -88,7 +102,7 @@ class Reader {
             ++seen[columns_.back()->block];
         }
         for (const Column& known : known_columns()) {
-            const bool needed = known.block <= block_q || (seen[known.block] > 0 && known.block != block_bound);
+            const bool needed = known.block <= block_q || (seen[known.block] > 0 && known.block < block_bound);
             if (needed && std::find(columns_.begin(), columns_.end(), &known) == columns_.end())
                 fail(here(), fmt::format("column {} is missing", known.name),
                      known.block <= block_q ? "give t,qw,qx,qy,qz at least"
@@ -97,7 +111,13 @@ class Reader {
         if (seen[block_p] > 0 && seen[block_o] > 0)
             fail(here(), "has both px,py,pz and ox,oy,oz",
                  "give the centre of mass (p) or the body's origin (o), not both");
-        for (const Column* column : columns_) places_.push_back(column->place);
+        if (seen[block_body] == 0 && bodies_.size() > 1)
+            fail(here(), "column body is missing",
+                 "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) + " at each time");
+        for (std::size_t i = 0; i < columns_.size(); ++i) {
+            places_.push_back(columns_[i]->place);
+            if (columns_[i]->block == block_body) body_column_ = i;
+        }
         if (quaternion_ != QuaternionColumns::by_name) take_quaternion_in_order();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
@@ -119,6 +139,7 @@ class Reader {
                  "give a number for each column");
         TrajectoryRow row;
         for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (i == body_column_) continue;
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
                 fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
@@ -128,7 +149,8 @@ class Reader {
         }
         const std::string time = fmt::format("line {}, column t", lines_.number());
         if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
-        if (!result_.rows.empty() && !(row.t > result_.rows.back().t))
+        const bool same_moment = body_column_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
+        if (!same_moment && !result_.rows.empty() && !(row.t > result_.rows.back().t))
             fail(time,
                  fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
@@ -138,7 +160,54 @@ class Reader {
             fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
                  fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
-        result_.rows.push_back(row);
+        if (body_column_ == nowhere)
+            result_.rows.push_back(row);
+        else
+            sample_of_body(row, same_moment, cells[body_column_]);
+    }
+
+    // Into the place of its body at its time.
+    void sample_of_body(const TrajectoryRow& row, bool same_moment, std::string_view name) {
+        if (!same_moment) begin_moment();
+        const auto known = index_.find(name);
+        const std::size_t body = known == index_.end() ? bodies_.size() : known->second;
+        if (body == bodies_.size()) {
+            if (name.empty()) fail(at(body_column_), "is empty", "give the body's name");
+            if (bodies_known_) {
+                const std::string meant = did_you_mean(name, bodies_);
+                fail(at(body_column_), fmt::format("\"{}\" is no body of the scene", one_line(name, 60)),
+                     meant.empty() ? "give one of " + one_line(listed(bodies_), 200) : meant);
+            }
+            if (moment_ > 0)
+                fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
+                     "give a line for each body at each time");
+            bodies_.emplace_back(name);
+            index_.emplace(name, body);
+        }
+        if (body < there_.size() && there_[body] != 0)
+            fail(at(body_column_),
+                 fmt::format("the body \"{}\" is there twice at {} s", one_line(name, 60), shortest_decimal(row.t)),
+                 "give a line for each body at each time");
+        there_.resize(bodies_.size()), there_[body] = 1;
+        last_line_ = lines_.number();
+        // the rows of a moment that are still to come have its time already
+        TrajectoryRow to_come;
+        to_come.t = row.t;
+        result_.rows.resize(moment_ + bodies_.size(), to_come);
+        result_.rows[moment_ + body] = row;
+    }
+    void begin_moment() {
+        if (!result_.rows.empty()) end_moment();
+        moment_ = result_.rows.size();
+        there_.assign(bodies_.size(), 0);
+    }
+    void end_moment() const {
+        for (std::size_t body = 0; body < bodies_.size(); ++body)
+            if (there_[body] == 0)
+                fail(fmt::format("line {}, column body", last_line_),
+                     fmt::format("the body \"{}\" is missing at {} s", one_line(bodies_[body], 60),
+                                 shortest_decimal(result_.rows.back().t)),
+                     "give a line for each body at each time");
     }
 
     CsvLines lines_;
@@ -146,17 +215,26 @@ class Reader {
     QuaternionColumns quaternion_;
     std::vector<const Column*> columns_;               // in the file's order
     std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
+    std::size_t body_column_ = nowhere;
+    bool bodies_known_;                                      // to the caller
+    std::vector<std::string> bodies_;                        // names, in the order of the rows of a moment
+    std::map<std::string, std::size_t, std::less<>> index_;  // of a name
+    std::size_t moment_ = 0;                                 // the first row of the moment at hand
+    std::vector<char> there_;                                // which of the bodies have a row in it
+    long last_line_ = 0;                                     // of a body's row
     TrajectoryFile result_;
 };
 
 }  // namespace
 
-TrajectoryFile parse_trajectory(std::string_view text, const std::string& file, QuaternionColumns quaternion) {
-    return Reader(text, file, quaternion).read();
+TrajectoryFile parse_trajectory(std::string_view text, const std::string& file, QuaternionColumns quaternion,
+                                std::span<const std::string> bodies) {
+    return Reader(text, file, quaternion, bodies).read();
 }
 
-TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion) {
-    return parse_trajectory(read_text(path, largest_file, "a readable CSV file"), path, quaternion);
+TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion,
+                               std::span<const std::string> bodies) {
+    return parse_trajectory(read_text(path, largest_file, "a readable CSV file"), path, quaternion, bodies);
 }
 
 }  // namespace polhode

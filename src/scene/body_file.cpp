@@ -262,14 +262,11 @@ std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string
     return body_source(chosen->read(node, directory, is_part));
 }
 
-std::string json(const Vector3<double>& v) {
-    return fmt::format("[{}, {}, {}]", shortest_decimal(v[0]), shortest_decimal(v[1]), shortest_decimal(v[2]));
-}
 // three moments where nothing stands off the diagonal
-std::string json(const Matrix3<double>& m) {
+std::string json_tensor(const Matrix3<double>& m) {
     const bool is_diagonal = m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2]));
-    if (is_diagonal) return json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
-    return fmt::format("[{}, {}, {}]", json(m[0]), json(m[1]), json(m[2]));
+    if (is_diagonal) return write_json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
+    return fmt::format("[{}, {}, {}]", write_json(m[0]), write_json(m[1]), write_json(m[2]));
 }
 
 struct ShapeWriter {
@@ -280,7 +277,7 @@ struct ShapeWriter {
         return text + "}";
     }
     std::string operator()(const Box& s) const {
-        return fmt::format(R"({{"type": "box", "half_extents": {}}})", json(s.half_extents));
+        return fmt::format(R"({{"type": "box", "half_extents": {}}})", write_json(s.half_extents));
     }
     std::string operator()(const SolidSphere& s) const { return object("sphere", {{"radius", s.radius}}); }
     std::string operator()(const HollowSphere& s) const {
@@ -299,7 +296,7 @@ struct ShapeWriter {
     }
     std::string operator()(const Cone& s) const { return object("cone", {{"radius", s.radius}, {"height", s.height}}); }
     std::string operator()(const Ellipsoid& s) const {
-        return fmt::format(R"({{"type": "ellipsoid", "semi_axes": {}}})", json(s.semi_axes));
+        return fmt::format(R"({{"type": "ellipsoid", "semi_axes": {}}})", write_json(s.semi_axes));
     }
     std::string operator()(const Torus& s) const {
         return object("torus", {{"major_radius", s.major_radius}, {"minor_radius", s.minor_radius}});
@@ -311,8 +308,8 @@ struct ShapeWriter {
                            shortest_decimal(s.half_extents[1]));
     }
     std::string operator()(const Tetrahedron& s) const {
-        return fmt::format(R"({{"type": "tetrahedron", "vertices": [{}, {}, {}, {}]}})", json(s.vertices[0]),
-                           json(s.vertices[1]), json(s.vertices[2]), json(s.vertices[3]));
+        return fmt::format(R"({{"type": "tetrahedron", "vertices": [{}, {}, {}, {}]}})", write_json(s.vertices[0]),
+                           write_json(s.vertices[1]), write_json(s.vertices[2]), write_json(s.vertices[3]));
     }
     std::string operator()(const Frustum& s) const {
         return object("frustum",
@@ -326,7 +323,7 @@ struct SourceWriter {
     }
     std::string operator()(const GivenBody& b) const {
         return fmt::format("\"mass\": {},\n    \"inertia\": {},\n    \"center_of_mass\": {}", shortest_decimal(b.mass),
-                           json(b.inertia), json(b.center_of_mass));
+                           json_tensor(b.inertia), write_json(b.center_of_mass));
     }
     std::string operator()(const ShapedBody& b) const {
         return fmt::format("\"shape\": {}, {}", std::visit(ShapeWriter{}, b.shape), json_amount(b.amount));
@@ -350,11 +347,9 @@ struct SourceWriter {
     std::string operator()(const PartsBody& b) const {
         std::string text = "\"parts\": [";
         for (const PartsBody::Part& part : b.parts) {
-            const Quaternion<double>& q = part.orientation;
-            text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": [{}, {}, {}, {}]}}",
+            text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": {}}}",
                                 &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->made_of),
-                                json(part.position), shortest_decimal(q.w), shortest_decimal(q.x),
-                                shortest_decimal(q.y), shortest_decimal(q.z));
+                                write_json(part.position), write_json(part.orientation));
         }
         return text + "\n    ]";
     }

@@ -1,6 +1,9 @@
 // Vectors, quaternions and the like, as scene files have them.
 #pragma once
 
+#include <array>
+#include <string>
+
 #include "body/algebra.h"
 #include "text/json_document.h"
 
@@ -20,5 +23,16 @@ inline Quaternion<double> quaternion(const JsonNode& node) {
     if (e.size() != 4) node.fail(node.described(), "give a quaternion of 4 numbers [w, x, y, z]");
     return {e[0]->number(), e[1]->number(), e[2]->number(), e[3]->number()};
 }
+
+inline std::array<double, 2> two_numbers(const JsonNode& node) {
+    const auto& e = node.elements();
+    if (e.size() != 2) node.fail(node.described(), "give 2 numbers, one for each axis");
+    return {e[0]->number(), e[1]->number()};
+}
+
+/// As canonical JSON: each number as its shortest decimal that reads back to the same binary64.
+std::string write_json(const Vector3<double>& v);
+std::string write_json(const Quaternion<double>& q);
+std::string write_json(const std::array<double, 2>& pair);
 
 }  // namespace polhode

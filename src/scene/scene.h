@@ -41,7 +41,7 @@ struct Torque {
     Vector3<double> vector;     ///< N m
     Frame frame = Frame::body;  ///< the axes of `vector`
     Window window;              ///< when it acts
-    std::string body;           ///< the name of the body that it acts on, in a scene of several; else empty
+    std::string body = "";      ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
 /// A force that is constant in the body's or in the world's axes and acts at a point fixed in the body or in the world.
@@ -51,7 +51,7 @@ struct Force {
     Vector3<double> point;            ///< m, from the origin of `point_frame`
     Frame point_frame = Frame::body;  ///< what the point is fixed in
     Window window;                    ///< when it acts
-    std::string body;                 ///< the name of the body that it acts on, in a scene of several; else empty
+    std::string body = "";            ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
 /// An impulse at one time. A sample at that very time shows the motion after it.
@@ -61,7 +61,7 @@ struct Impulse {
     Vector3<double> point;            ///< m, from the origin of `point_frame`
     Frame point_frame = Frame::body;  ///< what the point is fixed in
     double at = 0;                    ///< s
-    std::string body;                 ///< the name of the body that it acts on, in a scene of several; else empty
+    std::string body = "";            ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
 /// Linear drag: the torque -c_i omega_i along each body axis and the force -c v at the centre of mass.
@@ -69,7 +69,7 @@ struct Drag {
     Vector3<double> rotational;  ///< c_1, c_2, c_3 along the body axes, N m s
     double translational = 0;    ///< c, N s/m
     Window window;               ///< when it acts
-    std::string body;            ///< the name of the body that it acts on, in a scene of several; else empty
+    std::string body = "";       ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
 /// A torsional spring. With r = q_rest* q, of scalar part r_w and vector part r_v, and the angle between the attitude
@@ -78,7 +78,7 @@ struct Spring {
     double stiffness = 0;                 ///< k, N m
     Quaternion<double> rest_orientation;  ///< q_rest, body to world; it stands for its normalised value
     Window window;                        ///< when it acts
-    std::string body;                     ///< the name of the body that it acts on, in a scene of several; else empty
+    std::string body = "";                ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
 /// What a user's own torque is told of the motion.

@@ -7,105 +7,15 @@
 
 #include "scene/body_file.h"
 #include "scene/builtin.h"
+#include "scene/initial_file.h"
+#include "scene/joint_file.h"
 #include "scene/json_values.h"
+#include "scene/load_file.h"
 #include "scene/scene_keys.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
-
-Frame frame(const JsonNode& node) {
-    if (node.string() == "body") return Frame::body;
-    if (node.string() == "world") return Frame::world;
-    node.fail(node.described(), "give \"body\" or \"world\"");
-}
-
-Initial initial(const JsonNode& node, bool pivoted) {
-    node.only(keys_of(scene_keys(), "initial"));
-    Initial start;
-    if (const JsonNode* q = node.find("orientation")) start.orientation = quaternion(*q);
-    if (const JsonNode* w = node.find("angular_velocity")) start.angular_velocity = vector3(*w);
-    if (const JsonNode* f = node.find("angular_velocity_frame")) start.angular_velocity_frame = frame(*f);
-    for (const char* key : {"position", "velocity"}) {
-        const JsonNode* given = node.find(key);
-        if (!given) continue;
-        if (pivoted)
-            given->fail("stands beside a pivot",
-                        "leave it out: the pivot and the attitude say where the centre of mass is");
-        (key[0] == 'p' ? start.position_W : start.velocity_W) = vector3(*given);
-    }
-    return start;
-}
-
-Window window(const JsonNode& node) {
-    Window w;
-    if (const JsonNode* from = node.find("from")) w.from = from->number();
-    if (const JsonNode* until = node.find("until")) w.until = until->number();
-    return w;
-}
-
-Frame point_frame(const JsonNode& node) {
-    const JsonNode* given = node.find("point_frame");
-    return given ? frame(*given) : Frame::body;
-}
-
-Load gravity(const JsonNode& node) {
-    return Gravity{vector3(node.required("acceleration", "[x, y, z] in m/s^2, world axes")), window(node)};
-}
-
-Load constant_torque(const JsonNode& node) {
-    return Torque{vector3(node.required("vector", "[x, y, z] in N m")),
-                  frame(node.required("frame", "\"body\" or \"world\"")), window(node)};
-}
-
-Load force(const JsonNode& node) {
-    return Force{vector3(node.required("vector", "[x, y, z] in N")),
-                 frame(node.required("frame", "\"body\" or \"world\"")),
-                 vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node), window(node)};
-}
-
-Load impulse(const JsonNode& node) {
-    return Impulse{vector3(node.required("vector", "[x, y, z] in N s")),
-                   frame(node.required("frame", "\"body\" or \"world\"")),
-                   vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
-                   node.required("at", "the time in s").number()};
-}
-
-Load drag(const JsonNode& node) {
-    const JsonNode* rotational = node.find("rotational");
-    const JsonNode* translational = node.find("translational");
-    if (!rotational && !translational)
-        node.fail("has neither \"rotational\" nor \"translational\"", "give at least one of them");
-    Drag load;
-    if (rotational) load.rotational = vector3(*rotational);
-    if (translational) load.translational = translational->number();
-    load.window = window(node);
-    return load;
-}
-
-Load spring(const JsonNode& node) {
-    Spring load;
-    load.stiffness = node.required("stiffness", "the stiffness in N m").number();
-    if (const JsonNode* rest = node.find("rest_orientation")) load.rest_orientation = quaternion(*rest);
-    load.window = window(node);
-    return load;
-}
-
-Load load(const JsonNode& node) {
-    static constexpr std::pair<const char*, Load (*)(const JsonNode&)> kinds[] = {
-        {"gravity", gravity}, {"torque", constant_torque}, {"force", force}, {"impulse", impulse},
-        {"drag", drag},       {"spring", spring}};
-    std::vector<std::string> names;
-    for (const auto& [name, read] : kinds) names.push_back(name);
-    const JsonNode& type = node.required("type", "one of " + listed(names));
-    for (const auto& [name, read] : kinds)
-        if (type.string() == name) {
-            node.only(keys_of(scene_keys(), fmt::format("load {}", name)));
-            return read(node);
-        }
-    const std::string meant = did_you_mean(type.string(), names);
-    type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
-}
 
 Plane plane(const JsonNode& node) {
     node.only(keys_of(scene_keys(), "plane"));
@@ -117,6 +27,19 @@ Plane plane(const JsonNode& node) {
     return p;
 }
 
+// Whether it is one of several bodies; never one of both kinds.
+bool has_several(const JsonNode& root) {
+    const JsonNode* several = nullptr;
+    for (const char* key : {"bodies", "joints", "loops"})
+        if (const JsonNode* one = root.find(key); one && !several) several = one;
+    for (const char* key : {"body", "initial", "pivot"})
+        if (const JsonNode* one = root.find(key); one && several)
+            one->fail(fmt::format("stands beside \"{}\"", several->key()),
+                      "give \"body\", \"initial\" and \"pivot\" of one body, or \"bodies\", \"joints\" and \"loops\" "
+                      "of several");
+    return several;
+}
+
 Scene scene(const JsonNode& root, const std::string& directory) {
     if (!root.is_object()) root.fail(root.described(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
     root.only(keys_of(scene_keys(), "scene"));
@@ -126,11 +49,15 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* about = root.find("about")) s.about = about->string();
     if (const JsonNode* source = root.find("source")) s.source = source->string();
     s.duration = root.required("duration", "the duration in s, > 0").number();
-    s.body = parse_body(root.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
-    if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
-    if (const JsonNode* start = root.find("initial")) s.initial = initial(*start, s.pivot.has_value());
+    if (has_several(root)) {
+        parse_mechanism(root, s);
+    } else {
+        s.body = parse_body(root.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+        if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
+        if (const JsonNode* start = root.find("initial")) s.initial = parse_initial(*start, s.pivot.has_value());
+    }
     if (const JsonNode* loads = root.find("loads"))
-        for (const JsonNode* one : loads->elements()) s.loads.push_back(load(*one));
+        for (const JsonNode* one : loads->elements()) s.loads.push_back(parse_load(*one, s.joints));
     if (const JsonNode* planes = root.find("planes"))
         for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {

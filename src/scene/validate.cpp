@@ -7,7 +7,7 @@
 #include "body/rigid_body.h"
 #include "scene/body_hull.h"
 #include "scene/body_source.h"
-#include "scene/scene.h"
+#include "scene/scene_check.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -17,41 +17,8 @@ namespace {
 constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
 constexpr double start_tolerance = 1e-12;  // of the body's reach: how deep in a plane rounding may put its start
 
-// Throws at places inside one scene.
-class Check {
-  public:
-    explicit Check(const std::string& file) : file_(file) {}
-
-    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
-        throw InputError(file_, place, fault, remedy);
-    }
-    void finite(const std::string& place, double value) const {
-        if (!std::isfinite(value)) fail(place, "is " + shortest_decimal(value), "give a finite number");
-    }
-    void finite(const std::string& place, const Vector3<double>& v) const {
-        for (int i = 0; i < 3; ++i) finite(fmt::format("{}/{}", place, i), v[i]);
-    }
-    void positive(const std::string& place, double value, const char* what) const {
-        finite(place, value);
-        if (!(value > 0)) fail(place, "is " + shortest_decimal(value), fmt::format("{} must be > 0", what));
-        if (!std::isfinite(1 / value))
-            fail(place, "is " + shortest_decimal(value), fmt::format("{} needs a finite inverse: >= 1e-307", what));
-    }
-    void unit(const std::string& place, const Quaternion<double>& q) const {
-        const double component[4] = {q.w, q.x, q.y, q.z};
-        for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
-        if (const std::string fault = norm_fault(q); !fault.empty()) fail(place, fault, norm_remedy);
-    }
-    void text(const std::string& place, const std::string& value) const {
-        if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");
-    }
-
-  private:
-    const std::string& file_;
-};
-
 // The three moments of a body exist for some distribution of mass: each positive, none above the sum of the others.
-void check_moments(const Check& check, const Vector3<double>& I, const std::string& place, bool single_places) {
+void check_moments(const SceneCheck& check, const Vector3<double>& I, const std::string& place, bool single_places) {
     const double largest = std::max({I[0], I[1], I[2]});
     for (int i = 0; i < 3; ++i) {
         const auto at = [&](int index) { return single_places ? fmt::format("{}/{}", place, index) : place; };
@@ -65,10 +32,10 @@ void check_moments(const Check& check, const Vector3<double>& I, const std::stri
     }
 }
 
-void check_inertia(const Check& check, const Body& body) {
+void check_inertia(const SceneCheck& check, const std::string& body_place, const Body& body) {
     // what a source makes is wrong as a whole
     const bool given = !body.source;
-    const std::string place = given ? "/body/inertia" : "/body";
+    const std::string place = given ? body_place + "/inertia" : body_place;
     const Matrix3<double>& J = body.inertia_B;
     bool is_diagonal = true;
     for (int i = 0; i < 3; ++i)
@@ -106,17 +73,7 @@ void check_inertia(const Check& check, const Body& body) {
     check_moments(check, I, place, false);
 }
 
-void check_body(const Check& check, const Scene& scene) {
-    if (scene.body.source) {
-        if (!(scene.body.mass > 0))
-            check.fail("/body", fmt::format("has the mass {} in all", shortest_decimal(scene.body.mass)),
-                       "the whole must have a mass > 0: make the holes smaller");
-        check.positive("/body", scene.body.mass, "the mass of the whole");
-    } else {
-        check.positive("/body/mass", scene.body.mass, "the mass");
-    }
-    check.finite("/body/center_of_mass", scene.body.center_of_mass);
-    check_inertia(check, scene.body);
+void check_pivot(const SceneCheck& check, const Scene& scene) {
     if (!scene.pivot) return;
     check.finite("/pivot", *scene.pivot);
     const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
@@ -126,21 +83,13 @@ void check_body(const Check& check, const Scene& scene) {
     if (!std::isfinite(I[0] + I[1] + I[2]))
         check.fail("/pivot", "makes the inertia about it infinite as binary64",
                    "give a nearer pivot or a lighter body");
-}
-
-void check_initial(const Check& check, const Scene& scene) {
     const Initial& initial = scene.initial;
-    check.unit("/initial/orientation", initial.orientation);
-    check.finite("/initial/angular_velocity", initial.angular_velocity);
-    check.finite("/initial/position", initial.position_W);
-    check.finite("/initial/velocity", initial.velocity_W);
-    if (!scene.pivot) return;
     const char* remedy = "leave it out: the pivot and the attitude say where the centre of mass is";
     if (!(initial.position_W == Vector3<double>())) check.fail("/initial/position", "stands beside a pivot", remedy);
     if (!(initial.velocity_W == Vector3<double>())) check.fail("/initial/velocity", "stands beside a pivot", remedy);
 }
 
-void check_window(const Check& check, const std::string& place, const Window& window) {
+void check_window(const SceneCheck& check, const std::string& place, const Window& window) {
     if (std::isnan(window.from) || window.from == HUGE_VAL)
         check.fail(place + "/from", "is " + shortest_decimal(window.from), "give a finite time in s");
     if (std::isnan(window.until) || window.until == -HUGE_VAL)
@@ -153,7 +102,7 @@ void check_window(const Check& check, const std::string& place, const Window& wi
 }
 
 struct LoadCheck {
-    const Check& check;
+    const SceneCheck& check;
     const std::string& place;
 
     void operator()(const Gravity& load) const { check.finite(place + "/acceleration", load.acceleration_W); }
@@ -180,10 +129,19 @@ struct LoadCheck {
     void operator()(const UserTorque& load) const {
         if (!load.torque_B) check.fail(place, "is a torque without a function", "give a callable");
     }
+    void operator()(const Motor&) const {}  // by its joint
+    void operator()(const PointSpring& load) const {
+        check.finite(place + "/first_point", load.first_point);
+        check.finite(place + "/second_point", load.second_point);
+        check.finite(place + "/stiffness", load.stiffness);
+        check.finite(place + "/rest_length", load.rest_length);
+        if (!(load.rest_length >= 0))
+            check.fail(place + "/rest_length", "is " + shortest_decimal(load.rest_length), "a length in m is >= 0");
+    }
 };
 
 // Each plane by itself, then against the body: a shape, no pivot, and a start above it.
-void check_planes(const Check& check, const Scene& scene) {
+void check_planes(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
         const Plane& plane = scene.planes[i];
         const std::string place = fmt::format("/planes/{}", i);
@@ -223,8 +181,28 @@ void check_planes(const Check& check, const Scene& scene) {
 
 }  // namespace
 
+void check_body(const SceneCheck& check, const std::string& place, const Body& body) {
+    if (body.source) {
+        if (!(body.mass > 0))
+            check.fail(place, fmt::format("has the mass {} in all", shortest_decimal(body.mass)),
+                       "the whole must have a mass > 0: make the holes smaller");
+        check.positive(place, body.mass, "the mass of the whole");
+    } else {
+        check.positive(place + "/mass", body.mass, "the mass");
+    }
+    check.finite(place + "/center_of_mass", body.center_of_mass);
+    check_inertia(check, place, body);
+}
+
+void check_initial(const SceneCheck& check, const std::string& place, const Initial& initial) {
+    check.unit(place + "/orientation", initial.orientation);
+    check.finite(place + "/angular_velocity", initial.angular_velocity);
+    check.finite(place + "/position", initial.position_W);
+    check.finite(place + "/velocity", initial.velocity_W);
+}
+
 void validate(const Scene& scene, const std::string& file) {
-    const Check check(file);
+    const SceneCheck check(file);
     check.text("/name", scene.name);
     check.text("/about", scene.about);
     check.text("/source", scene.source);
@@ -232,8 +210,14 @@ void validate(const Scene& scene, const std::string& file) {
     if (one_line(scene.name, scene.name.size()) != scene.name)
         check.fail("/name", "holds control characters", "give a name of printable characters");
     check.positive("/duration", scene.duration, "the duration in s");
-    check_body(check, scene);
-    check_initial(check, scene);
+    if (is_mechanism(scene)) {
+        check_mechanism(check, scene);
+    } else {
+        check_body(check, "/body", scene.body);
+        check_initial(check, "/initial", scene.initial);
+        check_pivot(check, scene);
+        check_names_of_one(check, scene);
+    }
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const std::string place = fmt::format("/loads/{}", i);
         std::visit(LoadCheck{check, place}, scene.loads[i]);

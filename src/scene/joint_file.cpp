@@ -1,0 +1,230 @@
+#include "scene/joint_file.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <utility>
+
+#include "scene/body_file.h"
+#include "scene/initial_file.h"
+#include "scene/json_values.h"
+#include "scene/scene_keys.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::pair<const char*, JointType> joint_types[] = {{"revolute", JointType::revolute},
+                                                             {"prismatic", JointType::prismatic},
+                                                             {"spherical", JointType::spherical},
+                                                             {"universal", JointType::universal},
+                                                             {"fixed", JointType::fixed}};
+constexpr std::pair<const char*, LoopType> loop_types[] = {
+    {"spherical", LoopType::spherical}, {"revolute", LoopType::revolute}, {"distance", LoopType::distance}};
+
+// the type that the object is of, and with it the keys that it may have
+template <class Type, std::size_t n>
+Type typed(const JsonNode& node, const std::pair<const char*, Type> (&types)[n], const char* object) {
+    if (!node.is_object()) node.fail(node.described(), "give an object {\"name\": .., \"type\": .., ..}");
+    std::vector<std::string> names;
+    for (const auto& [name, type] : types) names.emplace_back(name);
+    const JsonNode& given = node.required("type", "one of " + listed(names));
+    for (const auto& [name, type] : types)
+        if (given.string() == name) {
+            node.only(keys_of(scene_keys(), fmt::format("{} {}", object, name)));
+            return type;
+        }
+    const std::string meant = did_you_mean(given.string(), names);
+    given.fail(given.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+}
+
+Vector3<double> point_at(const JsonNode& node, const char* key) {
+    const JsonNode* point = node.find(key);
+    return point ? vector3(*point) : Vector3<double>();
+}
+
+std::array<double, 2> numbers_at(const JsonNode& node, const char* key, bool two) {
+    const JsonNode* value = node.find(key);
+    if (!value) return {};
+    return two ? two_numbers(*value) : std::array<double, 2>{value->number(), 0};
+}
+
+Joint joint(const JsonNode& node) {
+    Joint j;
+    j.type = typed(node, joint_types, "joint");
+    j.name = node.required("name", "the joint's name").string();
+    j.parent = node.required("parent", "a body's name or \"world\"").string();
+    j.child = node.required("child", "a body's name").string();
+    j.parent_point = point_at(node, "parent_point"), j.child_point = point_at(node, "child_point");
+    if (const JsonNode* q = node.find("parent_orientation")) j.parent_orientation = quaternion(*q);
+    if (const JsonNode* start = node.find("initial")) parse_joint_start(*start, j);
+    if (j.type == JointType::revolute || j.type == JointType::prismatic)
+        j.axes[0] = vector3(node.required("axis", "[x, y, z], in the child's axes"));
+    const bool universal = j.type == JointType::universal;
+    if (universal) {
+        const JsonNode& axes = node.required("axes", "two times [x, y, z]");
+        if (axes.elements().size() != 2) axes.fail(axes.described(), "give two axes [[x, y, z], [x, y, z]]");
+        for (std::size_t i = 0; i < 2; ++i) j.axes[i] = vector3(*axes.elements()[i]);
+    }
+    j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
+    if (j.type != JointType::spherical)
+        j.rest = numbers_at(node, "rest", universal);
+    else if (const JsonNode* rest = node.find("rest"))
+        j.rest_orientation = quaternion(*rest);
+    return j;
+}
+
+Loop loop(const JsonNode& node) {
+    Loop l;
+    l.type = typed(node, loop_types, "loop");
+    l.name = node.required("name", "the loop's name").string();
+    l.first = node.required("first", "a body's name or \"world\"").string();
+    l.second = node.required("second", "a body's name or \"world\"").string();
+    l.first_point = point_at(node, "first_point"), l.second_point = point_at(node, "second_point");
+    if (l.type == LoopType::revolute) {
+        l.first_axis = vector3(node.required("first_axis", "[x, y, z], in the first body's axes"));
+        l.second_axis = vector3(node.required("second_axis", "[x, y, z], in the second body's axes"));
+    }
+    if (l.type == LoopType::distance) l.length = node.required("length", "the distance in m, > 0").number();
+    return l;
+}
+
+NamedBody named_body(const JsonNode& node, const std::string& directory, const std::set<std::string_view>& carried) {
+    if (!node.is_object()) node.fail(node.described(), "give an object {\"name\": .., \"body\": ..}");
+    node.only(keys_of(scene_keys(), "one of bodies"));
+    NamedBody one;
+    one.name = node.required("name", "the body's name").string();
+    one.body = parse_body(node.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+    const JsonNode* start = node.find("initial");
+    if (start && carried.contains(one.name))
+        start->fail("is that of a body that a joint carries",
+                    "leave it out: the joint's own \"initial\" says how it starts");
+    if (start) one.initial = parse_initial(*start, false);
+    return one;
+}
+
+template <class Members>
+std::string list_of(const Members& members, auto&& write) {
+    std::string text;
+    for (const auto& one : members) text += (text.empty() ? "[\n    {" : ",\n    {") + write(one) + "}";
+    return text.empty() ? text : text + "\n  ]";
+}
+
+std::string vectors(const std::array<Vector3<double>, 2>& v) {
+    return fmt::format("[{}, {}]", write_json(v[0]), write_json(v[1]));
+}
+
+std::string written_start(const Joint& j) {
+    const std::string x = shortest_decimal(j.coordinate[0]), rate = shortest_decimal(j.rate[0]);
+    const char* dependent = j.dependent ? ", \"dependent\": true" : "";
+    switch (j.type) {
+        case JointType::revolute:
+            return fmt::format(R"("angle": {}, "rate": {}{})", x, rate, dependent);
+        case JointType::prismatic:
+            return fmt::format(R"("displacement": {}, "speed": {}{})", x, rate, dependent);
+        case JointType::spherical:
+            return fmt::format(R"("orientation": {}, "angular_velocity": {})", write_json(j.orientation),
+                               write_json(j.angular_velocity));
+        case JointType::universal:
+            return fmt::format(R"("angles": {}, "rates": {})", write_json(j.coordinate), write_json(j.rate));
+        case JointType::fixed:
+            break;
+    }
+    return "";
+}
+
+std::string written_joint(const Joint& j) {
+    std::string text =
+        fmt::format(R"("name": {}, "type": "{}", "parent": {}, "child": {}, "parent_point": {}, "child_point": {}, )",
+                    json_string(j.name), name_of(j.type), json_string(j.parent), json_string(j.child),
+                    write_json(j.parent_point), write_json(j.child_point)) +
+        "\"parent_orientation\": " + write_json(j.parent_orientation);
+    if (j.type == JointType::fixed) return text;
+    if (j.type == JointType::universal)
+        text += ", \"axes\": " + vectors(j.axes);
+    else if (j.type != JointType::spherical)
+        text += ", \"axis\": " + write_json(j.axes[0]);
+    text += ", \"initial\": {" + written_start(j) + "}";
+    const bool two = j.type == JointType::universal;
+    const auto numbers = [two](const std::array<double, 2>& x) { return two ? write_json(x) : shortest_decimal(x[0]); };
+    const std::string rest = j.type == JointType::spherical ? write_json(j.rest_orientation) : numbers(j.rest);
+    return text + fmt::format(R"(, "stiffness": {}, "rest": {}, "damping": {})", numbers(j.stiffness), rest,
+                              numbers(j.damping));
+}
+
+std::string written_loop(const Loop& l) {
+    std::string text =
+        fmt::format(R"("name": {}, "type": "{}", "first": {}, "first_point": {}, "second": {}, "second_point": {})",
+                    json_string(l.name), name_of(l.type), json_string(l.first), write_json(l.first_point),
+                    json_string(l.second), write_json(l.second_point));
+    if (l.type == LoopType::revolute)
+        text += fmt::format(R"(, "first_axis": {}, "second_axis": {})", write_json(l.first_axis),
+                            write_json(l.second_axis));
+    if (l.type == LoopType::distance) text += ", \"length\": " + shortest_decimal(l.length);
+    return text;
+}
+
+std::set<std::string_view> children_of(const Scene& scene) {
+    std::set<std::string_view> names;
+    for (const Joint& j : scene.joints) names.insert(j.child);
+    return names;
+}
+
+}  // namespace
+
+const char* name_of(JointType type) {
+    for (const auto& [name, one] : joint_types)
+        if (one == type) return name;
+    return "";
+}
+
+const char* name_of(LoopType type) {
+    for (const auto& [name, one] : loop_types)
+        if (one == type) return name;
+    return "";
+}
+
+void parse_joint_start(const JsonNode& node, Joint& j) {
+    if (j.type == JointType::fixed) node.fail("is that of a fixed joint", "leave it out: it does not move");
+    node.only(keys_of(scene_keys(), fmt::format("start {}", name_of(j.type))));
+    const auto one = [&](const char* key, double& value) {
+        if (const JsonNode* given = node.find(key)) value = given->number();
+    };
+    const auto two = [&](const char* key, std::array<double, 2>& values) {
+        if (const JsonNode* given = node.find(key)) values = two_numbers(*given);
+    };
+    // each key is one of this type's only
+    one("angle", j.coordinate[0]), one("displacement", j.coordinate[0]);
+    one("rate", j.rate[0]), one("speed", j.rate[0]);
+    two("angles", j.coordinate), two("rates", j.rate);
+    if (const JsonNode* q = node.find("orientation")) j.orientation = quaternion(*q);
+    if (const JsonNode* w = node.find("angular_velocity")) j.angular_velocity = vector3(*w);
+    if (const JsonNode* dependent = node.find("dependent")) j.dependent = dependent->boolean();
+}
+
+void parse_mechanism(const JsonNode& root, Scene& scene) {
+    if (const JsonNode* joints = root.find("joints"))
+        for (const JsonNode* one : joints->elements()) scene.joints.push_back(joint(*one));
+    if (const JsonNode* loops = root.find("loops"))
+        for (const JsonNode* one : loops->elements()) scene.loops.push_back(loop(*one));
+    const JsonNode& bodies = root.required("bodies", "a list of {\"name\": .., \"body\": ..}");
+    if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
+    const std::set<std::string_view> carried = children_of(scene);
+    for (const JsonNode* one : bodies.elements()) scene.bodies.push_back(named_body(*one, scene.directory, carried));
+}
+
+std::string write_bodies(const Scene& scene) {
+    const std::set<std::string_view> carried = children_of(scene);
+    return list_of(scene.bodies, [&](const NamedBody& one) {
+        std::string text = fmt::format("\"name\": {}, \"body\": {{{}}}", json_string(one.name), write_body(one.body));
+        if (!carried.contains(one.name)) text += ",\n    \"initial\": {" + write_initial(one.initial, false, " ") + "}";
+        return text;
+    });
+}
+
+std::string write_joints(const Scene& scene) { return list_of(scene.joints, written_joint); }
+
+std::string write_loops(const Scene& scene) { return list_of(scene.loops, written_loop); }
+
+}  // namespace polhode

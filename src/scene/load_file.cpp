@@ -1,0 +1,207 @@
+#include "scene/load_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "scene/initial_file.h"
+#include "scene/json_values.h"
+#include "scene/scene_keys.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+const JointType* type_of(const std::vector<Joint>& joints, const std::string& name) {
+    for (const Joint& joint : joints)
+        if (joint.name == name) return &joint.type;
+    return nullptr;
+}
+
+Window load_window(const JsonNode& node) {
+    Window w;
+    if (const JsonNode* from = node.find("from")) w.from = from->number();
+    if (const JsonNode* until = node.find("until")) w.until = until->number();
+    return w;
+}
+
+Frame point_frame(const JsonNode& node) {
+    const JsonNode* given = node.find("point_frame");
+    return given ? parse_frame(*given) : Frame::body;
+}
+
+Load gravity(const JsonNode& node) {
+    return Gravity{vector3(node.required("acceleration", "[x, y, z] in m/s^2, world axes")), load_window(node)};
+}
+
+Load constant_torque(const JsonNode& node) {
+    return Torque{vector3(node.required("vector", "[x, y, z] in N m")),
+                  parse_frame(node.required("frame", "\"body\" or \"world\"")), load_window(node)};
+}
+
+Load force(const JsonNode& node) {
+    return Force{vector3(node.required("vector", "[x, y, z] in N")),
+                 parse_frame(node.required("frame", "\"body\" or \"world\"")),
+                 vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
+                 load_window(node)};
+}
+
+Load impulse(const JsonNode& node) {
+    return Impulse{vector3(node.required("vector", "[x, y, z] in N s")),
+                   parse_frame(node.required("frame", "\"body\" or \"world\"")),
+                   vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
+                   node.required("at", "the time in s").number()};
+}
+
+Load drag(const JsonNode& node) {
+    const JsonNode* rotational = node.find("rotational");
+    const JsonNode* translational = node.find("translational");
+    if (!rotational && !translational)
+        node.fail("has neither \"rotational\" nor \"translational\"", "give at least one of them");
+    Drag load;
+    if (rotational) load.rotational = vector3(*rotational);
+    if (translational) load.translational = translational->number();
+    load.window = load_window(node);
+    return load;
+}
+
+Load spring(const JsonNode& node) {
+    Spring load;
+    load.stiffness = node.required("stiffness", "the stiffness in N m").number();
+    if (const JsonNode* rest = node.find("rest_orientation")) load.rest_orientation = quaternion(*rest);
+    load.window = load_window(node);
+    return load;
+}
+
+Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
+    Motor load;
+    load.joint = node.required("joint", "the name of a revolute or a prismatic joint").string();
+    const JsonNode *torque = node.find("torque"), *along = node.find("force");
+    if (torque && along)
+        along->fail("stands beside \"torque\"", "give \"torque\" or \"force\", as the joint turns or slides");
+    if (!torque && !along)
+        node.required("torque", "the torque in N m on a revolute joint, or \"force\" in N on a prismatic one");
+    const JointType* type = type_of(joints, load.joint);
+    if (type && torque && *type == JointType::prismatic)
+        torque->fail("is given of a prismatic joint", "give \"force\" in N");
+    if (type && along && *type == JointType::revolute)
+        along->fail("is given of a revolute joint", "give \"torque\" in N m");
+    load.force = (torque ? torque : along)->number();
+    load.window = load_window(node);
+    return load;
+}
+
+Load point_spring(const JsonNode& node) {
+    PointSpring load;
+    load.first = node.required("first", "a body's name or \"world\"").string();
+    load.second = node.required("second", "a body's name or \"world\"").string();
+    if (const JsonNode* point = node.find("first_point")) load.first_point = vector3(*point);
+    if (const JsonNode* point = node.find("second_point")) load.second_point = vector3(*point);
+    load.stiffness = node.required("stiffness", "the stiffness in N/m").number();
+    if (const JsonNode* length = node.find("rest_length")) load.rest_length = length->number();
+    load.window = load_window(node);
+    return load;
+}
+
+struct LoadKind {
+    const char* name;
+    Load (*read)(const JsonNode&);
+};
+constexpr LoadKind load_kinds[] = {
+    {"gravity", gravity}, {"torque", constant_torque}, {"force", force},   {"impulse", impulse},
+    {"drag", drag},       {"spring", spring},          {"motor", nullptr}, {"point_spring", point_spring},
+};
+
+std::string write_window(const Window& window) {
+    std::string text;
+    if (std::isfinite(window.from)) text += ", \"from\": " + shortest_decimal(window.from);
+    if (std::isfinite(window.until)) text += ", \"until\": " + shortest_decimal(window.until);
+    return text;
+}
+
+struct LoadWriter {
+    const std::vector<Joint>& joints;
+
+    std::string operator()(const Gravity& load) const {
+        return fmt::format(R"({{"type": "gravity", "acceleration": {}{}}})", write_json(load.acceleration_W),
+                           write_window(load.window));
+    }
+    std::string operator()(const Torque& load) const {
+        return fmt::format(R"({{"type": "torque"{}, "vector": {}, "frame": {}{}}})", on_body(load.body),
+                           write_json(load.vector), write_frame(load.frame), write_window(load.window));
+    }
+    std::string operator()(const Force& load) const {
+        return fmt::format(R"({{"type": "force"{}, "vector": {}, "frame": {}, "point": {}, "point_frame": {}{}}})",
+                           on_body(load.body), write_json(load.vector), write_frame(load.frame), write_json(load.point),
+                           write_frame(load.point_frame), write_window(load.window));
+    }
+    std::string operator()(const Impulse& load) const {
+        return fmt::format(
+            R"({{"type": "impulse"{}, "vector": {}, "frame": {}, "point": {}, "point_frame": {}, "at": {}}})",
+            on_body(load.body), write_json(load.vector), write_frame(load.frame), write_json(load.point),
+            write_frame(load.point_frame), shortest_decimal(load.at));
+    }
+    std::string operator()(const Drag& load) const {
+        return fmt::format(R"({{"type": "drag"{}, "rotational": {}, "translational": {}{}}})", on_body(load.body),
+                           write_json(load.rotational), shortest_decimal(load.translational),
+                           write_window(load.window));
+    }
+    std::string operator()(const Spring& load) const {
+        return fmt::format(R"({{"type": "spring"{}, "stiffness": {}, "rest_orientation": {}{}}})", on_body(load.body),
+                           shortest_decimal(load.stiffness), write_json(load.rest_orientation),
+                           write_window(load.window));
+    }
+    std::string operator()(const UserTorque& load) const {
+        throw std::invalid_argument(fmt::format("the user's torque \"{}\" has no file form", load.name));
+    }
+    std::string operator()(const Motor& load) const {
+        const JointType* type = type_of(joints, load.joint);
+        return fmt::format(R"({{"type": "motor", "joint": {}, "{}": {}{}}})", json_string(load.joint),
+                           type && *type == JointType::prismatic ? "force" : "torque", shortest_decimal(load.force),
+                           write_window(load.window));
+    }
+    std::string operator()(const PointSpring& load) const {
+        return fmt::format(
+            R"({{"type": "point_spring", "first": {}, "first_point": {}, "second": {}, "second_point": {}, "stiffness": {}, "rest_length": {}{}}})",
+            json_string(load.first), write_json(load.first_point), json_string(load.second),
+            write_json(load.second_point), shortest_decimal(load.stiffness), shortest_decimal(load.rest_length),
+            write_window(load.window));
+    }
+
+  private:
+    static std::string on_body(const std::string& name) {
+        return name.empty() ? "" : ", \"body\": " + json_string(name);
+    }
+};
+
+}  // namespace
+
+Load parse_load(const JsonNode& node, const std::vector<Joint>& joints) {
+    std::vector<std::string> names;
+    for (const LoadKind& kind : load_kinds) names.emplace_back(kind.name);
+    const JsonNode& type = node.required("type", "one of " + listed(names));
+    for (const LoadKind& kind : load_kinds) {
+        if (type.string() != kind.name) continue;
+        node.only(keys_of(scene_keys(), fmt::format("load {}", kind.name)));
+        Load load = kind.read ? kind.read(node) : motor(node, joints);
+        if (const JsonNode* body = node.find("body")) {
+            if (body->string().empty()) body->fail("is empty", "give a body's name");
+            std::visit(
+                [&](auto& one) {
+                    if constexpr (requires { one.body; }) one.body = body->string();
+                },
+                load);
+        }
+        return load;
+    }
+    const std::string meant = did_you_mean(type.string(), names);
+    type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+}
+
+std::string write_load(const Load& load, const std::vector<Joint>& joints) {
+    return std::visit(LoadWriter{joints}, load);
+}
+
+}  // namespace polhode

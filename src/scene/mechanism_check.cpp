@@ -1,0 +1,241 @@
+// The rules of several bodies: names, trees of joints, loops, and what acts on them.
+#include <map>
+
+#include "scene/joint_file.h"
+#include "scene/scene_check.h"
+
+namespace polhode {
+namespace {
+
+// Names with the places in their lists, and what was meant by one that is none of them.
+class Names {
+  public:
+    // "body" and "/bodies": for messages
+    Names(const SceneCheck& check, const char* what) : check_(check), what_(what) {}
+
+    void add(const std::string& place, const std::string& name, std::size_t index) {
+        check_.text(place, name);
+        if (name.empty()) check_.fail(place, "is empty", fmt::format("give the {} a name", what_));
+        if (one_line(name, name.size()) != name || name.find_first_of(",\"") != name.npos || name.front() == ' ' ||
+            name.back() == ' ')
+            check_.fail(place, "is no name that a table can hold",
+                        "give printable characters without commas, quotation marks and spaces at the ends");
+        if (name == "world") check_.fail(place, "is the world's own", fmt::format("give the {} another name", what_));
+        const auto [found, is_new] = index_.emplace(name, index);
+        if (!is_new)
+            check_.fail(place, fmt::format("is the name of a second {} \"{}\"", what_, one_line(name, 60)),
+                        fmt::format("give each {} its own", what_));
+    }
+    std::size_t find(const std::string& place, const std::string& name) const {
+        const auto found = index_.find(name);
+        if (found != index_.end()) return found->second;
+        std::vector<std::string> known;
+        for (const auto& [one, index] : index_) known.push_back(one);
+        const std::string meant = did_you_mean(name, known);
+        check_.fail(place, fmt::format("is \"{}\", the name of no {}", one_line(name, 60), what_),
+                    !meant.empty()  ? meant
+                    : known.empty() ? fmt::format("there is no {}", what_)
+                                    : "give one of " + listed(known));
+    }
+
+    void call(const char* what) { what_ = what; }
+
+  private:
+    const SceneCheck& check_;
+    const char* what_;
+    std::map<std::string, std::size_t, std::less<>> index_;
+};
+
+bool is_default(const Initial& initial) {
+    const Initial none;
+    return initial.orientation == none.orientation && initial.angular_velocity == none.angular_velocity &&
+           initial.position_W == none.position_W && initial.velocity_W == none.velocity_W;
+}
+
+void check_numbers(const SceneCheck& check, const std::string& place, const Joint& joint) {
+    check.finite(place + "/parent_point", joint.parent_point);
+    check.finite(place + "/child_point", joint.child_point);
+    check.unit(place + "/parent_orientation", joint.parent_orientation);
+    const auto finite = [&](const char* one, const char* two, const std::array<double, 2>& values) {
+        if (joint.type != JointType::universal) return check.finite(fmt::format("{}/{}", place, one), values[0]);
+        for (int i = 0; i < 2; ++i) check.finite(fmt::format("{}/{}/{}", place, two, i), values[i]);
+    };
+    switch (joint.type) {
+        case JointType::fixed:
+            return;
+        case JointType::revolute:
+            check.direction(place + "/axis", joint.axes[0]);
+            finite("initial/angle", "", joint.coordinate), finite("initial/rate", "", joint.rate);
+            break;
+        case JointType::prismatic:
+            check.direction(place + "/axis", joint.axes[0]);
+            finite("initial/displacement", "", joint.coordinate), finite("initial/speed", "", joint.rate);
+            break;
+        case JointType::universal: {
+            for (int i = 0; i < 2; ++i) check.direction(fmt::format("{}/axes/{}", place, i), joint.axes[i]);
+            const Vector3<Wide> a = cast<Wide>(joint.axes[0]), b = cast<Wide>(joint.axes[1]), across = cross(a, b);
+            if (!(dot(across, across) > Wide(1e-12) * dot(a, a) * dot(b, b)))
+                check.fail(place + "/axes", "are parallel",
+                           "give two axes more than 1e-6 rad apart, or a revolute joint");
+            finite("", "initial/angles", joint.coordinate), finite("", "initial/rates", joint.rate);
+            break;
+        }
+        case JointType::spherical:
+            check.unit(place + "/initial/orientation", joint.orientation);
+            check.finite(place + "/initial/angular_velocity", joint.angular_velocity);
+            check.unit(place + "/rest", joint.rest_orientation);
+            break;
+    }
+    finite("stiffness", "stiffness", joint.stiffness), finite("damping", "damping", joint.damping);
+    if (joint.type != JointType::spherical) finite("rest", "rest", joint.rest);
+}
+
+// Each body's own, and none that a joint takes care of.
+void check_bodies(const SceneCheck& check, const Scene& scene, const std::vector<const Joint*>& carrier) {
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const NamedBody& one = scene.bodies[i];
+        const std::string place = fmt::format("/bodies/{}", i);
+        check_body(check, place + "/body", one.body);
+        if (!carrier[i])
+            check_initial(check, place + "/initial", one.initial);
+        else if (!is_default(one.initial))
+            check.fail(place + "/initial", "is that of a body that a joint carries",
+                       "leave it out: the joint's own \"initial\" says how it starts");
+    }
+}
+
+// The joint that carries each body; none where it is free. They form no circle.
+std::vector<const Joint*> carriers(const SceneCheck& check, const Scene& scene, const Names& bodies) {
+    const std::size_t n = scene.bodies.size(), none = n;
+    std::vector<const Joint*> carrier(n, nullptr);
+    std::vector<std::size_t> parent(n, none);
+    for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+        const Joint& joint = scene.joints[i];
+        const std::string place = fmt::format("/joints/{}", i);
+        if (joint.child == "world")
+            check.fail(place + "/child", "is \"world\"", "make the world the parent: it is the child of no joint");
+        const std::size_t child = bodies.find(place + "/child", joint.child);
+        if (carrier[child])
+            check.fail(place + "/child",
+                       fmt::format("is \"{}\", which joint \"{}\" carries already", one_line(joint.child, 60),
+                                   one_line(carrier[child]->name, 60)),
+                       "each body is the child of one joint at most: close the chain by one of \"loops\"");
+        carrier[child] = &joint;
+        if (joint.parent != "world") parent[child] = bodies.find(place + "/parent", joint.parent);
+    }
+    // each walk ends at the world, at a free body or where an earlier walk has been
+    std::vector<std::size_t> walk(n, none);
+    for (std::size_t start = 0; start < n; ++start)
+        for (std::size_t at = start; at != none && walk[at] != start; at = parent[at]) {
+            if (walk[at] != none) break;
+            walk[at] = start;
+            if (parent[at] != none && walk[parent[at]] == start)
+                check.fail(fmt::format("/joints/{}", carrier[at] - scene.joints.data()),
+                           fmt::format("closes a circle of joints at body \"{}\"", one_line(carrier[at]->parent, 60)),
+                           "joints form trees: close the chain by one of \"loops\"");
+        }
+    return carrier;
+}
+
+void check_ends(const SceneCheck& check, const std::string& place, const Names& bodies, const std::string& first,
+                const std::string& second) {
+    if (first != "world") bodies.find(place + "/first", first);
+    if (second != "world") bodies.find(place + "/second", second);
+    if (first == second)
+        check.fail(place + "/second", fmt::format("is \"{}\", and so is the first", one_line(second, 60)),
+                   "give two bodies, or a body and \"world\"");
+}
+
+void check_loops(const SceneCheck& check, const Scene& scene, const Names& bodies) {
+    for (std::size_t i = 0; i < scene.loops.size(); ++i) {
+        const Loop& loop = scene.loops[i];
+        const std::string place = fmt::format("/loops/{}", i);
+        check_ends(check, place, bodies, loop.first, loop.second);
+        check.finite(place + "/first_point", loop.first_point),
+            check.finite(place + "/second_point", loop.second_point);
+        if (loop.type == LoopType::revolute) {
+            check.direction(place + "/first_axis", loop.first_axis);
+            check.direction(place + "/second_axis", loop.second_axis);
+        }
+        if (loop.type == LoopType::distance) check.positive(place + "/length", loop.length, "a length in m");
+    }
+}
+
+struct NamesInLoad {
+    const SceneCheck& check;
+    const Scene& scene;
+    const std::string& place;
+    const Names &bodies, &joints;
+
+    void operator()(const Gravity&) const {}
+    void operator()(const UserTorque&) const {
+        check.fail(place, "is a torque of the user's own in a scene of several bodies", "give one of the other loads");
+    }
+    void operator()(const Motor& load) const {
+        const Joint& joint = scene.joints[joints.find(place + "/joint", load.joint)];
+        const bool turns = joint.type == JointType::revolute, slides = joint.type == JointType::prismatic;
+        if (!turns && !slides)
+            check.fail(place + "/joint",
+                       fmt::format("is \"{}\", a {} joint", one_line(load.joint, 60), name_of(joint.type)),
+                       "give a revolute or a prismatic one");
+        check.finite(place + (turns ? "/torque" : "/force"), load.force);
+    }
+    void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }
+    void operator()(const auto& load) const {
+        if (load.body.empty()) check.fail(place, "names no body", "give \"body\": the name of the one that it acts on");
+        bodies.find(place + "/body", load.body);
+    }
+};
+
+}  // namespace
+
+void check_mechanism(const SceneCheck& check, const Scene& scene) {
+    if (scene.pivot)
+        check.fail("/pivot", "stands beside \"bodies\"", "hold a body by a joint whose parent is \"world\"");
+    if (!scene.planes.empty())
+        check.fail("/planes", "stand beside \"bodies\"", "leave them out: several bodies meet no planes");
+    Names bodies(check, "body"), joints(check, "joint or loop");
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        bodies.add(fmt::format("/bodies/{}/name", i), scene.bodies[i].name, i);
+    for (std::size_t i = 0; i < scene.joints.size(); ++i)
+        joints.add(fmt::format("/joints/{}/name", i), scene.joints[i].name, i);
+    // a motor on a loop is on no joint
+    Names moving = joints;
+    moving.call("joint");
+    for (std::size_t i = 0; i < scene.loops.size(); ++i)
+        joints.add(fmt::format("/loops/{}/name", i), scene.loops[i].name, i);
+    check_bodies(check, scene, carriers(check, scene, bodies));
+    for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+        const std::string place = fmt::format("/joints/{}", i);
+        check_numbers(check, place, scene.joints[i]);
+        if (!scene.joints[i].dependent) continue;
+        const JointType type = scene.joints[i].type;
+        if (type != JointType::revolute && type != JointType::prismatic)
+            check.fail(place + "/initial/dependent", "is that of a joint of several coordinates",
+                       "only revolute and prismatic joints are moved until the loops close");
+        if (scene.loops.empty())
+            check.fail(place + "/initial/dependent", "stands in a scene without loops",
+                       "leave it out, or close a chain by one of \"loops\"");
+    }
+    check_loops(check, scene, bodies);
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+        const std::string place = fmt::format("/loads/{}", i);
+        std::visit(NamesInLoad{check, scene, place, bodies, moving}, scene.loads[i]);
+    }
+}
+
+void check_names_of_one(const SceneCheck& check, const Scene& scene) {
+    for (const char* key : {"joints", "loops"})
+        if (key[0] == 'j' ? !scene.joints.empty() : !scene.loops.empty())
+            check.fail(fmt::format("/{}", key), "stand beside \"body\"", "give \"bodies\" in place of \"body\"");
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+        const std::string place = fmt::format("/loads/{}", i);
+        if (const std::string name = load_body(scene.loads[i]); !name.empty())
+            check.fail(place + "/body", fmt::format("names \"{}\" in a scene of one body", one_line(name, 60)),
+                       "leave it out, or give \"bodies\" in place of \"body\"");
+        if (std::holds_alternative<Motor>(scene.loads[i]) || std::holds_alternative<PointSpring>(scene.loads[i]))
+            check.fail(place, "acts between several bodies in a scene of one", "give \"bodies\" in place of \"body\"");
+    }
+}
+
+}  // namespace polhode

@@ -1,0 +1,69 @@
+// What the rules of a scene's values are checked by: faults at places inside one scene.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "scene/body_source.h"
+#include "scene/scene.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+
+/// Throws InputError at places (JSON pointers) inside one scene.
+class SceneCheck {
+  public:
+    explicit SceneCheck(const std::string& file) : file_(file) {}
+
+    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
+        throw InputError(file_, place, fault, remedy);
+    }
+    void finite(const std::string& place, double value) const {
+        if (!std::isfinite(value)) fail(place, "is " + shortest_decimal(value), "give a finite number");
+    }
+    void finite(const std::string& place, const Vector3<double>& v) const {
+        for (int i = 0; i < 3; ++i) finite(fmt::format("{}/{}", place, i), v[i]);
+    }
+    void positive(const std::string& place, double value, const char* what) const {
+        finite(place, value);
+        if (!(value > 0)) fail(place, "is " + shortest_decimal(value), fmt::format("{} must be > 0", what));
+        if (!std::isfinite(1 / value))
+            fail(place, "is " + shortest_decimal(value), fmt::format("{} needs a finite inverse: >= 1e-307", what));
+    }
+    void unit(const std::string& place, const Quaternion<double>& q) const {
+        const double component[4] = {q.w, q.x, q.y, q.z};
+        for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
+        if (const std::string fault = norm_fault(q); !fault.empty()) fail(place, fault, norm_remedy);
+    }
+    /// Of a direction, which has any length but zero.
+    void direction(const std::string& place, const Vector3<double>& v) const {
+        finite(place, v);
+        const Wide length = square_root(dot(cast<Wide>(v), cast<Wide>(v)));
+        if (!(length > 0)) fail(place, "is zero", "give a direction: a vector of any length but zero");
+        if (!std::isfinite(double(1 / length)))
+            fail(place, "is too short", "a direction needs a length with a finite inverse: >= 1e-307");
+    }
+    void text(const std::string& place, const std::string& value) const {
+        if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");
+    }
+
+  private:
+    const std::string& file_;
+};
+
+/// The mass properties at a place, "/body", of a whole body.
+void check_body(const SceneCheck& check, const std::string& place, const Body& body);
+
+/// A start of its own at a place, "/initial".
+void check_initial(const SceneCheck& check, const std::string& place, const Initial& initial);
+
+/// Of several bodies: their names and joints, loops, and what acts on them.
+void check_mechanism(const SceneCheck& check, const Scene& scene);
+
+/// The names in the loads of a scene of one body: none.
+void check_names_of_one(const SceneCheck& check, const Scene& scene);
+
+}  // namespace polhode

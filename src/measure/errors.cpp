@@ -7,6 +7,7 @@
 namespace polhode {
 
 ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const Reference& reference) {
+    if (is_mechanism(scene)) return system_error_series(scene, trajectory, reference);
     const std::span<const Measure> all = measures();
     const ExactBody<Wide> body = exact_body<Wide>(scene);
     const std::size_t samples = trajectory.samples.size(),
@@ -33,7 +34,7 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
             c.truth = truth[k];
         }
         for (std::size_t m = 0; m < all.size(); ++m)
-            if (k < compared || (all[m].needs & known_truth) == 0) {
+            if (all[m].of_one_body() && (k < compared || (all[m].needs & known_truth) == 0)) {
                 const Wide error = all[m].error(c);
                 series[m].push_back(double(scale[m] > 0 ? error / scale[m] : error));
             }
@@ -44,11 +45,11 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
 Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Reference& reference) {
     Errors result;
     if (trajectory.status != Status::ok || trajectory.samples.empty()) return result;
+    result.worst_body = series.worst_body;
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::vector<double>& values = series[m];
         const bool by_truth = (measures()[m].needs & known_truth) != 0;
-        if (values.empty() || (by_truth && (!reference.available || values.size() != reference.samples.size())))
-            continue;
+        if (values.empty() || (by_truth && (!reference.available || values.size() != reference.moments()))) continue;
         result[m].final = values.back();
         const double most = *std::max_element(values.begin(), values.end());
         if (std::isfinite(most)) result[m].max = most;

@@ -30,6 +30,12 @@ S norm_error(const ComparedSample<S>& c) {
     return magnitude(S(square - S(1))) / (square_root(square) + S(1));
 }
 
+// What vanishes to the round-off of its parts is zero: errors are absolute then.
+template <class S>
+S or_zero(const S& value, const S& size) {
+    return value > S(1e-15) * size ? value : S(0);
+}
+
 const std::vector<Measure>& table() {
     static const std::vector<Measure> all{
         {.name = "attitude",
@@ -57,7 +63,10 @@ const std::vector<Measure>& table() {
          .tabled = true,
          .over_time = true,
          .error = [](const auto& c) { return length(c.angular_momentum_W - c.truth.angular_momentum_W); },
-         .scale = [](const auto& truth) { return length(truth.angular_momentum_W); }},
+         .scale = [](const auto& truth) { return length(truth.angular_momentum_W); },
+         .system_error = [](const auto& c) { return length(c.own.angular_momentum_W - c.truth.angular_momentum_W); },
+         .system_scale =
+             [](const auto& truth) { return or_zero(length(truth.angular_momentum_W), truth.angular_size); }},
         {.name = "energy",
          .title = "energy",
          .unit = "relative",
@@ -66,13 +75,16 @@ const std::vector<Measure>& table() {
          .tabled = true,
          .over_time = true,
          .error = [](const auto& c) { return magnitude(decltype(c.energy)(c.energy - c.truth.energy)); },
-         .scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
+         .scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); },
+         .system_error = [](const auto& c) { return magnitude(decltype(c.own.energy)(c.own.energy - c.truth.energy)); },
+         .system_scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
         {.name = "position",
          .title = "position",
          .unit = "m",
          .meaning = "Distance of the centre of mass from the truth",
          .needs = known_truth | known_position,
-         .error = [](const auto& c) { return length(c.position_W - c.truth.position_W); }},
+         .error = [](const auto& c) { return length(c.position_W - c.truth.position_W); },
+         .tabled_of_systems = true},
         {.name = "velocity",
          .title = "velocity",
          .unit = "m/s",
@@ -86,6 +98,40 @@ const std::vector<Measure>& table() {
          .tabled = true,
          .over_time = true,
          .error = [](const auto& c) { return norm_error(c); }},
+        {.name = "linear_momentum",
+         .title = "linear momentum",
+         .unit = "relative",
+         .meaning = "|p_W - p_W,truth| of several bodies that no joint ties to the world, over the run's largest |p|",
+         .needs = known_truth | known_velocity | known_free_system,
+         .system_error = [](const auto& c) { return length(c.own.linear_momentum_W - c.truth.linear_momentum_W); },
+         .system_scale = [](const auto& truth) { return or_zero(length(truth.linear_momentum_W), truth.linear_size); },
+         .tabled_of_systems = true},
+        {.name = "joint_gap",
+         .title = "gap of joints",
+         .unit = "m",
+         .meaning = "How far the points of a joint are apart, the worst of several bodies' joints",
+         .needs = known_position,
+         .over_time = true,
+         .system_error = [](const auto& c) { return c.joints.gap; },
+         .tabled_of_systems = true,
+         .suffix = ""},
+        {.name = "joint_turn",
+         .title = "turn of joints",
+         .unit = "rad",
+         .meaning = "How far the axes of a joint are off one another, the worst of several bodies' joints",
+         .over_time = true,
+         .system_error = [](const auto& c) { return c.joints.turn; },
+         .tabled_of_systems = true,
+         .suffix = ""},
+        {.name = "reaction",
+         .title = "reactions of joints",
+         .unit = "relative",
+         .meaning =
+             "Error of the force and of the torque of a joint, each over the run's largest, the worst of several "
+             "bodies' joints",
+         .needs = known_truth | known_reactions,
+         .system_error = [](const auto& c) { return c.reaction_error; },
+         .tabled_of_systems = true},
     };
     return all;
 }

@@ -12,6 +12,7 @@
 
 #include "body/elementary.h"
 #include "motion/exact_body.h"
+#include "motion/mechanism_motion.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
 
@@ -43,6 +44,15 @@ struct ComparedSample {
     TrueState<S> truth;                          ///< at the sample's time
 };
 
+/// Several bodies at one time, beside the truth at that time: what they have together.
+template <class S>
+struct ComparedSystem {
+    SystemInvariants<S> own;    ///< as it follows from the bodies' own numbers
+    SystemInvariants<S> truth;  ///< as it follows from the truth's
+    JointViolations<S> joints;  ///< of the bodies' own numbers
+    S reaction_error = S(0);    ///< of all joints, relative to the run's largest reaction
+};
+
 /// One formula, compiled for binary64 and for 128 bits.
 template <template <class> class Argument>
 struct MeasureFormula {
@@ -70,6 +80,8 @@ enum Known : unsigned {
     known_position = 4,          ///< its position
     known_velocity = 8,          ///< its velocity
     known_center = 16,           ///< position and velocity of the centre of mass, if only by the attitude about a pivot
+    known_reactions = 32,        ///< the reactions of its joints
+    known_free_system = 64,      ///< that no joint ties the bodies to the world
 };
 
 /// One measure of how wrong a trajectory is.
@@ -82,9 +94,20 @@ struct Measure {
     bool tabled = false;         ///< has columns in the tables of results and series; without, only `check` tells it
     bool tabled_at_end = false;  ///< and one of its value at the end of the run
     bool over_time = false;      ///< `check` tells its growth
-    MeasureFormula<ComparedSample> error;  ///< of one sample, before it is divided by the scale
-    /// What the error is relative to: the largest of this over the run. Absolute where there is none.
+    /// Of one sample, before it is divided by the scale; of several bodies the largest counts. Null of what a body
+    /// alone does not have.
+    MeasureFormula<ComparedSample> error = {};
+    /// What the error is relative to: the largest of this over the run (and the bodies). Absolute where there is none.
     MeasureFormula<TrueState> scale = {};
+    /// Of several bodies, what stands in the place of `error`: of all of them together.
+    MeasureFormula<ComparedSystem> system_error = {};
+    /// And in the place of `scale`.
+    MeasureFormula<SystemInvariants> system_scale = {};
+    bool tabled_of_systems = false;      ///< has columns in tables of several bodies alone
+    std::string_view suffix = "_error";  ///< of the name in those columns
+
+    /// Whether one body has it.
+    bool of_one_body() const { return static_cast<bool>(error); }
 };
 
 /// All measures, in the order of reports.
@@ -111,18 +134,24 @@ class PerMeasure {
     std::vector<T> values_ = std::vector<T>(measures().size());
 };
 
+/// The truth at one time in the scalar S, without the kinetic energy.
+template <class S>
+TrueState<S> true_motion(const ReferenceSample& truth) {
+    const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };
+    const auto vector = [&](const Vector3<Pair>& v) { return Vector3<S>{value(v[0]), value(v[1]), value(v[2])}; };
+    return {{value(truth.q.w), value(truth.q.x), value(truth.q.y), value(truth.q.z)},
+            vector(truth.angular_velocity_B),
+            vector(truth.position_W),
+            vector(truth.velocity_W),
+            vector(truth.angular_momentum_W),
+            S(0),
+            value(truth.energy)};
+}
+
 /// The truth at one time in the scalar S, with the kinetic energy of the body.
 template <class S>
 TrueState<S> true_state(const ExactBody<S>& body, const ReferenceSample& truth) {
-    const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };
-    const auto vector = [&](const Vector3<Pair>& v) { return Vector3<S>{value(v[0]), value(v[1]), value(v[2])}; };
-    TrueState<S> state{{value(truth.q.w), value(truth.q.x), value(truth.q.y), value(truth.q.z)},
-                       vector(truth.angular_velocity_B),
-                       vector(truth.position_W),
-                       vector(truth.velocity_W),
-                       vector(truth.angular_momentum_W),
-                       S(0),
-                       value(truth.energy)};
+    TrueState<S> state = true_motion<S>(truth);
     state.kinetic = dot(state.angular_velocity_B, body.inertia_B * state.angular_velocity_B) / S(2);
     if (!body.pivoted) state.kinetic += body.mass * dot(state.velocity_W, state.velocity_W) / S(2);
     return state;

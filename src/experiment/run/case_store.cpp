@@ -78,7 +78,8 @@ void save_case(const std::string& directory, const std::string& key, const std::
     // the series first: a row is there only once all of the case is
     if (!result.series.t.empty())
         write_atomically(path_of(directory, key, ".series.csv").string(), csv(series_table(result.series)));
-    write_atomically(path_of(directory, key, ".csv").string(), csv({result_columns(), {row_of(experiment, result)}}));
+    write_atomically(path_of(directory, key, ".csv").string(),
+                     csv({result_columns(TableOf::systems), {row_of(experiment, result, TableOf::systems)}}));
 }
 
 std::optional<Table> load_rows(const std::string& directory, const std::string& key) {

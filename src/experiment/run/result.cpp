@@ -53,15 +53,29 @@ std::vector<std::size_t> beyond_contract() {
     return result;
 }
 
+std::vector<std::size_t> of_systems() {
+    std::vector<std::size_t> result;
+    for (std::size_t m = 0; m < measures().size(); ++m)
+        if (measures()[m].tabled_of_systems) result.push_back(m);
+    return result;
+}
+
+// "attitude_error"
+std::string series_name(std::size_t measure) {
+    return std::string(measures()[measure].name) + std::string(measures()[measure].suffix);
+}
+
 std::vector<ErrorColumn> columns_of(const std::vector<std::size_t>& these) {
     std::vector<ErrorColumn> columns;
     for (const std::size_t m : these) {
-        const std::string name(measures()[m].name);
-        if (measures()[m].tabled_at_end) columns.push_back({name + "_error_final", m, true});
-        columns.push_back({name + "_error_max", m, false});
+        const std::string name = series_name(m);
+        if (measures()[m].tabled_at_end) columns.push_back({name + "_final", m, true});
+        columns.push_back({name + "_max", m, false});
     }
     return columns;
 }
+
+bool is_of_systems(const Result& result) { return !result.series["joint_turn"].empty(); }
 
 template <class Number>
 Cell cell(const std::optional<Number>& value) {
@@ -93,6 +107,7 @@ struct Column {
     std::function<Cell(const Result&)> cell;
     std::function<void(const std::string&, Result&)> read;  // nothing where it follows from others
     bool later = false;                                     // a table from before it was there is read all the same
+    bool of_systems = false;                                // stands in tables of several bodies alone
 };
 
 // a column of one member: a pointer to it, or a function that finds it
@@ -150,10 +165,16 @@ const std::vector<Column>& columns() {
                  "order_reductions", [](auto& r) -> auto& { return r.counts.order_reductions; }, true),
              {"error_over_tolerance", [](const Result& r) { return cell_of(error_over_tolerance(r)); }, {}, true}});
         of_errors(all, beyond_contract(), true);
+        const std::size_t single = all.size();
+        of_errors(all, of_systems(), true);
+        all.push_back(column(
+            "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }, true));
+        for (std::size_t i = single; i < all.size(); ++i) all[i].of_systems = true;
         return all;
     }();
     return every;
 }
+bool stands(const Column& column, TableOf which) { return which == TableOf::systems || !column.of_systems; }
 
 struct SeriesColumn {
     std::string name;
@@ -161,37 +182,44 @@ struct SeriesColumn {
     bool later = false;
 };
 
-std::vector<SeriesColumn> series_columns() {
+enum class SeriesOf { single_bodies, systems_alone, all };
+
+std::vector<SeriesColumn> series_columns(SeriesOf which) {
     using Values = std::vector<double>;
     std::vector<SeriesColumn> all{{"t", &ErrorSeries::t}};
     const auto add = [&](const std::vector<std::size_t>& these, bool later) {
         for (const std::size_t m : these)
-            all.push_back(
-                {std::string(measures()[m].name) + "_error", [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
+            all.push_back({series_name(m), [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
     };
-    add(contracted(), false);
-    all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
-    add(beyond_contract(), true);
+    if (which != SeriesOf::systems_alone) {
+        add(contracted(), false);
+        all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
+        add(beyond_contract(), true);
+    }
+    if (which != SeriesOf::single_bodies) add(of_systems(), true);
     return all;
 }
 
 }  // namespace
 
 std::vector<ErrorColumn> error_columns() {
-    std::vector<ErrorColumn> all = columns_of(contracted()), others = columns_of(beyond_contract());
-    all.insert(all.end(), others.begin(), others.end());
+    std::vector<ErrorColumn> all = columns_of(contracted());
+    for (const std::vector<std::size_t>& others : {beyond_contract(), of_systems()})
+        for (ErrorColumn& column : columns_of(others)) all.push_back(std::move(column));
     return all;
 }
 
-std::vector<std::string> result_columns() {
+std::vector<std::string> result_columns(TableOf which) {
     std::vector<std::string> names{"experiment"};
-    for (const Column& c : columns()) names.push_back(c.name);
+    for (const Column& c : columns())
+        if (stands(c, which)) names.push_back(c.name);
     return names;
 }
 
-std::vector<Cell> row_of(const std::string& experiment, const Result& r) {
+std::vector<Cell> row_of(const std::string& experiment, const Result& r, TableOf which) {
     std::vector<Cell> row{experiment};
-    for (const Column& c : columns()) row.push_back(c.cell(r));
+    for (const Column& c : columns())
+        if (stands(c, which)) row.push_back(c.cell(r));
     return row;
 }
 
@@ -203,10 +231,12 @@ Result result_of(const Table& table, std::size_t row) {
     return r;
 }
 
-Table series_table(const ErrorSeries& series) {
+namespace {
+
+Table series_table(const ErrorSeries& series, SeriesOf which) {
     Table table;
     ErrorSeries s = series;
-    for (const SeriesColumn& column : series_columns()) {
+    for (const SeriesColumn& column : series_columns(which)) {
         table.columns.push_back(column.name);
         const std::vector<double>& values = column.values(s);
         table.rows.resize(s.t.size());
@@ -216,9 +246,33 @@ Table series_table(const ErrorSeries& series) {
     return table;
 }
 
+// the series of those results that have it
+template <class Has>
+Table drift_table(const std::string& experiment, const std::vector<Result>& results, SeriesOf which, const Has& has) {
+    Table table{{"scene", "method", "setting"}, {}};
+    for (const SeriesColumn& column : series_columns(which)) table.columns.push_back(column.name);
+    table.columns.emplace_back("experiment");
+    for (const Result& r : results) {
+        if (!has(r)) continue;
+        for (const std::vector<Cell>& line : series_table(r.series, which).rows) {
+            std::vector<Cell> row{r.scene, r.method, r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
+            row.insert(row.end(), line.begin(), line.end());
+            row.push_back(experiment);
+            table.rows.push_back(std::move(row));
+        }
+    }
+    return table;
+}
+
+}  // namespace
+
+Table series_table(const ErrorSeries& series) {
+    return series_table(series, series["joint_turn"].empty() ? SeriesOf::single_bodies : SeriesOf::all);
+}
+
 ErrorSeries series_of(const Table& table) {
     ErrorSeries s;
-    for (const SeriesColumn& column : series_columns()) {
+    for (const SeriesColumn& column : series_columns(SeriesOf::all)) {
         if (column.later && !has_column(table, column.name)) continue;
         const std::size_t index = column_index(table, column.name);
         std::vector<double>& values = column.values(s);
@@ -233,17 +287,11 @@ ErrorSeries series_of(const Table& table) {
 }
 
 Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
-    Table table{{"scene", "method", "setting"}, {}};
-    for (const SeriesColumn& column : series_columns()) table.columns.push_back(column.name);
-    table.columns.emplace_back("experiment");
-    for (const Result& r : results)
-        for (const std::vector<Cell>& line : series_table(r.series).rows) {
-            std::vector<Cell> row{r.scene, r.method, r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting)};
-            row.insert(row.end(), line.begin(), line.end());
-            row.push_back(experiment);
-            table.rows.push_back(std::move(row));
-        }
-    return table;
+    return drift_table(experiment, results, SeriesOf::single_bodies, [](const Result&) { return true; });
+}
+
+Table joint_drift_table(const std::string& experiment, const std::vector<Result>& results) {
+    return drift_table(experiment, results, SeriesOf::systems_alone, is_of_systems);
 }
 
 }  // namespace polhode

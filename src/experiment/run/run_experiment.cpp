@@ -21,24 +21,35 @@ namespace {
 
 const std::atomic<bool> patient{false};
 
+bool has_systems(const Plan& plan) {
+    return std::ranges::any_of(plan.scenes, [](const PlannedScene& s) { return is_mechanism(s.scene); });
+}
+
 // What a reader of the page needs of the columns; the csv has them all. Beside each method, what the text that it is
 // from calls it, where any of the plan's is from one.
 Table page_of_rows(const Plan& plan, const Table& rows) {
-    Table page = select(rows, {{"scene", "scene"},
-                               {"method", "method"},
-                               {"setting_kind", "setting"},
-                               {"setting", "value"},
-                               {"status", "status"},
-                               {"seconds_median", "time (s)"},
-                               {"steps", "steps"},
-                               {"rhs_evaluations", "evaluations"},
-                               {"attitude_error_final", "attitude, end (rad)"},
-                               {"attitude_error_max", "attitude, max (rad)"},
-                               {"float64_floor", "float64 floor (rad)"},
-                               {"float32_floor", "float32 floor (rad)"},
-                               {"momentum_error_max", "momentum"},
-                               {"energy_error_max", "energy"},
-                               {"message", "message"}});
+    std::vector<ColumnChoice> choice{{"scene", "scene"},
+                                     {"method", "method"},
+                                     {"setting_kind", "setting"},
+                                     {"setting", "value"},
+                                     {"status", "status"},
+                                     {"seconds_median", "time (s)"},
+                                     {"steps", "steps"},
+                                     {"rhs_evaluations", "evaluations"},
+                                     {"attitude_error_final", "attitude, end (rad)"},
+                                     {"attitude_error_max", "attitude, max (rad)"},
+                                     {"float64_floor", "float64 floor (rad)"},
+                                     {"float32_floor", "float32 floor (rad)"},
+                                     {"momentum_error_max", "momentum"},
+                                     {"energy_error_max", "energy"}};
+    if (has_systems(plan))
+        choice.insert(choice.end(), {{"worst_body", "worst body"},
+                                     {"position_error_max", "position (m)"},
+                                     {"joint_gap_max", "joint gap (m)"},
+                                     {"joint_turn_max", "joint turn (rad)"},
+                                     {"reaction_error_max", "reactions"}});
+    choice.push_back({"message", "message"});
+    Table page = select(rows, choice);
     if (!is_described(plan)) return page;
     const auto behind_method = static_cast<long>(column_index(page, "method")) + 1;
     page.columns.insert(page.columns.begin() + behind_method, "described as");
@@ -131,8 +142,9 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
 }  // namespace
 
 Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
-    Table table{result_columns(), {}};
-    for (const Result& r : rows) table.rows.push_back(row_of(plan.experiment.name, r));
+    const TableOf which = has_systems(plan) ? TableOf::systems : TableOf::single_bodies;
+    Table table{result_columns(which), {}};
+    for (const Result& r : rows) table.rows.push_back(row_of(plan.experiment.name, r, which));
     const std::string caption = plan.experiment.about + (sundials_unoptimised() ? " (SUNDIALS unoptimised)" : "");
     Findings findings = plan.experiment.kind->conclude(plan, rows);
     for (NamedTable& named : findings.tables) named.title = fmt::format("{}: {}", named.title, caption);

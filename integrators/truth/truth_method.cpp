@@ -5,16 +5,7 @@
 namespace polhode {
 namespace {
 
-Sample rounded(const ReferenceSample& truth) {
-    const auto vector = [](const Vector3<Pair>& v) { return Vector3<double>(v[0].high, v[1].high, v[2].high); };
-    Sample sample;
-    sample.t = truth.t;
-    sample.q = {truth.q.w.high, truth.q.x.high, truth.q.y.high, truth.q.z.high};
-    sample.angular_velocity_B = vector(truth.angular_velocity_B);
-    sample.position_W = vector(truth.position_W);
-    sample.velocity_W = vector(truth.velocity_W);
-    return sample;
-}
+Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
 Trajectory solve_truth(const Problem& problem, const Settings& settings) {
     constexpr int digits = 25;
@@ -29,8 +20,16 @@ Trajectory solve_truth(const Problem& problem, const Settings& settings) {
         return trajectory;
     }
     for (const Pair& t : truth.reference.impact_times) trajectory.impact_times.push_back(t.high);
-    for (const ReferenceSample& sample : truth.reference.samples) trajectory.samples.push_back(rounded(sample));
-    if (!settings.record) trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);
+    trajectory.bodies = truth.reference.bodies;
+    for (const ReferenceSample& sample : truth.reference.samples) trajectory.samples.push_back(sample.rounded());
+    for (const Reaction<Pair>& reaction : truth.reference.reactions)
+        trajectory.reactions.push_back({rounded(reaction.force_W), rounded(reaction.torque_W)});
+    if (!settings.record) {
+        const auto keep_last = [moments = static_cast<long>(truth.reference.moments())](auto& all) {
+            all.erase(all.begin(), all.end() - static_cast<long>(all.size()) / moments);
+        };
+        keep_last(trajectory.samples), keep_last(trajectory.reactions);
+    }
     return trajectory;
 }
 

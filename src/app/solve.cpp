@@ -10,6 +10,7 @@
 #include "app/lookup.h"
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
+#include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
@@ -122,7 +123,8 @@ int solve_command(const SolveOptions& options) {
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
     // what was reached is kept: it tells how far the method came
-    if (!trajectory.samples.empty()) write_trajectory_output(options.output, trajectory_csv(trajectory));
+    if (!trajectory.samples.empty())
+        write_trajectory_output(options.output, trajectory_csv(trajectory, body_names(scene)));
     std::fputs(summary(options, problem, choice, settings, trajectory).c_str(), stderr);
     return trajectory.status == Status::ok ? 0 : 1;
 }

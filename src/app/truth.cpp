@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/commands.h"
 #include "integrators/truth/balls/certified.h"
 #include "integrators/truth/reference.h"
+#include "motion/mechanism_motion.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
@@ -30,14 +32,18 @@ struct TruthOptions {
 };
 
 std::string csv(const Scene& scene, const DecimalReference& truth) {
-    std::string text = fmt::format("# {}: {}\nt", one_line(scene.name, 100), truth.message);
+    const std::vector<std::string> bodies = body_names(scene);
+    std::string text =
+        fmt::format("# {}: {}\nt{}", one_line(scene.name, 100), truth.message, bodies.empty() ? "" : ",body");
     for (const char* name : names) text.append(",").append(name);
     text += ",bound\n";
     for (std::size_t i = 0; i < truth.impact_times.size(); ++i)
         text += fmt::format("# impact {} at t = {} s\n", i + 1, truth.impact_times[i]);
     const std::string bound = fmt::format(",{:.2e}\n", truth.bound);
-    for (std::size_t i = 0; i < truth.times.size(); ++i) {
-        text += shortest_decimal(truth.times[i]);
+    const std::size_t at_once = static_cast<std::size_t>(truth.bodies);
+    for (std::size_t i = 0; i < truth.columns.size(); ++i) {
+        text += shortest_decimal(truth.times[i / at_once]);
+        if (!bodies.empty()) text.append(",").append(bodies[i % at_once]);
         for (const std::string& value : truth.columns[i]) text.append(",").append(value);
         text += bound;
     }
@@ -49,6 +55,8 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
         "{{\"scene\": {}, \"scene_hash\": \"{}\", \"method\": {}, \"digits\": {}, \"bound\": {:.2e},\n \"columns\": "
         "[\"t\"",
         json_string(scene.name), truth.scene_hash, json_string(truth.message), options.digits, truth.bound);
+    const std::vector<std::string> bodies = body_names(scene);
+    if (!bodies.empty()) text += ", \"body\"";
     for (const char* name : names) text += fmt::format(", \"{}\"", name);
     text += "],\n";
     if (!truth.impact_times.empty()) {
@@ -58,8 +66,10 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
         text += "],\n";
     }
     text += " \"samples\": [";
-    for (std::size_t i = 0; i < truth.times.size(); ++i) {
-        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i]));
+    const std::size_t at_once = static_cast<std::size_t>(truth.bodies);
+    for (std::size_t i = 0; i < truth.columns.size(); ++i) {
+        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i / at_once]));
+        if (!bodies.empty()) text += ", " + json_string(bodies[i % at_once]);
         for (const std::string& value : truth.columns[i]) text += fmt::format(", \"{}\"", value);
         text += ']';
     }

@@ -2,8 +2,8 @@
 // pass: every body in world axes with all six freedoms, held by multipliers. Of the first formulation it shares the
 // algebra, the bodies' mass properties and how they start, and nothing else.
 //
-// State: of each body that can move q, p, L and P (momenta in world axes, L about the centre of mass); then the angles of
-// revolute and universal joints that have a spring, since a spring counts turns. What is held stays held by the
+// State: of each body that can move q, p, L and P (momenta in world axes, L about the centre of mass); then the angles
+// of revolute and universal joints that have a spring, since a spring counts turns. What is held stays held by the
 // accelerations alone: in multiprecision nothing drifts that a sample would show.
 #pragma once
 
@@ -43,11 +43,14 @@ class MaximalForm {
   public:
     static constexpr const char* name = "maximal coordinates";
 
-    /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order. `coordinates`: those of the
-    /// joints, where the scene's own do not count (of a dependent joint). The scene must outlive it.
-    explicit MaximalForm(const Scene& scene, std::span<const Motion<P>> start,
-                         std::span<const std::array<P, 2>> coordinates = {})
-        : mechanism_(std::make_shared<maximal::Mechanism<P>>(scene)), start_(start.begin(), start.end()) {
+    /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order: q, angular_velocity_B,
+    /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where the scene's own do not count (of a
+    /// dependent joint). The scene must outlive it.
+    template <class Start>
+    explicit MaximalForm(const Scene& scene, const Start& start, std::span<const std::array<P, 2>> coordinates = {})
+        : mechanism_(std::make_shared<maximal::Mechanism<P>>(scene)) {
+        for (const auto& body : start)
+            start_.push_back({body.q, body.angular_velocity_B, body.position_W, body.velocity_W});
         for (std::size_t k = 0; k < coordinates.size(); ++k) mechanism_->links[k].coordinate = coordinates[k];
         for (int b = 0; b < mechanism_->world(); ++b) {
             place_.push_back(mechanism_->movable(b) ? dimension_ : -1);
@@ -109,8 +112,7 @@ class MaximalForm {
         dynamics_->add_held(rows, dynamics_->impulses(at, rows, given), given);
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (place_[b] < 0) continue;
-            put(y, place_[b] + 7,
-                vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
+            put(y, place_[b] + 7, vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
             put(y, place_[b] + 10, vector_at(y, place_[b] + 10) + given[b].force_W);
         }
     }

@@ -1,0 +1,291 @@
+// The dynamics of a mechanism in maximal coordinates: momenta change by what acts and by what the links hold with,
+//   dP/dt = F + sum f lambda,   dL/dt = tau + sum (arm x f + g) lambda,
+// and the multipliers follow from the accelerations that must vanish: (G M^-1 G^T) lambda = -(G M^-1 load + bias). Two
+// links meet in this matrix where they hold the same body; eliminated from the leaves to the roots, and loops last,
+// those of a tree fill nothing in.
+#pragma once
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "integrators/maximal/loads.h"
+#include "integrators/maximal/sparse_ldl.h"
+
+namespace polhode::maximal {
+
+/// All rows of a mechanism at one state: of each link its constraints, those that are kept.
+template <class S>
+using Rows = std::vector<std::vector<Row<S>>>;
+
+template <class P>
+class Dynamics {
+  public:
+    /// The mechanism must outlive it.
+    explicit Dynamics(const Mechanism<P>& mechanism) : mechanism_(&mechanism), kept_(mechanism.links.size()) {
+        for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
+            const Link<P>& link = mechanism.links[k];
+            if (mechanism.movable(link.from.body) || mechanism.movable(link.to.body)) {
+                kept_[k] = link.rows;
+                order_.push_back(static_cast<int>(k));
+            }
+        }
+        std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return rank_of(a) > rank_of(b); });
+        arrange();
+    }
+
+    /// How many multipliers there are.
+    int rows() const { return pattern_.size(); }
+    /// Of a link: which of its constraints are kept, and the number of its first multiplier.
+    const std::vector<int>& kept(std::size_t link) const { return kept_[link]; }
+    int first_row(std::size_t link) const { return first_row_[link]; }
+
+    /// The constraints at a state; the last placement is the world's.
+    template <class S>
+    Rows<S> constraints(const std::vector<Placement<S>>& at) const {
+        Rows<S> all(mechanism_->links.size());
+        for (const int k : order_) {
+            std::vector<Row<S>> rows = view(k, at).constraints();
+            for (const int i : kept_[k]) all[k].push_back(std::move(rows[i]));
+        }
+        return all;
+    }
+
+    /// Adds what acts on each body: loads, and the joints' own springs, dampers and motors. `angles`: those that count
+    /// turns.
+    template <class S>
+    void add_forces(const Loads<P>& loads, const std::vector<Placement<S>>& at, const S* angles,
+                    std::vector<Wrench<S>>& on) const {
+        loads.add(at, on);
+        for (std::size_t k = 0; k < mechanism_->links.size(); ++k)
+            for (const auto& [row, size] : own_forces(loads, k, at, angles)) {
+                on[mechanism_->links[k].to.body].add_to(row, size);
+                on[mechanism_->links[k].from.body].add_from(row, size);
+            }
+    }
+
+    /// What a joint's own spring, damper and motor do: rows with their sizes.
+    template <class S>
+    std::vector<std::pair<Row<S>, S>> own_forces(const Loads<P>& loads, std::size_t k,
+                                                 const std::vector<Placement<S>>& at, const S* angles) const {
+        const Link<P>& link = mechanism_->links[k];
+        std::vector<std::pair<Row<S>, S>> forces;
+        if (!link.has_spring() && !link.has_damper() && loads.motor(k) == P(0)) return forces;
+        const LinkView<P, S> seen = view(k, at);
+        if (link.kind == Kind::spherical) {
+            forces.emplace_back(seen.torque_row(seen.spherical_torque_B()), S(P(1)));
+            return forces;
+        }
+        const std::vector<Row<S>> rows = seen.coordinate_rows();
+        const std::array<S, 2> rates = seen.rates();
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            S size = S(loads.motor(k)) - link.damping[i] * rates[i];
+            if (!(link.stiffness[i] == P(0))) {
+                const S x = link.kind == Kind::prismatic ? seen.displacement() : angles[link.angles + i];
+                size = size - link.stiffness[i] * (x - S(link.rest[i]));
+            }
+            forces.emplace_back(rows[i], size);
+        }
+        return forces;
+    }
+
+    /// The multipliers that make every row's acceleration vanish under what acts on the bodies.
+    template <class S>
+    std::vector<S> multipliers(const std::vector<Placement<S>>& at, const Rows<S>& rows,
+                               const std::vector<Wrench<S>>& on) const {
+        std::vector<S> right(static_cast<std::size_t>(rows_count_), S(P(0)));
+        for (const int k : order_)
+            for (std::size_t i = 0; i < rows[k].size(); ++i) right[first_row_[k] + i] = -rows[k][i].bias;
+        for (int b = 0; b < mechanism_->world(); ++b) {
+            if (!mechanism_->movable(b)) continue;
+            const HeldBody<P>& body = mechanism_->bodies[b];
+            const Vector3<S>& w = at[b].angular_velocity_B;
+            const Vector3<S> a = (P(1) / body.mass) * on[b].force_W;
+            const Vector3<S> gyroscopic = cross(w, body.inertia * w);
+            const Vector3<S> w_rate = body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W) - gyroscopic);
+            subtract_motion(b, rows, a, w_rate, right);
+        }
+        return solved(rows, std::move(right));
+    }
+
+    /// The impulses along the rows that take the velocities back onto the constraints, with momenta `on` added to each
+    /// body.
+    std::vector<P> impulses(const std::vector<Placement<P>>& at, const Rows<P>& rows,
+                            const std::vector<Wrench<P>>& on) const {
+        std::vector<P> right(static_cast<std::size_t>(rows_count_), P(0));
+        for (int b = 0; b < mechanism_->world(); ++b) {
+            if (!mechanism_->movable(b)) continue;
+            const HeldBody<P>& body = mechanism_->bodies[b];
+            const Vector3<P> v = at[b].velocity_W + (P(1) / body.mass) * on[b].force_W;
+            const Vector3<P> w =
+                at[b].angular_velocity_B + body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W));
+            subtract_motion(b, rows, v, w, right);
+        }
+        return solved(rows, std::move(right));
+    }
+
+    /// Adds what the links hold with.
+    template <class S>
+    void add_held(const Rows<S>& rows, const std::vector<S>& lambda, std::vector<Wrench<S>>& on) const {
+        for (const int k : order_)
+            for (std::size_t i = 0; i < rows[k].size(); ++i) {
+                on[mechanism_->links[k].to.body].add_to(rows[k][i], lambda[first_row_[k] + i]);
+                on[mechanism_->links[k].from.body].add_from(rows[k][i], lambda[first_row_[k] + i]);
+            }
+    }
+
+    /// What the velocities break the constraints by, a number for each row.
+    std::vector<P> slips(const std::vector<Placement<P>>& at, const Rows<P>& rows) const {
+        std::vector<P> result(static_cast<std::size_t>(rows_count_), P(0));
+        for (int b = 0; b < mechanism_->world(); ++b)
+            if (mechanism_->movable(b)) subtract_motion(b, rows, at[b].velocity_W, at[b].angular_velocity_B, result);
+        return result;
+    }
+
+    /// Drops the rows of loops that say what the others say already, found at this state: those whose pivots come to
+    /// less than 1e-11 of what they began as, the largest taken first.
+    void drop_redundant(const std::vector<Placement<P>>& at) {
+        const int n = rows_count_;
+        int trees = 0;
+        for (const int k : order_)
+            if (!mechanism_->links[k].closes) trees += static_cast<int>(kept_[k].size());
+        if (trees == n) return;
+        std::vector<P> A = assembled(constraints(at));
+        std::vector<P> begin(A.begin(), A.begin() + n);
+        pattern_.factorize(A, trees);
+        const int m = n - trees;
+        std::vector<std::vector<P>> schur(m, std::vector<P>(m, P(0)));
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j <= i; ++j)
+                if (pattern_.has(trees + i, trees + j))
+                    schur[i][j] = schur[j][i] = A[pattern_.place(trees + i, trees + j)];
+        std::vector<char> taken(m, 0);
+        for (;;) {
+            int best = -1;
+            P largest = P(1e-11);
+            for (int i = 0; i < m; ++i) {
+                if (taken[i]) continue;
+                const P share = schur[i][i] / begin[trees + i];
+                if (share > largest) best = i, largest = share;
+            }
+            if (best < 0) break;
+            taken[best] = 1;
+            for (int i = 0; i < m; ++i) {
+                if (taken[i]) continue;
+                const P scale = schur[i][best] / schur[best][best];
+                for (int j = 0; j < m; ++j)
+                    if (!taken[j]) schur[i][j] = schur[i][j] - scale * schur[best][j];
+            }
+        }
+        for (const int k : order_) {
+            if (!mechanism_->links[k].closes) continue;
+            std::vector<int> left;
+            for (std::size_t i = 0; i < kept_[k].size(); ++i)
+                if (taken[first_row_[k] + static_cast<int>(i) - trees]) left.push_back(kept_[k][i]);
+            kept_[k] = std::move(left);
+        }
+        arrange();
+    }
+
+  private:
+    struct Attached {
+        int link;
+        bool to;  ///< the body is the one that the link leads to
+    };
+    const Mechanism<P>* mechanism_;
+    std::vector<std::vector<int>> kept_;  // of each link
+    std::vector<int> order_, first_row_;  // links as they are eliminated; of each link
+    int rows_count_ = 0;
+    std::vector<std::vector<Attached>> attached_;  // to each movable body
+    SparsePattern pattern_;
+    std::vector<int> targets_;  // of each product of two rows in turn
+
+    // links of the deepest bodies first, loops after all
+    int rank_of(int k) const {
+        const Link<P>& link = mechanism_->links[k];
+        return link.closes ? -1 : mechanism_->depth[link.to.body];
+    }
+    template <class S>
+    LinkView<P, S> view(std::size_t k, const std::vector<Placement<S>>& at) const {
+        const Link<P>& link = mechanism_->links[k];
+        return {link, at[link.from.body], at[link.to.body]};
+    }
+
+    // calls f(body, row, row, first?) .. for each pair of rows that meet in a body, in a fixed order
+    void arrange() {
+        first_row_.assign(mechanism_->links.size(), 0);
+        attached_.assign(mechanism_->bodies.size(), {});
+        rows_count_ = 0;
+        for (const int k : order_) {
+            first_row_[k] = rows_count_;
+            rows_count_ += static_cast<int>(kept_[k].size());
+            const Link<P>& link = mechanism_->links[k];
+            if (mechanism_->movable(link.to.body)) attached_[link.to.body].push_back({k, true});
+            if (mechanism_->movable(link.from.body)) attached_[link.from.body].push_back({k, false});
+        }
+        std::vector<std::set<int>> entries(rows_count_);
+        for_pairs([&](int, const Attached&, std::size_t, int i, const Attached&, std::size_t, int j) {
+            if (i != j) entries[std::min(i, j)].insert(std::max(i, j));
+        });
+        pattern_ = SparsePattern(std::move(entries));
+        targets_.clear();
+        for_pairs([&](int, const Attached&, std::size_t, int i, const Attached&, std::size_t, int j) {
+            targets_.push_back(pattern_.place(i, j));
+        });
+    }
+    template <class Do>
+    void for_pairs(Do&& act) const {
+        for (int b = 0; b < mechanism_->world(); ++b)
+            for (std::size_t x = 0; x < attached_[b].size(); ++x)
+                for (std::size_t y = x; y < attached_[b].size(); ++y) {
+                    const Attached &one = attached_[b][x], &other = attached_[b][y];
+                    for (std::size_t i = 0; i < kept_[one.link].size(); ++i)
+                        for (std::size_t j = x == y ? i : 0; j < kept_[other.link].size(); ++j)
+                            act(b, one, i, first_row_[one.link] + static_cast<int>(i), other, j,
+                                first_row_[other.link] + static_cast<int>(j));
+                }
+    }
+
+    template <class S>
+    static const Vector3<S>& side(const Row<S>& row, bool to) {
+        return to ? row.to_B : row.from_B;
+    }
+    // right -= G_b (a, w) for a body that moves by these
+    template <class S>
+    void subtract_motion(int b, const Rows<S>& rows, const Vector3<S>& a, const Vector3<S>& w,
+                         std::vector<S>& right) const {
+        for (const Attached& by : attached_[b])
+            for (std::size_t i = 0; i < rows[by.link].size(); ++i) {
+                const Row<S>& row = rows[by.link][i];
+                const S along = dot(row.force_W, a), turning = dot(side(row, by.to), w);
+                S& sum = right[first_row_[by.link] + i];
+                sum = sum - (by.to ? along + turning : turning - along);
+            }
+    }
+    template <class S>
+    std::vector<S> assembled(const Rows<S>& rows) const {
+        std::vector<S> A(static_cast<std::size_t>(pattern_.entries()), S(P(0)));
+        std::size_t next = 0;
+        // I^-1 times a row's torque serves all rows that it meets
+        const Row<S>* seen = nullptr;
+        Vector3<S> turned;
+        for_pairs([&](int b, const Attached& x, std::size_t i, int, const Attached& y, std::size_t j, int) {
+            const HeldBody<P>& body = mechanism_->bodies[b];
+            const Row<S>&one = rows[x.link][i], &other = rows[y.link][j];
+            if (seen != &one || (&one == &other)) turned = body.inverse_inertia * side(one, x.to), seen = &one;
+            const P inverse_mass = (x.to == y.to ? P(1) : P(-1)) / body.mass;
+            S& entry = A[targets_[next++]];
+            entry = entry + (inverse_mass * dot(one.force_W, other.force_W) + dot(turned, side(other, y.to)));
+        });
+        return A;
+    }
+    template <class S>
+    std::vector<S> solved(const Rows<S>& rows, std::vector<S> right) const {
+        std::vector<S> A = assembled(rows);
+        pattern_.factorize(A, rows_count_);
+        pattern_.solve(A, right);
+        return right;
+    }
+};
+
+}  // namespace polhode::maximal

@@ -1,0 +1,195 @@
+// A scene of several bodies in maximal coordinates: every body with all six freedoms, every joint and loop as something
+// that holds two of them together. Numbers are exact functions of the scene's, in the scalar P.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "body/elementary.h"
+#include "body/mass_properties.h"
+#include "scene/body_source.h"
+#include "scene/scene.h"
+
+namespace polhode::maximal {
+
+/// A body by its mass properties, body axes.
+template <class P>
+struct HeldBody {
+    P mass = P(1);               ///< kg
+    Vector3<P> center;           ///< of mass, from the body's origin, m
+    Matrix3<P> inertia;          ///< about the centre of mass, kg m^2
+    Matrix3<P> inverse_inertia;  ///< its inverse
+    bool movable = true;         ///< not held to the world by fixed joints alone
+};
+
+/// Where a joint or a loop takes hold of a body.
+template <class P>
+struct Hold {
+    int body = 0;      ///< in the scene's order; the number of bodies is the world
+    Vector3<P> arm_B;  ///< from the centre of mass (of the world: from its origin) to the point, body axes, m
+};
+
+/// What a joint or a loop prevents.
+enum class Kind { revolute, prismatic, spherical, universal, fixed, distance };
+
+/// A joint (from the parent to the child) or a loop (from the first body to the second).
+template <class P>
+struct Link {
+    std::string name;                         ///< as the scene has it
+    Kind kind = Kind::revolute;               ///< what it prevents
+    bool closes = false;                      ///< a loop's, no tree's
+    Hold<P> from, to;                         ///< the two bodies
+    Quaternion<P> orientation;                ///< q0: `to` axes at coordinate zero to `from` axes
+    std::array<Vector3<P>, 2> axes_to;        ///< unit, fixed in `to`; of a universal joint only the second is
+    Vector3<P> axis_from;                     ///< unit, fixed in `from`: the first axis
+    std::array<Vector3<P>, 2> across_from;    ///< perpendicular to it and to each other, fixed in `from`
+    P between = P(0);                         ///< universal: the cosine of the angle between the axes
+    P length = P(0);                          ///< distance: m
+    std::array<P, 2> stiffness{P(0), P(0)};   ///< of the joint's own spring
+    std::array<P, 2> rest{P(0), P(0)};        ///< where it is at rest, rad or m
+    Quaternion<P> rest_orientation;           ///< the same of a spherical joint
+    std::array<P, 2> damping{P(0), P(0)};     ///< of the joint's own damper
+    std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
+    int angles = -1;                          ///< place of its angles among those that count turns, or -1
+    std::vector<int> rows;                    ///< of its constraints, those that are kept
+
+    /// How many coordinates have a spring, a damper or a motor each.
+    int coordinates() const {
+        return kind == Kind::universal ? 2 : kind == Kind::revolute || kind == Kind::prismatic ? 1 : 0;
+    }
+    /// Whether its own spring or damper acts.
+    bool has_spring() const { return !(stiffness[0] == P(0) && stiffness[1] == P(0)); }
+    bool has_damper() const { return !(damping[0] == P(0) && damping[1] == P(0)); }
+};
+
+/// A vector of length 1.
+template <class P>
+Vector3<P> unit(const Vector3<P>& v) {
+    const P size = length(v);
+    return {v[0] / size, v[1] / size, v[2] / size};
+}
+
+/// Two vectors perpendicular to a and to each other.
+template <class P>
+std::array<Vector3<P>, 2> across(const Vector3<P>& a) {
+    const auto square = [&](int i) { return a[i] * a[i]; };
+    const int thin = square(0) <= square(1) ? (square(0) <= square(2) ? 0 : 2) : (square(1) <= square(2) ? 1 : 2);
+    Vector3<P> e;
+    e[thin] = P(1);
+    const Vector3<P> first = unit(cross(a, e));
+    return {first, cross(a, first)};
+}
+
+/// Bodies and links of a scene.
+template <class P>
+class Mechanism {
+  public:
+    /// The scene must outlive it.
+    explicit Mechanism(const Scene& scene) : scene_(&scene) {
+        for (const NamedBody& named : scene.bodies) {
+            const MassProperties<P> m = mass_properties<P>(named.body);
+            bodies.push_back({m.mass, m.center, m.inertia, inverse(m.inertia), true});
+        }
+        for (const Joint& joint : scene.joints) links.push_back(link_of(joint));
+        for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
+        find_depths();
+    }
+
+    std::vector<HeldBody<P>> bodies;  ///< in the scene's order
+    std::vector<Link<P>> links;       ///< joints in the scene's order, then its loops
+    std::vector<int> depth;           ///< of each body: how many joints lie between it and its root
+    int turns = 0;                    ///< how many angles count turns
+
+    const Scene& scene() const { return *scene_; }
+    /// The number that stands for the world.
+    int world() const { return static_cast<int>(bodies.size()); }
+    bool movable(int body) const { return body < world() && bodies[body].movable; }
+    /// The body's number; world() where it has the world's name.
+    int number_of(std::string_view name) const {
+        for (std::size_t i = 0; i < scene_->bodies.size(); ++i)
+            if (scene_->bodies[i].name == name) return static_cast<int>(i);
+        return world();
+    }
+    /// Body point from the centre of mass; a world point stays as it is.
+    Vector3<P> arm(int body, const Vector3<double>& point) const {
+        return body == world() ? cast<P>(point) : cast<P>(point) - bodies[body].center;
+    }
+
+  private:
+    const Scene* scene_;
+
+    Link<P> link_of(const Joint& joint) {
+        static constexpr Kind kinds[] = {Kind::revolute, Kind::prismatic, Kind::spherical, Kind::universal,
+                                         Kind::fixed};
+        Link<P> link;
+        link.name = joint.name;
+        link.kind = kinds[static_cast<int>(joint.type)];
+        const int parent = number_of(joint.parent), child = number_of(joint.child);
+        link.from = {parent, arm(parent, joint.parent_point)};
+        link.to = {child, arm(child, joint.child_point)};
+        link.orientation = normalized(cast<P>(joint.parent_orientation));
+        if (const int n = link.coordinates(); n > 0) {
+            for (int i = 0; i < n; ++i) link.axes_to[i] = unit(cast<P>(joint.axes[i]));
+            link.between = dot(link.axes_to[0], link.axes_to[1]);
+            link.axis_from = rotate(link.orientation, link.axes_to[0]);
+            for (int i = 0; i < 2; ++i) link.across_from[i] = rotate(link.orientation, across(link.axes_to[0])[i]);
+        }
+        for (int i = 0; i < 2; ++i) {
+            link.stiffness[i] = P(joint.stiffness[i]);
+            link.rest[i] = P(joint.rest[i]);
+            link.damping[i] = P(joint.damping[i]);
+            link.coordinate[i] = P(joint.coordinate[i]);
+        }
+        link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
+        if ((link.kind == Kind::revolute || link.kind == Kind::universal) && link.has_spring()) {
+            link.angles = turns;
+            turns += link.coordinates();
+        }
+        static constexpr int counts[] = {5, 5, 3, 4, 6};
+        for (int i = 0; i < counts[static_cast<int>(joint.type)]; ++i) link.rows.push_back(i);
+        return link;
+    }
+    Link<P> link_of(const Loop& loop) {
+        static constexpr Kind kinds[] = {Kind::spherical, Kind::revolute, Kind::distance};
+        Link<P> link;
+        link.name = loop.name;
+        link.closes = true;
+        link.kind = kinds[static_cast<int>(loop.type)];
+        const int first = number_of(loop.first), second = number_of(loop.second);
+        link.from = {first, arm(first, loop.first_point)};
+        link.to = {second, arm(second, loop.second_point)};
+        if (loop.type == LoopType::revolute) {
+            link.axes_to[0] = unit(cast<P>(loop.second_axis));
+            link.axis_from = unit(cast<P>(loop.first_axis));
+            link.across_from = across(link.axis_from);
+        }
+        link.length = P(loop.length);
+        static constexpr int counts[] = {3, 5, 1};
+        for (int i = 0; i < counts[static_cast<int>(loop.type)]; ++i) link.rows.push_back(i);
+        return link;
+    }
+
+    // the joints form trees: as many sweeps as the deepest body needs
+    void find_depths() {
+        depth.assign(bodies.size(), 0);
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (const Link<P>& link : links) {
+                if (link.closes) continue;
+                const int parent = link.from.body, child = link.to.body;
+                const int below = parent == world() ? 1 : depth[parent] + 1;
+                const bool held = link.kind == Kind::fixed && !movable(parent);
+                if (depth[child] == below && bodies[child].movable == !held) continue;
+                depth[child] = below, bodies[child].movable = !held;
+                changed = true;
+            }
+        }
+    }
+};
+
+}  // namespace polhode::maximal

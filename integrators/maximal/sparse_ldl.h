@@ -1,0 +1,82 @@
+// L D L^T of a sparse symmetric matrix, in a fixed order without pivots: no branch looks at a value, so that any scalar
+// goes through it. The order and what fills in are found once, from where the matrix has entries.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <set>
+#include <vector>
+
+namespace polhode::maximal {
+
+/// The pattern of a matrix and of its factor, and the order of all that is done to them.
+class SparsePattern {
+  public:
+    SparsePattern() = default;
+    /// `entries`: of each column the rows below the diagonal in which the matrix has an entry.
+    explicit SparsePattern(std::vector<std::set<int>> entries) : begin_(entries.size() + 1, 0) {
+        const std::size_t n = entries.size();
+        for (std::size_t k = 0; k < n; ++k) {
+            // eliminating k couples all that it is coupled with
+            for (auto i = entries[k].begin(); i != entries[k].end(); ++i)
+                entries[static_cast<std::size_t>(*i)].insert(std::next(i), entries[k].end());
+            rows_.insert(rows_.end(), entries[k].begin(), entries[k].end());
+            begin_[k + 1] = static_cast<int>(rows_.size());
+        }
+        for (std::size_t k = 0; k < n; ++k)
+            for (int a = begin_[k]; a < begin_[k + 1]; ++a)
+                for (int b = a; b < begin_[k + 1]; ++b) targets_.push_back(place(rows_[a], rows_[b]));
+    }
+
+    int size() const { return static_cast<int>(begin_.size()) - 1; }
+    /// How many entries there are: first the diagonal, then those below it.
+    int entries() const { return size() + static_cast<int>(rows_.size()); }
+    /// Whether the factor has an entry there.
+    bool has(int i, int j) const {
+        const int column = std::min(i, j), row = std::max(i, j);
+        return i == j || std::binary_search(rows_.begin() + begin_[column], rows_.begin() + begin_[column + 1], row);
+    }
+    /// Where the entry of row and column stands, which must be there.
+    int place(int i, int j) const {
+        if (i == j) return i;
+        const int column = std::min(i, j), row = std::max(i, j);
+        const auto first = rows_.begin() + begin_[column], last = rows_.begin() + begin_[column + 1];
+        return size() + static_cast<int>(std::lower_bound(first, last, row) - rows_.begin());
+    }
+
+    /// The columns [0, count) of A are eliminated in place: D, and L below it; the rest becomes its Schur complement.
+    template <class S>
+    void factorize(std::vector<S>& A, int count) const {
+        std::size_t next = 0;
+        std::vector<S> column;
+        for (int k = 0; k < count; ++k) {
+            const int first = begin_[k], last = begin_[k + 1];
+            if (first == last) continue;
+            const S scale = S(1) / A[k];
+            column.assign(A.begin() + size() + first, A.begin() + size() + last);
+            for (int a = first; a < last; ++a) {
+                S& l = A[size() + a];
+                l = scale * l;
+                for (int b = a; b < last; ++b) {
+                    S& entry = A[targets_[next++]];
+                    entry = entry - l * column[b - first];
+                }
+            }
+        }
+    }
+    /// x becomes A^-1 x, for an A that is factorized as a whole.
+    template <class S>
+    void solve(const std::vector<S>& A, std::vector<S>& x) const {
+        for (int k = 0; k < size(); ++k)
+            for (int a = begin_[k]; a < begin_[k + 1]; ++a) x[rows_[a]] = x[rows_[a]] - A[size() + a] * x[k];
+        for (int k = 0; k < size(); ++k) x[k] = x[k] / A[k];
+        for (int k = size(); k-- > 0;)
+            for (int a = begin_[k]; a < begin_[k + 1]; ++a) x[k] = x[k] - A[size() + a] * x[rows_[a]];
+    }
+
+  private:
+    std::vector<int> begin_, rows_;  // of each column, below the diagonal
+    std::vector<int> targets_;       // of each update in turn
+};
+
+}  // namespace polhode::maximal

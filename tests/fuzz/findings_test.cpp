@@ -45,7 +45,10 @@ const std::string top = POLHODE_SOURCE_DIR;
 
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Findings,
-    ::testing::Values(Target{"scene", oracles::scene, {top + "/experiments/scenes", top + "/tests/scene/bad"}},
+    ::testing::Values(Target{"scene",
+                             oracles::scene,
+                             {top + "/experiments/scenes", top + "/experiments/scenes/mechanisms",
+                              top + "/tests/scene/bad"}},
                       Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
                       Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
                       Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},

@@ -18,6 +18,7 @@
 #include "integrators/closed_form/turn.h"
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/rotation_series.h"
+#include "integrators/own/tape_series.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "motion/numbers.h"
@@ -128,12 +129,20 @@ class UnrolledCoefficients {
 };
 
 template <class T, class SystemType>
-truth::Series<T> recorded_series(const SystemType& system, int order) {
+truth::Recording<T> recorded(const SystemType& system) {
     struct Form {
         const SystemType* system;
         void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system->derivative(0, y, dy); }
     };
-    return {truth::record<T>(Form{&system}, system.size()), order};
+    return truth::record<T>(Form{&system}, system.size());
+}
+/// Of a system of any size by the kernel for long tapes.
+template <int order, class SystemType>
+auto recorded_series(const SystemType& system) {
+    if constexpr (SystemType::dimension == run_time)
+        return TapeSeries<order>(recorded<double>(system));
+    else
+        return truth::Series<double>(recorded<double>(system), order);
 }
 
 /// Those of any of the systems, their recurrences recorded from the one right-hand side.
@@ -141,7 +150,7 @@ template <int order, class SystemType>
 class RecordedCoefficients {
   public:
     RecordedCoefficients(const Problem&, const Segment&, const SystemType& system)
-        : series_(recorded_series<double>(system, order)), scales_(system.size()) {
+        : series_(recorded_series<order>(system)), scales_(system.size()) {
         system.scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
@@ -170,7 +179,7 @@ class RecordedCoefficients {
 
     int size() const { return static_cast<int>(scales_.size()); }
 
-    truth::Series<double> series_;
+    decltype(recorded_series<order>(std::declval<const SystemType&>())) series_;
     Numbers<SystemType::dimension> scales_;
 };
 
@@ -279,7 +288,7 @@ class ExtendedSeries {
   public:
     ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system)
         : coefficients_(problem, segment, system),
-          first_(recorded_series<Extended>(system, extended)),
+          first_(recorded<Extended>(system), extended),
           longest_(problem.own ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
           state_(system.size()) {}
     void start(const double* y) { std::copy_n(y, size(), state_.begin()); }

@@ -39,9 +39,9 @@ inline constexpr int own_directions = 8;
 ///  * `int dimension() const`: the number n of components of the state y, at least one.
 ///  * `void initial(double* y) const`: writes y at t = 0.
 ///  * `template <class S> void derivative(const S* y, S* dy) const`: writes dy/dt. The scalar S is double for a step,
-///    Dual where a Jacobian is needed and Traced where Taylor coefficients are: the rates are sums and products of
-///    components and of doubles (a quotient or a root becomes a component with a rate of its own), without branches on
-///    their values. Time does not enter: where it is needed, it is a component with the rate S(1).
+///    Dual where a Jacobian is needed and Traced where Taylor coefficients are: the rates are made of components and of
+///    doubles by +, -, *, /, `square_root(x)` and `sine_cosine(x, sine, cosine)` (body/elementary.h), without branches
+///    on their values. Time does not enter: where it is needed, it is a component with the rate S(1).
 ///  * `std::vector<double> scales() const`: n positive numbers, the sizes that the components reach, in their units. A
 ///    method's tolerance R means R times these.
 ///  * `std::vector<Sample> motion(const double* y) const`: the motion of each body at the state y, always as many, at

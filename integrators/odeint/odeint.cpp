@@ -60,6 +60,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
         const bool finite = all_finite(next) && std::isfinite(h);
         if (accepted && finite) {
             this->y_ = next, has_rate_ = false;
+            this->project();
             return Attempt::accepted;
         }
         if (accepted) t -= tried;

@@ -46,6 +46,10 @@ class OdeintState {
     void forget() {
         if constexpr (requires { scheme_.reset(); }) scheme_.reset();
     }
+    /// After an accepted step: back onto what the system keeps, where it keeps anything.
+    void project() {
+        if (project_step(system_, y_.data())) forget();
+    }
 
     const Problem* problem_;
     SystemType system_;
@@ -78,6 +82,7 @@ class OdeintFixedStepper : public OdeintState<SystemType, Scheme<static_cast<std
     void step(double t, double h) {
         this->scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
                               Scalar(h));
+        this->project();
     }
 };
 

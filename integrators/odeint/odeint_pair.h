@@ -61,7 +61,10 @@ class ControlledPair
         const double begin = t, tried = h;
         const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
         const bool accepted = this->scheme_.try_step(f, this->y_, t, h) == boost::numeric::odeint::success;
-        if (accepted && this->finite()) return Attempt::accepted;
+        if (accepted && this->finite()) {
+            this->project();
+            return Attempt::accepted;
+        }
         if (!accepted && h < tried) return Attempt::rejected;
         this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
         this->forget();

@@ -35,6 +35,7 @@ class FixedRosenbrock : public OdeintState<SystemType> {
     void step(double t, double h) {
         Context<SystemType> context{&this->system_, &this->evaluations_};
         scheme_.step(&context, t, this->y_.data(), h);
+        this->project();
     }
 
   private:
@@ -70,6 +71,7 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
         }
         if (!accepted) return Attempt::rejected;
         this->y_ = next, t += tried;
+        this->project();
         return Attempt::accepted;
     }
 

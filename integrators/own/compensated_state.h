@@ -52,7 +52,10 @@ class GeneralState {
         if (system_.enter(segment, y_.data())) forget_lost();
     }
     double first_step(double t, double longest) { return first_step_of(system_, t, y_.data(), scales_, longest); }
-    void accept() { y_ = next_, lost_ = next_lost_; }
+    void accept() {
+        y_ = next_, lost_ = next_lost_;
+        if (project_step(system_, y_.data())) forget_lost();
+    }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
 
   protected:

@@ -287,6 +287,7 @@ class Radau {
             for (int k = 0; k < s; ++k) polynomial_[n][k] = coefficients[k];
         }
         last_h_ = h;
+        if (project_step(system_, y_.data())) std::fill(carry_.begin(), carry_.end(), 0);
     }
 
     const Problem* problem_;

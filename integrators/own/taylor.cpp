@@ -414,7 +414,7 @@ class TaylorSession {
     }
     /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
     int step() {
-        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        advance();
         ++steps_;
         series_->expand();
         const double h = series_->step(tolerance_);
@@ -462,8 +462,18 @@ class TaylorSession {
     // the series stays where the last step began until the next one or the end of its segment: samples lie between
     void settle() {
         if (!series_) return;
-        if (t_ > begin_) series_->advance(t_ - begin_), begin_ = t_;
+        advance();
         series_->state(y_.data());
+    }
+    void advance() {
+        if (!(t_ > begin_)) return;
+        series_->advance(t_ - begin_), begin_ = t_;
+        if constexpr (SystemType::dimension == run_time) {
+            if (!system_.projects()) return;
+            series_->state(y_.data());
+            system_.project(y_.data());
+            series_->start(y_.data());
+        }
     }
 
     const Problem *problem_, *scaled_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "integrators/run/processor_time.h"
+#include "motion/own_system.h"
 
 namespace polhode {
 
@@ -63,13 +64,15 @@ bool Budget::in_time() {
 std::string moment(double t) { return fmt::format("t = {:.9g} s", t); }
 
 std::string divergence(const Problem& problem, const Bodies& bodies, double bound) {
-    double kinetic = 0;
+    double kinetic = problem.own ? problem.own->kinetic_energy(bodies) : 0;
     bool finite = true;
     for (const Sample& sample : bodies) {
         const Vector3<double>& w = sample.angular_velocity_B;
-        kinetic += dot(w, problem.body.inertia_B * w) / 2;
-        if (!problem.body.pivoted) kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
+        if (!problem.own) kinetic += dot(w, problem.body.inertia_B * w) / 2;
+        if (!problem.own && !problem.body.pivoted)
+            kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
         const double norm = squared_norm(sample.q), place = dot(sample.position_W, sample.position_W);
+        if (problem.own) finite = finite && std::isfinite(dot(w, w) + dot(sample.velocity_W, sample.velocity_W));
         finite = finite && std::isfinite(kinetic) && std::isfinite(norm) && std::isfinite(place) && norm > 0;
     }
     const double t = bodies.front().t;

@@ -43,6 +43,8 @@ class ArkodeSession : public SundialsSession<SystemType> {
         demand(ARKStepSetErrHandlerFn(memory, Base::note_message, base));
         demand(ARKStepSVtolerances(memory, this->tolerance_, absolute_.get()));
         demand(ARKStepSetUserData(memory, base));
+        if constexpr (dimension == run_time)
+            if (this->system_.projects()) demand(ARKStepSetPostprocessStepFn(memory, project));
         demand(ARKStepSetOrder(memory, table.order));
         // nothing is interpolated: the polynomial of least work
         demand(ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
@@ -166,6 +168,13 @@ class ArkodeSession : public SundialsSession<SystemType> {
 
     ARKRhsFn explicit_part() const { return table_.implicit ? nullptr : Base::right_hand_side; }
     ARKRhsFn implicit_part() const { return table_.implicit ? Base::right_hand_side : nullptr; }
+
+    // every accepted step ends on what the system keeps
+    static int project(realtype, N_Vector y, void* session) {
+        ArkodeSession* self = static_cast<ArkodeSession*>(static_cast<Base*>(session));
+        project_step(self->system_, VectorFor<dimension>::type::data(y));
+        return ARK_SUCCESS;
+    }
 
     int controlled_step() {
         // a stop lasts until it is met

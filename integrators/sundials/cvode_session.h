@@ -83,6 +83,11 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
             demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
             demand(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
+        if constexpr (dimension == run_time)
+            if (this->system_.projects() && multistep == Multistep::bdf) {
+                demand(CVodeSetProjFn(memory, correct_own));
+                demand(CVodeSetProjErrEst(memory, SUNFALSE));
+            }
         detects_limit_ = multistep == Multistep::bdf;
         // of the orders 3 to 5, which are not stable on all of the left half plane
         if (detects_limit_) demand(CVodeSetStabLimDet(memory, SUNTRUE));
@@ -197,6 +202,16 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         std::copy(from, from + dimension, change);
         if (!self->projection_->project(change)) return 1;
         for (int i = 0; i < dimension; ++i) change[i] -= from[i];
+        return CV_SUCCESS;
+    }
+
+    static int correct_own(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
+        CvodeSession* self = static_cast<CvodeSession*>(static_cast<Base*>(session));
+        double *change = Vector::data(correction), *from = Vector::data(y);
+        const int n = self->system_.size();
+        std::copy_n(from, n, change);
+        project_step(self->system_, change);
+        for (int i = 0; i < n; ++i) change[i] -= from[i];
         return CV_SUCCESS;
     }
 

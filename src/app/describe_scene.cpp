@@ -169,6 +169,7 @@ std::string equations(SystemKind system) {
             return "I dw/dt = tau(t, q, w, p) - w x Iw;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F(t, q, v) / m";
         case SystemKind::full_motion:
         case SystemKind::own:
+        case SystemKind::mechanism:
             break;
     }
     return "J dw/dt = tau(t, q, w, p, v) - w x Jw, full tensor;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F / m";

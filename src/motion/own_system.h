@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -52,6 +53,16 @@ inline constexpr int own_directions = 8;
 ///  * `std::vector<double> events() const`: those times, s.
 ///  * `void enter(double t, double* y)`: called at t = 0 and at each event: changes y, and the model to what holds from
 ///    then on.
+///
+/// Where y must keep conditions that rounding and steps leave by a little:
+///
+///  * `bool projects() const`, whether there are any, and `void project(double* y) const`, which moves y back onto
+///  them:
+///    called after each step of a method that goes from step to step.
+///
+/// Where the bodies' kinetic energy (J) is known, so that a run can be told to have diverged:
+///
+///  * `double kinetic_energy(const Bodies& bodies) const` and `double energy_bound() const`.
 template <class M>
 concept OwnModel = std::copyable<M> &&
     requires(const M model, double* y, const Dual<own_directions>* x, Dual<own_directions>* rate) {
@@ -77,6 +88,10 @@ class ErasedModel {
     virtual std::vector<double> scales() const = 0;
     virtual std::vector<Sample> motion(const double* y) const = 0;
     virtual std::vector<double> events() const = 0;
+    virtual bool projects() const = 0;
+    virtual void project(double* y) const = 0;
+    virtual double kinetic_energy(const Bodies& bodies) const = 0;
+    virtual double energy_bound() const = 0;
     /// The model that holds from t on; y as it is then. nullptr where there is no other.
     virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
 };
@@ -106,6 +121,21 @@ class Erased : public ErasedModel {
         else
             return {};
     }
+    bool projects() const override {
+        if constexpr (requires { model_.projects(); }) return model_.projects();
+        return false;
+    }
+    void project([[maybe_unused]] double* y) const override {
+        if constexpr (requires { model_.project(y); }) model_.project(y);
+    }
+    double kinetic_energy([[maybe_unused]] const Bodies& bodies) const override {
+        if constexpr (requires { model_.kinetic_energy(bodies); }) return model_.kinetic_energy(bodies);
+        return 0;
+    }
+    double energy_bound() const override {
+        if constexpr (requires { model_.energy_bound(); }) return model_.energy_bound();
+        return std::numeric_limits<double>::infinity();
+    }
     std::shared_ptr<const ErasedModel> entered(double t, double* y) const override {
         if constexpr (requires(M m) { m.enter(t, y); }) {
             M next = model_;
@@ -116,6 +146,8 @@ class Erased : public ErasedModel {
             return nullptr;
         }
     }
+
+    const M& model() const { return model_; }
 
   private:
     M model_;
@@ -160,6 +192,9 @@ class OwnSystem {
         for (Sample& body : bodies) body.t = t;
         return bodies;
     }
+    /// Whether there are conditions that a step leaves by a little, and the way back onto them.
+    bool projects() const { return model_->projects(); }
+    void project(double* y) const { model_->project(y); }
     void scales(double* scales) const {
         const std::vector<double> s = model_->scales();
         std::copy(s.begin(), s.end(), scales);
@@ -169,6 +204,17 @@ class OwnSystem {
     std::shared_ptr<const ErasedModel> model_;
     int size_;
 };
+
+/// Moves a state after a step back onto what the system keeps; whether there was anything to do.
+template <class SystemType, class Scalar>
+bool project_step([[maybe_unused]] const SystemType& system, [[maybe_unused]] Scalar* y) {
+    if constexpr (requires { system.project(y); }) {
+        if (!system.projects()) return false;
+        system.project(y);
+        return true;
+    }
+    return false;
+}
 
 inline void jacobian(const OwnSystem& system, double t, const double* y, double* J) {
     jacobian_by_columns<own_directions>(system, t, y, J);

@@ -1,10 +1,11 @@
 #include "motion/problem.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "motion/contact.h"
+#include "motion/mechanism.h"
 #include "motion/needs.h"
+#include "motion/own_system.h"
 #include "motion/rounded.h"
 #include "motion/translation.h"
 
@@ -43,6 +44,7 @@ std::vector<PosedImpulse<double>> rounded(const std::vector<PosedImpulse<P>>& im
 }  // namespace
 
 Problem pose(const Scene& scene, Formulation formulation) {
+    if (is_mechanism(scene)) return pose_mechanism(scene);
     Problem problem;
     problem.scene = scene;
     problem.formulation = formulation;
@@ -117,13 +119,18 @@ const char* name_of(Formulation formulation) {
 }
 
 const char* name_of(SystemKind system) {
-    constexpr const char* names[] = {"rotation about a principal axis", "free rotation", "loaded rotation",
-                                     "loaded rotation and translation", "full motion",   "own system"};
+    constexpr const char* names[] = {"rotation about a principal axis",
+                                     "free rotation",
+                                     "loaded rotation",
+                                     "loaded rotation and translation",
+                                     "full motion",
+                                     "own system",
+                                     "several bodies"};
     return names[static_cast<std::size_t>(system)];
 }
 
 double energy_bound(const Problem& problem) {
-    if (problem.own) return std::numeric_limits<double>::infinity();
+    if (problem.own) return problem.own->energy_bound();
     const Vector3<double>& moments = problem.body.principal.moments;
     const double largest = std::max({moments[0], moments[1], moments[2]});
     const Scales& s = problem.scales;

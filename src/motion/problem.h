@@ -28,7 +28,15 @@ enum class Formulation {
 const char* name_of(Formulation formulation);
 
 /// Which of motion/systems.h.
-enum class SystemKind { principal_axis_rotation, free_rotation, loaded_rotation, loaded_motion, full_motion, own };
+enum class SystemKind {
+    principal_axis_rotation,
+    free_rotation,
+    loaded_rotation,
+    loaded_motion,
+    full_motion,
+    own,
+    mechanism
+};
 /// How the principal moments of a body are alike.
 enum class Symmetry {
     spherical,   ///< all three agree
@@ -102,8 +110,9 @@ struct Problem {
     std::vector<Segment> segments;                   ///< its itinerary: the legs between events, with what acts on each
     Scales scales;                                   ///< how large the motion gets
 
-    PosedBody body;                          ///< what the system is made of: rounded once from 128 bits
-    std::shared_ptr<const ErasedModel> own;  ///< the same for a system of the user's own, which has no body, no scene
+    PosedBody body;  ///< what the system is made of: rounded once from 128 bits
+    /// The same for a system of the user's own, which has no body and no scene, and for a scene of several bodies.
+    std::shared_ptr<const ErasedModel> own;
 };
 
 /// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's.
@@ -119,7 +128,7 @@ void translated(const Segment& segment, double after, Vector3<double>& position_
 const char* name_of(SystemKind system);
 
 /// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
-/// Infinite for a system of the user's own, whose masses are not known.
+/// Infinite for a system of the user's own whose masses are not known.
 double energy_bound(const Problem& problem);
 
 }  // namespace polhode

@@ -224,6 +224,7 @@ auto with_one_body(const Problem& problem, Visitor&& visit) {
             return visit.template operator()<LoadedMotion>();
         case SystemKind::full_motion:
         case SystemKind::own:
+        case SystemKind::mechanism:
             break;
     }
     return visit.template operator()<FullMotion>();

@@ -1,0 +1,257 @@
+// A mechanism as a tree of links, in axes and about points that its recursion likes, exact in the scalar P.
+//
+// A link is what moves as one: a body with all that fixed joints hold to it. It has axes and an origin of its own:
+//  * revolute, prismatic: z along the joint's axis, the origin at the joint's point;
+//  * spherical: the axes of the body that the joint carries, the origin at the joint's point;
+//  * free: the axes of the body at the base, the origin at the link's centre of mass.
+// A universal joint is two revolute ones with a link without mass between them.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "body/elementary.h"
+#include "body/mass_properties.h"
+#include "scene/scene.h"
+
+namespace polhode {
+
+/// How a link moves against its parent.
+enum class LinkJoint { revolute, prismatic, spherical, free };
+
+/// The parent of a base, and the link of what does not move.
+inline constexpr int world_link = -1;
+
+/// A symmetric 3x3 matrix.
+template <class S>
+struct Symmetric3 {
+    S xx = S(0), yy = S(0), zz = S(0), xy = S(0), xz = S(0), yz = S(0);
+};
+
+template <class S>
+Symmetric3<S> symmetric_part(const Matrix3<S>& m) {
+    return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
+}
+template <class A, class B>
+Vector3<Product<A, B>> operator*(const Symmetric3<A>& m, const Vector3<B>& v) {
+    return {m.xx * v[0] + m.xy * v[1] + m.xz * v[2], m.xy * v[0] + m.yy * v[1] + m.yz * v[2],
+            m.xz * v[0] + m.yz * v[1] + m.zz * v[2]};
+}
+
+/// One link. All vectors in its own axes from its own origin, but for `place`.
+template <class P>
+struct Link {
+    int parent = world_link;
+    LinkJoint kind = LinkJoint::revolute;
+    int joint = -1;        ///< index in scene.joints; -1 of a free base
+    int axis = 0;          ///< which of a universal joint's
+    int base = -1;         ///< of a free base: index in scene.bodies
+    int coordinate = 0;    ///< where its coordinates stand in y: x; q; or q and the origin's place in W
+    int rate = 0;          ///< where its rates stand: x'; w against the parent; or w and the origin's velocity in W
+    Quaternion<P> q_turn;  ///< link axes at coordinate zero to the parent's link axes
+    Matrix3<P> turn;       ///< the same
+    Vector3<P> place;      ///< of the joint, from the parent's origin, in the parent's link axes
+    P mass = P(0);
+    Vector3<P> moment;      ///< mass times centre of mass
+    Symmetric3<P> inertia;  ///< about the origin
+    P stiffness = P(0), rest = P(0), damping = P(0);
+    Quaternion<P> rest_orientation;  ///< spherical
+    P start = P(0), start_rate = P(0);
+    Quaternion<P> start_q;                               ///< spherical, free
+    Vector3<P> start_w, start_position, start_velocity;  ///< spherical, free
+    bool dependent = false;
+
+    int coordinates() const { return kind == LinkJoint::free ? 7 : kind == LinkJoint::spherical ? 4 : 1; }
+    int rates() const { return kind == LinkJoint::free ? 6 : kind == LinkJoint::spherical ? 3 : 1; }
+};
+
+/// Where a body sits on its link.
+template <class P>
+struct Carried {
+    int link = world_link;  ///< world_link: it does not move, and what follows is in world axes
+    Quaternion<P> q;        ///< body axes to link axes
+    Matrix3<P> turn;        ///< the same
+    Vector3<P> origin;      ///< the body's origin
+    Vector3<P> center;      ///< its centre of mass
+    P mass = P(0);
+    Matrix3<P> inertia_B;  ///< about its centre of mass, the body's own axes
+};
+
+/// A mechanism's links and bodies.
+template <class P>
+struct Links {
+    std::vector<Link<P>> links;      ///< each after its parent
+    std::vector<Carried<P>> bodies;  ///< in the scene's order
+    std::vector<int> link_of_joint;  ///< of each joint its link (the last, of a universal one); world_link where fixed
+    int coordinates = 0, rates = 0;  ///< of the state y = (coordinates, rates)
+};
+
+/// The index of a body by its name; -1 for "world".
+inline int body_index(const Scene& scene, const std::string& name) {
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        if (scene.bodies[i].name == name) return static_cast<int>(i);
+    return -1;
+}
+/// The index of a joint by its name; -1 where there is none.
+inline int joint_index(const Scene& scene, const std::string& name) {
+    for (std::size_t i = 0; i < scene.joints.size(); ++i)
+        if (scene.joints[i].name == name) return static_cast<int>(i);
+    return -1;
+}
+
+/// A unit quaternion that turns z into the axis, of any length but zero: exact where the axis is one of the frame.
+template <class P>
+Quaternion<P> from_z(const Vector3<double>& axis) {
+    const P half = P(1) / P(2), zero(0), one(1);
+    const bool x = axis[0] != 0, y = axis[1] != 0, z = axis[2] != 0;
+    if (!x && !y) return axis[2] > 0 ? Quaternion<P>{one, zero, zero, zero} : Quaternion<P>{zero, one, zero, zero};
+    // cyclic exchanges of the axes, and the same after a half turn about x
+    if (!y && !z) {
+        const Quaternion<P> q{half, half, half, half};
+        return axis[0] > 0 ? q : q * Quaternion<P>{zero, one, zero, zero};
+    }
+    if (!x && !z) {
+        const Quaternion<P> q{half, -half, -half, -half};
+        return axis[1] > 0 ? q : q * Quaternion<P>{zero, one, zero, zero};
+    }
+    const Vector3<P> a = cast<P>(axis);
+    const P size = length(a);
+    // (|a| + a_z, z x a), or by way of -z where that cancels
+    if (axis[2] >= 0) return normalized(Quaternion<P>{size + a[2], -a[1], a[0], zero});
+    return normalized(Quaternion<P>{size - a[2], a[1], -a[0], zero}) * Quaternion<P>{zero, one, zero, zero};
+}
+
+/// The links of a valid scene of several bodies; `properties`: the mass properties of each body.
+template <class P>
+Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& properties) {
+    Links<P> all;
+    const std::size_t n = scene.bodies.size();
+    all.bodies.resize(n);
+    all.link_of_joint.assign(scene.joints.size(), world_link);
+    std::vector<int> carrier(n, -1);
+    for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        carrier[static_cast<std::size_t>(body_index(scene, scene.joints[j].child))] = static_cast<int>(j);
+
+    Carried<P> world;
+    world.turn = diagonal(Vector3<P>(P(1), P(1), P(1)));
+    const auto set_turn = [](Link<P>& link, const Quaternion<P>& q) {
+        link.q_turn = q, link.turn = rotation_matrix(q);
+    };
+    const auto carry = [&](std::size_t b, int link, const Quaternion<P>& q, const Vector3<P>& origin) {
+        Carried<P>& body = all.bodies[b];
+        body.link = link, body.q = q, body.turn = rotation_matrix(q), body.origin = origin;
+        body.mass = properties[b].mass, body.inertia_B = properties[b].inertia;
+        body.center = origin + body.turn * properties[b].center;
+    };
+    std::vector<char> placed(n, 0);
+    const auto place = [&](std::size_t b) {
+        const int number = static_cast<int>(all.links.size());
+        if (carrier[b] < 0) {
+            Link<P> link;
+            link.kind = LinkJoint::free, link.base = static_cast<int>(b);
+            set_turn(link, {});
+            all.links.push_back(link);
+            carry(b, number, {}, {});
+            return;
+        }
+        const Joint& joint = scene.joints[static_cast<std::size_t>(carrier[b])];
+        const int parent_body = body_index(scene, joint.parent);
+        const Carried<P>& parent = parent_body < 0 ? world : all.bodies[static_cast<std::size_t>(parent_body)];
+        const Vector3<P> point = parent.origin + parent.turn * cast<P>(joint.parent_point);
+        const Quaternion<P> q0 = parent.q * normalized(cast<P>(joint.parent_orientation));
+        const Vector3<P> child_point = cast<P>(joint.child_point);
+        if (joint.type == JointType::fixed) {
+            carry(b, parent.link, q0, point - rotation_matrix(q0) * child_point);
+            return;
+        }
+        Link<P> link;
+        link.parent = parent.link, link.joint = carrier[b], link.place = point, link.dependent = joint.dependent;
+        const auto set_axis = [&](int axis) {
+            const std::size_t a = static_cast<std::size_t>(axis);
+            link.axis = axis;
+            link.stiffness = P(joint.stiffness[a]), link.rest = P(joint.rest[a]), link.damping = P(joint.damping[a]);
+            link.start = P(joint.coordinate[a]), link.start_rate = P(joint.rate[a]);
+        };
+        Quaternion<P> to_body;  // link axes to the child's
+        set_axis(0);
+        if (joint.type == JointType::spherical) {
+            link.kind = LinkJoint::spherical;
+            set_turn(link, q0);
+            link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
+            link.start_q = normalized(cast<P>(joint.orientation));
+            link.start_w = cast<P>(joint.angular_velocity);
+        } else {
+            link.kind = joint.type == JointType::prismatic ? LinkJoint::prismatic : LinkJoint::revolute;
+            to_body = from_z<P>(joint.axes[0]);
+            set_turn(link, q0 * to_body);
+        }
+        all.links.push_back(link);
+        if (joint.type == JointType::universal) {
+            const Quaternion<P> second = from_z<P>(joint.axes[1]);
+            link.parent = number, link.place = {};
+            set_axis(1);
+            set_turn(link, conjugate(to_body) * second);
+            to_body = second;
+            all.links.push_back(link);
+        }
+        const int last = static_cast<int>(all.links.size()) - 1;
+        all.link_of_joint[static_cast<std::size_t>(carrier[b])] = last;
+        const Quaternion<P> q = conjugate(to_body);
+        carry(b, last, q, -(rotation_matrix(q) * child_point));
+    };
+    for (std::size_t done = 0, before = n; done < n && done != before;) {
+        before = done;
+        for (std::size_t b = 0; b < n; ++b) {
+            if (placed[b]) continue;
+            const int parent =
+                carrier[b] < 0 ? -1 : body_index(scene, scene.joints[static_cast<std::size_t>(carrier[b])].parent);
+            if (parent >= 0 && !placed[static_cast<std::size_t>(parent)]) continue;
+            place(b);
+            placed[b] = 1, ++done;
+        }
+    }
+    // what each link is made of; a free one is about its own centre of mass
+    const auto masses = [&](std::size_t i) {
+        std::vector<MassProperties<P>> parts;
+        for (const Carried<P>& body : all.bodies)
+            if (body.link == static_cast<int>(i))
+                parts.push_back({body.mass, body.center, rotated(body.inertia_B, body.q)});
+        return composite(parts);
+    };
+    for (std::size_t i = 0; i < all.links.size(); ++i) {
+        Link<P>& link = all.links[i];
+        const MassProperties<P> whole = masses(i);
+        link.mass = whole.mass;
+        if (link.kind == LinkJoint::free) {
+            for (Carried<P>& body : all.bodies)
+                if (body.link == static_cast<int>(i))
+                    body.origin = body.origin - whole.center, body.center = body.center - whole.center;
+            for (Link<P>& child : all.links)
+                if (child.parent == static_cast<int>(i)) child.place = child.place - whole.center;
+            link.inertia = symmetric_part(whole.inertia);
+        } else {
+            link.moment = whole.mass * whole.center;
+            link.inertia = symmetric_part(about_point(whole, Vector3<P>()));
+        }
+        if (link.kind == LinkJoint::free) {
+            const std::size_t base = static_cast<std::size_t>(link.base);
+            const Initial& start = scene.bodies[base].initial;
+            link.start_q = normalized(cast<P>(start.orientation));
+            const Vector3<P> w = cast<P>(start.angular_velocity);
+            link.start_w = start.angular_velocity_frame == Frame::body ? w : rotate_back(link.start_q, w);
+            // its initial place is that of the base's own centre of mass
+            const Vector3<P> arm = -all.bodies[base].center;
+            link.start_position = cast<P>(start.position_W) + rotate(link.start_q, arm);
+            link.start_velocity = cast<P>(start.velocity_W) + rotate(link.start_q, cross(link.start_w, arm));
+        }
+        link.coordinate = all.coordinates, all.coordinates += link.coordinates();
+        all.rates += link.rates();
+    }
+    int rate = all.coordinates;
+    for (Link<P>& link : all.links) link.rate = rate, rate += link.rates();
+    return all;
+}
+
+}  // namespace polhode

@@ -1,0 +1,183 @@
+#include "motion/mechanism.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "motion/contact.h"
+#include "motion/own_system.h"
+#include "scene/body_source.h"
+
+namespace polhode {
+namespace {
+
+// of components moved, so that a thousand bodies wait no longer than one
+constexpr long scout_work = 4'000'000, most_scout_steps = 20000, least_scout_steps = 200;
+constexpr double scout_tolerance = 1e-3;
+
+}  // namespace
+
+std::vector<MassProperties<Wide>> wide_mass_properties(const Scene& scene) {
+    std::vector<MassProperties<Wide>> all;
+    for (const NamedBody& body : scene.bodies) all.push_back(mass_properties<Wide>(body.body));
+    return all;
+}
+
+std::vector<Sample> samples_of(double t, const std::vector<BodyMotion<double>>& motions) {
+    std::vector<Sample> samples;
+    for (const BodyMotion<double>& m : motions)
+        samples.push_back({t, m.q, m.angular_velocity_B, m.position_W, m.velocity_W});
+    return samples;
+}
+
+std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene) {
+    const Tree<Wide> tree(scene, wide_mass_properties(scene));
+    std::vector<Wide> y(static_cast<std::size_t>(tree.dimension()));
+    tree.initial(y.data());
+    std::vector<BodyMotion<double>> all;
+    for (const BodyMotion<Wide>& m : tree.motions(y.data()))
+        all.push_back({cast<double>(m.q), cast<double>(m.angular_velocity_B), cast<double>(m.position_W),
+                       cast<double>(m.velocity_W)});
+    return all;
+}
+
+MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
+    : scene_(std::move(scene)),
+      exact_(std::make_shared<const Tree<Wide>>(*scene_, wide_mass_properties(*scene_))),
+      tree_(*exact_) {
+    for (const Carried<double>& body : tree_.links().bodies)
+        masses_.push_back(body.mass), inertias_.push_back(body.inertia_B);
+    scout();
+}
+
+std::vector<Sample> MechanismModel::motion(const double* y) const { return samples_of(0, tree_.motions(y)); }
+
+void MechanismModel::enter(double t, double* y) {
+    Tree<Wide> exact(*exact_);
+    exact.set_loads(*scene_, t);
+    tree_.take_loads(exact);
+    tree_.strike(*scene_, t, y);
+}
+
+double MechanismModel::kinetic_energy(const Bodies& bodies) const {
+    double energy = 0;
+    for (std::size_t b = 0; b < bodies.size() && b < masses_.size(); ++b) {
+        const Sample& sample = bodies[b];
+        const Vector3<double>& w = sample.angular_velocity_B;
+        energy += dot(w, inertias_[b] * w) / 2 + masses_[b] * dot(sample.velocity_W, sample.velocity_W) / 2;
+    }
+    return energy;
+}
+
+// Bogacki & Shampine (1989), orders 3 and 2, each component against its kind's largest.
+void MechanismModel::scout() {
+    const std::size_t n = static_cast<std::size_t>(dimension());
+    // the kinds of components: angles and quaternions by 1; places; turning rates; speeds
+    enum Kind : std::size_t { unit, place, turning, speed };
+    std::vector<Kind> kind(n, unit);
+    for (const Link<double>& link : tree_.links().links) {
+        const std::size_t x = static_cast<std::size_t>(link.coordinate), rate = static_cast<std::size_t>(link.rate);
+        if (link.kind == LinkJoint::prismatic) kind[x] = place;
+        for (int k = 0; k < link.rates(); ++k)
+            kind[rate + static_cast<std::size_t>(k)] = link.kind == LinkJoint::prismatic || k >= 3 ? speed : turning;
+        if (link.kind == LinkJoint::free)
+            for (std::size_t k = 4; k < 7; ++k) kind[x + k] = place;
+    }
+    std::array<double, 4> largest{1, 0, 0, 0};
+    double most_energy = 0;
+    Scales bodies{0, 0, 0};
+    const auto note = [&](const std::vector<double>& y) {
+        for (std::size_t i = 0; i < n; ++i)
+            if (std::isfinite(y[i])) largest[kind[i]] = std::max(largest[kind[i]], std::abs(y[i]));
+        const std::vector<Sample> now = motion(y.data());
+        for (const Sample& body : now) {
+            bodies.angular_velocity = std::max(bodies.angular_velocity, length(body.angular_velocity_B));
+            bodies.position = std::max(bodies.position, length(body.position_W));
+            bodies.velocity = std::max(bodies.velocity, length(body.velocity_W));
+        }
+        if (const double energy = kinetic_energy(now); std::isfinite(energy))
+            most_energy = std::max(most_energy, energy);
+    };
+    using Y = std::vector<double>;
+    MechanismModel model(*this);
+    Y y(n), k1(n), k2(n), k3(n), k4(n), z(n), next(n);
+    model.initial(y.data());
+    note(y);
+    const long most_steps = std::clamp(scout_work / static_cast<long>(n), least_scout_steps, most_scout_steps);
+    long steps = 0;
+    bool going = true;
+    for (const Leg& leg : itinerary(*scene_)) {
+        model.enter(leg.begin, y.data());
+        note(y);
+        double t = leg.begin, h = (leg.end - leg.begin) / 100;
+        model.derivative(y.data(), k1.data());
+        while (going && t < leg.end) {
+            if (++steps > most_steps) going = false;
+            h = std::min(h, leg.end - t);
+            for (std::size_t i = 0; i < n; ++i) z[i] = y[i] + h / 2 * k1[i];
+            model.derivative(z.data(), k2.data());
+            for (std::size_t i = 0; i < n; ++i) z[i] = y[i] + h * 3 / 4 * k2[i];
+            model.derivative(z.data(), k3.data());
+            for (std::size_t i = 0; i < n; ++i) next[i] = y[i] + h / 9 * (2 * k1[i] + 3 * k2[i] + 4 * k3[i]);
+            model.derivative(next.data(), k4.data());
+            double error = 0;
+            for (std::size_t i = 0; i < n; ++i) {
+                const double change = std::abs(h * (-5.0 / 72 * k1[i] + k2[i] / 12 + k3[i] / 9 - k4[i] / 8));
+                const double size = std::max(largest[kind[i]], std::abs(next[i]));
+                if (!(change <= 0)) error = std::max(error, size > 0 ? change / size : 1.0);
+                if (!std::isfinite(next[i])) error = std::numeric_limits<double>::infinity();
+            }
+            error /= scout_tolerance;
+            if (!std::isfinite(error) || error > 1) {
+                h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::cbrt(1 / error)) : 0.1;
+                if (t + h == t) going = false;
+                continue;
+            }
+            t = leg.end - t <= h ? leg.end : t + h;
+            y = next, k1 = k4;
+            if (model.projects()) model.project(y.data()), model.derivative(y.data(), k1.data());
+            note(y);
+            h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
+        }
+    }
+    // a motion at rest has no scale of its own: one radian, metre over the duration
+    const double T = scene_->duration;
+    if (largest[turning] == 0) largest[turning] = 1 / T;
+    if (largest[place] == 0) largest[place] = 1;
+    if (largest[speed] == 0) largest[speed] = largest[place] / T;
+    scales_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) scales_[i] = largest[kind[i]];
+    if (bodies.angular_velocity == 0) bodies.angular_velocity = 1 / T;
+    if (bodies.position == 0) bodies.position = 1;
+    if (bodies.velocity == 0) bodies.velocity = bodies.position / T;
+    body_scales_ = bodies;
+    if (most_energy == 0)
+        for (std::size_t b = 0; b < masses_.size(); ++b)
+            most_energy += masses_[b] * bodies.velocity * bodies.velocity / 2;
+    energy_bound_ = 1e6 * most_energy;
+}
+
+Problem pose_mechanism(const Scene& scene) {
+    Problem problem;
+    problem.scene = scene;
+    const auto model =
+        std::make_shared<const Erased<MechanismModel>>(MechanismModel(std::make_shared<const Scene>(scene)));
+    problem.needs.system = SystemKind::mechanism, problem.needs.dimension = model->dimension();
+    for (const Leg& leg : itinerary(scene)) {
+        Segment segment;
+        static_cast<Leg&>(segment) = leg;
+        problem.segments.push_back(std::move(segment));
+    }
+    problem.needs.time_dependent = problem.segments.size() > 1;
+    problem.body.geometry = std::make_shared<const ContactGeometry<double>>();
+    problem.scales = model->model().body_scales();
+    problem.own = model;
+    return problem;
+}
+
+const MechanismModel& mechanism_of(const Problem& problem) {
+    return static_cast<const Erased<MechanismModel>&>(*problem.own).model();
+}
+
+}  // namespace polhode

@@ -1,0 +1,71 @@
+// A scene of several bodies as a system that every method for own systems takes: joint coordinates and their rates.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "motion/mechanism_motion.h"
+#include "motion/problem.h"
+#include "motion/tree.h"
+
+namespace polhode {
+
+/// The mass properties of all bodies of a scene, exact in P. Made for double and Wide; for any other scalar include
+/// scene/body_source.h.
+std::vector<MassProperties<Wide>> wide_mass_properties(const Scene& scene);
+
+/// A mechanism as a model (motion/own_system.h): its equations in binary64, each constant rounded once from 113 bits.
+class MechanismModel {
+  public:
+    /// Of a valid scene of several bodies. Throws InputError where its loops do not close at the start.
+    explicit MechanismModel(std::shared_ptr<const Scene> scene);
+
+    const Scene& scene() const { return *scene_; }
+    const Tree<double>& tree() const { return tree_; }
+
+    int dimension() const { return tree_.dimension(); }
+    void initial(double* y) const { tree_.initial(y); }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        tree_.derivative(y, dy);
+    }
+    std::vector<double> scales() const { return scales_; }
+    std::vector<Sample> motion(const double* y) const;
+    void enter(double t, double* y);
+    /// Back onto the loops.
+    bool projects() const { return tree_.has_loops(); }
+    void project(double* y) const { tree_.project(y); }
+    /// Of all bodies, J.
+    double kinetic_energy(const Bodies& bodies) const;
+    /// 10^6 times the largest kinetic energy that a coarse run has seen, J.
+    double energy_bound() const { return energy_bound_; }
+    /// Estimates of the largest |w|, |p| and |v| of any body.
+    const Scales& body_scales() const { return body_scales_; }
+
+  private:
+    std::shared_ptr<const Scene> scene_;
+    std::shared_ptr<const Tree<Wide>> exact_;
+    Tree<double> tree_;
+    std::vector<double> scales_;
+    std::vector<double> masses_;
+    std::vector<Matrix3<double>> inertias_;
+    double energy_bound_ = 0;
+    Scales body_scales_;
+
+    void scout();
+};
+
+/// Poses a scene of several bodies. `problem.own` holds a MechanismModel.
+Problem pose_mechanism(const Scene& scene);
+
+/// The model of a problem whose scene is one of several bodies.
+const MechanismModel& mechanism_of(const Problem& problem);
+
+/// The motion of every body at t = 0, before any impulse there: the exact one rounded once.
+std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene);
+
+/// A sample of each body.
+std::vector<Sample> samples_of(double t, const std::vector<BodyMotion<double>>& motions);
+
+}  // namespace polhode

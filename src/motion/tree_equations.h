@@ -1,0 +1,376 @@
+// The equations of motion/tree.h: which see.
+#pragma once
+
+#include "motion/tree.h"
+
+namespace polhode {
+
+template <class P>
+template <class S>
+TreeWork<S>& Tree<P>::work() const {
+    static thread_local TreeWork<S> memory;
+    const std::size_t n = links_.links.size();
+    if (memory.links.size() < n) {
+        memory.links.resize(n), memory.frames.resize(n), memory.velocity_W.resize(n), memory.q.resize(n);
+        memory.wrench.resize(n);
+    }
+    return memory;
+}
+
+template <class P>
+template <class S>
+void Tree<P>::move(const S* y, TreeWork<S>& at) const {
+    const std::size_t n = links_.links.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        const Link<P>& link = links_.links[i];
+        LinkWork<S>& w = at.links[i];
+        const S* const x = y + link.coordinate;
+        const S* const rate = y + link.rate;
+        const bool on_link = link.parent >= 0;
+        w.r = cast<S>(link.place);
+        if (link.kind == LinkJoint::revolute) {
+            S sine, cosine;
+            sine_cosine(x[0], sine, cosine);
+            w.R = turned_about_z(link.turn, cosine, sine);
+        } else if (link.kind == LinkJoint::prismatic) {
+            w.R = cast<S>(link.turn);
+            for (std::size_t k = 0; k < 3; ++k) w.r[k] = w.r[k] + link.turn[k][2] * x[0];
+        } else {
+            w.R = rotation_matrix(Quaternion<S>{x[0], x[1], x[2], x[3]});
+            if (link.kind == LinkJoint::spherical) w.R = link.turn * w.R;
+        }
+        Vector3<S> carried;
+        w.bias = {};
+        if (on_link) {
+            const LinkWork<S>& parent = at.links[static_cast<std::size_t>(link.parent)];
+            carried = transposed_times(w.R, parent.w);
+            w.bias.linear = transposed_times(w.R, cross(parent.w, cross(parent.w, w.r)));
+        }
+        w.w = carried;
+        if (link.kind == LinkJoint::revolute) {
+            w.w[2] = w.w[2] + rate[0];
+            w.bias.turning = {carried[1] * rate[0], -(carried[0] * rate[0]), S(0)};
+        } else if (link.kind == LinkJoint::prismatic) {
+            const S twice = rate[0] + rate[0];
+            w.bias.linear[0] = w.bias.linear[0] + carried[1] * twice;
+            w.bias.linear[1] = w.bias.linear[1] - carried[0] * twice;
+        } else {
+            const Vector3<S> relative(rate[0], rate[1], rate[2]);
+            w.w = carried + relative;
+            w.bias.turning = cross(carried, relative);
+        }
+        // the link alone: n = I alpha + h x a + w x I w,  f = alpha x h + m a + w x (w x h)
+        ArticulatedInertia<S>& own = w.inertia;
+        const Vector3<P>& h = link.moment;
+        const Symmetric3<P>& I = link.inertia;
+        own.J = {S(I.xx), S(I.yy), S(I.zz), S(I.xy), S(I.xz), S(I.yz)};
+        own.B[0] = {S(0), S(-h[2]), S(h[1])};
+        own.B[1] = {S(h[2]), S(0), S(-h[0])};
+        own.B[2] = {S(-h[1]), S(h[0]), S(0)};
+        own.M = {S(link.mass), S(link.mass), S(link.mass), S(0), S(0), S(0)};
+        own.n = cross(w.w, I * w.w);
+        own.f = cross(w.w, cross(w.w, h));
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::see(const S* y, TreeWork<S>& at) const {
+    for (std::size_t i = 0; i < links_.links.size(); ++i) {
+        const Link<P>& link = links_.links[i];
+        const LinkWork<S>& w = at.links[i];
+        LinkFrame<S>& frame = at.frames[i];
+        Vector3<S>& v = at.velocity_W[i];
+        if (link.kind == LinkJoint::free) {
+            const S *const x = y + link.coordinate, *const rate = y + link.rate;
+            frame.R = w.R;
+            frame.x = {x[4], x[5], x[6]};
+            v = {rate[3], rate[4], rate[5]};
+            continue;
+        }
+        if (link.parent < 0) {
+            frame.R = w.R, frame.x = w.r, v = {};
+        } else {
+            const std::size_t p = static_cast<std::size_t>(link.parent);
+            const LinkFrame<S>& parent = at.frames[p];
+            frame.R = parent.R * w.R;
+            frame.x = parent.x + parent.R * w.r;
+            v = at.velocity_W[p] + parent.R * cross(at.links[p].w, w.r);
+        }
+        if (link.kind == LinkJoint::prismatic)
+            for (std::size_t k = 0; k < 3; ++k) v[k] = v[k] + frame.R[k][2] * y[link.rate];
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::force_at(const LinkPoint<P>& where, const Vector3<S>& force_W, TreeWork<S>& at) const {
+    if (where.link < 0) return;
+    const std::size_t i = static_cast<std::size_t>(where.link);
+    ArticulatedInertia<S>& own = at.links[i].inertia;
+    const Vector3<S> force = transposed_times(at.frames[i].R, force_W);
+    own.f = own.f - force;
+    own.n = own.n - cross(where.point, force);
+}
+
+template <class P>
+template <class S>
+void Tree<P>::load(const S* y, TreeWork<S>& at) const {
+    for (std::size_t i = 0; i < links_.links.size(); ++i) {
+        const Link<P>& link = links_.links[i];
+        Vector3<S>& force = at.links[i].force;
+        const S *const x = y + link.coordinate, *const rate = y + link.rate;
+        force = {};
+        if (link.kind == LinkJoint::free) continue;
+        if (link.kind == LinkJoint::spherical) {
+            if (!(link.stiffness == P(0))) {
+                const Quaternion<S> r = conjugate(link.rest_orientation) * Quaternion<S>{x[0], x[1], x[2], x[3]};
+                force = (P(-2) * link.stiffness) * (r.w * vector_part(r));
+            }
+            if (!(link.damping == P(0))) force = force - link.damping * Vector3<S>(rate[0], rate[1], rate[2]);
+            continue;
+        }
+        if (!loads_.motors.empty() && !(loads_.motors[i] == P(0))) force[0] = S(loads_.motors[i]);
+        if (!(link.stiffness == P(0))) force[0] = force[0] - link.stiffness * (x[0] - S(link.rest));
+        if (!(link.damping == P(0))) force[0] = force[0] - link.damping * rate[0];
+    }
+    for (const auto& one : loads_.constant) {
+        ArticulatedInertia<S>& own = at.links[static_cast<std::size_t>(one.link)].inertia;
+        own.n = own.n - cast<S>(one.load.turning);
+        own.f = own.f - cast<S>(one.load.linear);
+    }
+    for (const auto& one : loads_.in_world) {
+        force_at(LinkPoint<P>{one.link, one.point}, cast<S>(one.force_W), at);
+        const std::size_t i = static_cast<std::size_t>(one.link);
+        ArticulatedInertia<S>& own = at.links[i].inertia;
+        own.n = own.n - transposed_times(at.frames[i].R, one.torque_W);
+    }
+    for (const auto& one : loads_.at_world_points) {
+        const std::size_t i = static_cast<std::size_t>(one.link);
+        ArticulatedInertia<S>& own = at.links[i].inertia;
+        const Vector3<S> arm = transposed_times(at.frames[i].R, one.point_W - at.frames[i].x);
+        const Vector3<S> force = one.in_link ? cast<S>(one.force) : transposed_times(at.frames[i].R, one.force);
+        own.f = own.f - force;
+        own.n = own.n - cross(arm, force);
+    }
+    for (const auto& one : loads_.drags) {
+        const std::size_t i = static_cast<std::size_t>(one.link);
+        const Vector3<S>& w = at.links[i].w;
+        ArticulatedInertia<S>& own = at.links[i].inertia;
+        own.n = own.n + one.rotational * w;
+        if (one.translational == P(0)) continue;
+        const Vector3<S> v = transposed_times(at.frames[i].R, at.velocity_W[i]) + cross(w, one.center);
+        own.f = own.f + one.translational * v;
+        own.n = own.n + one.translational * cross(one.center, v);
+    }
+    for (const auto& one : loads_.between) {
+        const auto place = [&](const LinkPoint<P>& point) -> Vector3<S> {
+            if (point.link < 0) return cast<S>(point.point);
+            const LinkFrame<S>& frame = at.frames[static_cast<std::size_t>(point.link)];
+            return frame.x + frame.R * point.point;
+        };
+        const Vector3<S> d = place(one.second) - place(one.first);
+        // k (|d| - d0) d / |d|
+        Vector3<S> pull = one.stiffness * d;
+        if (!(one.rest_length == P(0))) {
+            const S distance = square_root(S(dot(d, d)));
+            pull = pull - ((one.stiffness * one.rest_length) * (S(P(1)) / distance)) * d;
+        }
+        force_at(one.first, pull, at);
+        force_at(one.second, Vector3<S>(-pull), at);
+    }
+    if (loads_.springs.empty()) return;
+    // the attitudes of links, in half the angles of R
+    for (std::size_t i = 0; i < links_.links.size(); ++i) at.q[i] = attitude_of(i, y, at);
+    for (const auto& one : loads_.springs) {
+        const std::size_t i = static_cast<std::size_t>(one.link);
+        const Quaternion<S> r = conjugate(one.rest) * (at.q[i] * one.q);
+        const Vector3<S> torque = rotate(one.q, Vector3<S>((P(-2) * one.stiffness) * (r.w * vector_part(r))));
+        at.links[i].inertia.n = at.links[i].inertia.n - torque;
+    }
+}
+
+template <class P>
+template <class S>
+Quaternion<S> Tree<P>::attitude_of(std::size_t i, const S* y, const TreeWork<S>& at) const {
+    const Link<P>& link = links_.links[i];
+    const S* const x = y + link.coordinate;
+    Quaternion<S> q;
+    if (link.kind == LinkJoint::revolute) {
+        S sine, cosine;
+        sine_cosine(S((P(1) / P(2)) * x[0]), sine, cosine);
+        q = link.q_turn * Quaternion<S>{cosine, S(0), S(0), sine};
+    } else if (link.kind == LinkJoint::prismatic) {
+        q = cast<S>(link.q_turn);
+    } else {
+        q = link.q_turn * Quaternion<S>{x[0], x[1], x[2], x[3]};
+    }
+    return link.parent < 0 ? q : at.q[static_cast<std::size_t>(link.parent)] * q;
+}
+
+template <class P>
+template <class S>
+void Tree<P>::articulate(TreeWork<S>& at) const {
+    for (std::size_t i = links_.links.size(); i-- > 0;) {
+        const Link<P>& link = links_.links[i];
+        LinkWork<S>& w = at.links[i];
+        const ArticulatedInertia<S>& I = w.inertia;
+        if (link.kind == LinkJoint::free) {
+            // f = B^T alpha + M a = -f0,  (J - B M^-1 B^T) alpha = -n0 + B M^-1 f0
+            w.inverse_mass = inverse(I.M);
+            Symmetric3<S> schur = turned(I.B, w.inverse_mass);
+            schur = {I.J.xx - schur.xx, I.J.yy - schur.yy, I.J.zz - schur.zz,
+                     I.J.xy - schur.xy, I.J.xz - schur.xz, I.J.yz - schur.yz};
+            w.inverse = inverse(schur);
+            continue;
+        }
+        const bool hangs = link.parent >= 0;
+        const Vector3<S>&c_w = w.bias.turning, &c_v = w.bias.linear;
+        Symmetric3<S> J, M;
+        Matrix3<S> B;
+        Vector3<S> n, f;
+        if (link.kind == LinkJoint::spherical) {
+            // the joint leaves no torque but its own: J and B vanish, M - B^T J^-1 B remains
+            w.inverse = inverse(I.J);
+            const Vector3<S> torque = w.force;
+            w.force = torque - I.n;
+            if (!hangs) continue;
+            M = turned(transposed(I.B), w.inverse);
+            M = {I.M.xx - M.xx, I.M.yy - M.yy, I.M.zz - M.zz, I.M.xy - M.xy, I.M.xz - M.xz, I.M.yz - M.yz};
+            n = torque;
+            f = I.f + M * c_v + transposed_times(I.B, w.inverse * w.force);
+        } else {
+            const bool turns = link.kind == LinkJoint::revolute;
+            Vector3<S>&U_n = w.U.turning, &U_f = w.U.linear;
+            if (turns)
+                U_n = {I.J.xz, I.J.yz, I.J.zz}, U_f = I.B[2];
+            else
+                U_n = {I.B[0][2], I.B[1][2], I.B[2][2]}, U_f = {I.M.xz, I.M.yz, I.M.zz};
+            const S per = S(P(1)) / (turns ? I.J.zz : I.M.zz), force = w.force[0];
+            w.inverse.xx = per;
+            const S u = force - (turns ? I.n[2] : I.f[2]);
+            w.force[0] = u;
+            if (!hangs) continue;
+            const Vector3<S> N = per * U_n, F = per * U_f;
+            const S step = per * u;
+            // less what the joint gives way to; along its axis nothing is left
+            if (turns) {
+                J.xx = I.J.xx - N[0] * U_n[0], J.yy = I.J.yy - N[1] * U_n[1], J.xy = I.J.xy - N[0] * U_n[1];
+                for (std::size_t r = 0; r < 2; ++r)
+                    for (std::size_t c = 0; c < 3; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
+                M = {I.M.xx - F[0] * U_f[0], I.M.yy - F[1] * U_f[1], I.M.zz - F[2] * U_f[2],
+                     I.M.xy - F[0] * U_f[1], I.M.xz - F[0] * U_f[2], I.M.yz - F[1] * U_f[2]};
+                n = {I.n[0] + J.xx * c_w[0] + J.xy * c_w[1] + dot(B[0], c_v) + U_n[0] * step,
+                     I.n[1] + J.xy * c_w[0] + J.yy * c_w[1] + dot(B[1], c_v) + U_n[1] * step, force};
+                f = I.f + transposed_times(B, c_w) + M * c_v + step * U_f;
+            } else {
+                J = {I.J.xx - N[0] * U_n[0], I.J.yy - N[1] * U_n[1], I.J.zz - N[2] * U_n[2],
+                     I.J.xy - N[0] * U_n[1], I.J.xz - N[0] * U_n[2], I.J.yz - N[1] * U_n[2]};
+                for (std::size_t r = 0; r < 3; ++r)
+                    for (std::size_t c = 0; c < 2; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
+                M.xx = I.M.xx - F[0] * U_f[0], M.yy = I.M.yy - F[1] * U_f[1], M.xy = I.M.xy - F[0] * U_f[1];
+                n = I.n + J * c_w + B * c_v + step * U_n;
+                f = I.f + transposed_times(B, c_w) + M * c_v + step * U_f;
+                f[2] = force;
+            }
+        }
+        hang(w, J, B, M, n, f, at.links[static_cast<std::size_t>(link.parent)].inertia);
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::sweep_out(TreeWork<S>& at, S* rates) const {
+    for (std::size_t i = 0; i < links_.links.size(); ++i) {
+        const Link<P>& link = links_.links[i];
+        LinkWork<S>& w = at.links[i];
+        const ArticulatedInertia<S>& I = w.inertia;
+        Vector3<S>&alpha = w.acceleration.turning, &a = w.acceleration.linear;
+        S* const out = rates + (link.rate - links_.coordinates);
+        if (link.kind == LinkJoint::free) {
+            alpha = w.inverse * Vector3<S>(I.B * (w.inverse_mass * I.f) - I.n);
+            a = w.inverse_mass * Vector3<S>(-(I.f + transposed_times(I.B, alpha)));
+            const Vector3<S> a_W = w.R * a + cast<S>(loads_.gravity_W);
+            for (std::size_t k = 0; k < 3; ++k) out[k] = alpha[k], out[k + 3] = a_W[k];
+            continue;
+        }
+        if (link.parent < 0) {
+            // gravity is an acceleration of the world
+            alpha = {};
+            a = transposed_times(w.R, Vector3<P>(-loads_.gravity_W));
+        } else {
+            const Pair6<S>& parent = at.links[static_cast<std::size_t>(link.parent)].acceleration;
+            alpha = transposed_times(w.R, parent.turning);
+            a = transposed_times(w.R, Vector3<S>(parent.linear + cross(parent.turning, w.r)));
+        }
+        alpha = alpha + w.bias.turning;
+        a = a + w.bias.linear;
+        if (link.kind == LinkJoint::spherical) {
+            const Vector3<S> whole = w.inverse * Vector3<S>(w.force - I.B * a);
+            for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
+            alpha = whole;
+        } else {
+            out[0] = w.inverse.xx * (w.force[0] - dot(w.U.turning, alpha) - dot(w.U.linear, a));
+            S& along = link.kind == LinkJoint::revolute ? alpha[2] : a[2];
+            along = along + out[0];
+        }
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::accelerate(const S* y, TreeWork<S>& at, S* dy) const {
+    move(y, at);
+    if (has_loops() || loads_.needs_frames()) see(y, at);
+    load(y, at);
+    articulate(at);
+    sweep_out(at, dy + links_.coordinates);
+    if (!has_loops()) return;
+    find_rows(at);
+    respond_to_rows(at);
+    const std::size_t n = links_.links.size(), rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
+    std::vector<Pair6<S>>& now = at.wrench;
+    for (std::size_t i = 0; i < n; ++i) now[i] = at.links[i].acceleration;
+    at.multipliers.resize(rows);
+    for (std::size_t r = 0; r < rows; ++r) {
+        const std::size_t row = static_cast<std::size_t>(chosen_[r]);
+        at.multipliers[r] = -(applied(row, at, now.data()) + at.rows[row].bias);
+    }
+    solve_rows(at, at.multipliers);
+    for (std::size_t r = 0; r < rows; ++r) {
+        const S& multiplier = at.multipliers[r];
+        for (std::size_t k = 0; k < rates; ++k) {
+            S& out = dy[static_cast<std::size_t>(links_.coordinates) + k];
+            out = out + multiplier * at.rates[r * rates + k];
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            Pair6<S>& a = at.links[i].acceleration;
+            a.turning = a.turning + multiplier * at.response[r * n + i].turning;
+            a.linear = a.linear + multiplier * at.response[r * n + i].linear;
+        }
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::coordinate_rates(const S* y, TreeWork<S>&, S* dy) const {
+    for (const Link<P>& link : links_.links) {
+        const S *const x = y + link.coordinate, *const rate = y + link.rate;
+        S* const out = dy + link.coordinate;
+        if (link.coordinates() == 1) {
+            out[0] = rate[0];
+            continue;
+        }
+        // dq/dt = 1/2 q (0, w)
+        const P half = P(1) / P(2);
+        const Quaternion<S> q{x[0], x[1], x[2], x[3]};
+        out[0] = -(half * (q.x * rate[0] + q.y * rate[1] + q.z * rate[2]));
+        out[1] = half * (q.w * rate[0] + q.y * rate[2] - q.z * rate[1]);
+        out[2] = half * (q.w * rate[1] + q.z * rate[0] - q.x * rate[2]);
+        out[3] = half * (q.w * rate[2] + q.x * rate[1] - q.y * rate[0]);
+        if (link.kind == LinkJoint::free)
+            for (int k = 0; k < 3; ++k) out[4 + k] = rate[3 + k];
+    }
+}
+
+}  // namespace polhode

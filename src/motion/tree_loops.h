@@ -1,0 +1,302 @@
+// The loops of motion/tree.h: their conditions, what answers to them, and the way back onto them.
+#pragma once
+
+#include "motion/tree.h"
+
+namespace polhode {
+
+template <class P>
+template <class S>
+void Tree<P>::find_rows(TreeWork<S>& at) const {
+    at.rows.resize(all_rows_);
+    LoopRow<S>* row = at.rows.data();
+    // a point in the world: where it is, its velocity, and what its acceleration has beside alpha and a
+    struct Seen {
+        Vector3<S> arm_W, x, v, bias, w;
+    };
+    const auto seen = [&](const LinkPoint<P>& point) {
+        Seen there;
+        if (point.link < 0) {
+            there.x = cast<S>(point.point);
+            there.bias = cast<S>(Vector3<P>(-loads_.gravity_W));
+            return there;
+        }
+        const std::size_t i = static_cast<std::size_t>(point.link);
+        const LinkFrame<S>& frame = at.frames[i];
+        const Vector3<S>& w = at.links[i].w;
+        there.arm_W = frame.R * point.point;
+        there.x = frame.x + there.arm_W;
+        const Vector3<S> around = cross(w, point.point);
+        there.v = at.velocity_W[i] + frame.R * around;
+        there.bias = frame.R * cross(w, around);
+        there.w = frame.R * w;
+        return there;
+    };
+    const auto in_link = [&](int link, const Vector3<S>& v_W) {
+        return link < 0 ? v_W : transposed_times(at.frames[static_cast<std::size_t>(link)].R, v_W);
+    };
+    for (const LinkLoop<P>& loop : loops_) {
+        const Seen one = seen(loop.first), two = seen(loop.second);
+        const Vector3<S> d = two.x - one.x, v = two.v - one.v, bias = two.bias - one.bias;
+        const auto pull = [&](const Vector3<S>& along_W) {
+            const Vector3<S> back = in_link(loop.first.link, Vector3<S>(-along_W));
+            const Vector3<S> forth = in_link(loop.second.link, along_W);
+            row->first = {cross(loop.first.point, back), back};
+            row->second = {cross(loop.second.point, forth), forth};
+        };
+        if (loop.type == LoopType::distance) {
+            // g = (d.d - l^2) / 2
+            pull(d);
+            row->value = (P(1) / P(2)) * (dot(d, d) - S(loop.length * loop.length));
+            row->velocity = dot(d, v);
+            row->bias = dot(d, bias) + dot(v, v);
+            ++row;
+            continue;
+        }
+        for (std::size_t k = 0; k < 3; ++k, ++row) {
+            Vector3<S> along;
+            along[k] = S(P(1));
+            pull(along);
+            row->value = d[k], row->velocity = v[k], row->bias = bias[k];
+        }
+        if (loop.type != LoopType::revolute) continue;
+        const auto in_world = [&](int link, const Vector3<P>& axis) -> Vector3<S> {
+            return link < 0 ? cast<S>(axis) : at.frames[static_cast<std::size_t>(link)].R * axis;
+        };
+        const Vector3<S> a = in_world(loop.second.link, loop.second_axis), turning = two.w - one.w;
+        for (const Vector3<P>& across : loop.across) {
+            // g = a.e,  g' = (w2 - w1).(a x e)
+            const Vector3<S> e = in_world(loop.first.link, across), m = cross(a, e);
+            const Vector3<S> m_rate = cross(cross(two.w, a), e) + cross(a, cross(one.w, e));
+            row->first = {in_link(loop.first.link, Vector3<S>(-m)), {}};
+            row->second = {in_link(loop.second.link, m), {}};
+            row->value = dot(a, e), row->velocity = dot(turning, m), row->bias = dot(turning, m_rate);
+            ++row;
+        }
+    }
+}
+
+template <class P>
+template <class S>
+S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations) const {
+    const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
+    S sum(0);
+    const auto add = [&](int link, const Pair6<S>& side) {
+        if (link < 0) return;
+        const Pair6<S>& a = accelerations[link];
+        sum = sum + (dot(side.turning, a.turning) + dot(side.linear, a.linear));
+    };
+    add(loop.first.link, at.rows[row].first);
+    add(loop.second.link, at.rows[row].second);
+    return sum;
+}
+
+template <class P>
+template <class S>
+void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
+    const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
+    for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
+    const auto add = [&](int link, const Pair6<S>& side) {
+        if (link < 0) return;
+        Pair6<S>& there = at.wrench[static_cast<std::size_t>(link)];
+        there.turning = there.turning + side.turning, there.linear = there.linear + side.linear;
+    };
+    add(loop.first.link, at.rows[row].first);
+    add(loop.second.link, at.rows[row].second);
+}
+
+/// What the wrenches at.wrench bring about: accelerations of links and of rates, after articulate().
+template <class P>
+template <class S>
+void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
+    const std::size_t n = links_.links.size();
+    for (std::size_t i = n; i-- > 0;) {
+        const Link<P>& link = links_.links[i];
+        const LinkWork<S>& w = at.links[i];
+        Pair6<S>& own = at.wrench[i];
+        if (link.parent < 0) continue;
+        Vector3<S> n_left = own.turning, f_left = own.linear;
+        if (link.kind == LinkJoint::spherical) {
+            n_left = {};
+            f_left = f_left - transposed_times(w.inertia.B, w.inverse * own.turning);
+        } else {
+            const bool turns = link.kind == LinkJoint::revolute;
+            const S step = w.inverse.xx * (turns ? own.turning[2] : own.linear[2]);
+            n_left = n_left - step * w.U.turning, f_left = f_left - step * w.U.linear;
+            (turns ? n_left : f_left)[2] = S(0);
+        }
+        Pair6<S>& parent = at.wrench[static_cast<std::size_t>(link.parent)];
+        const Vector3<S> f = w.R * f_left;
+        parent.linear = parent.linear + f;
+        parent.turning = parent.turning + (w.R * n_left + cross(w.r, f));
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const Link<P>& link = links_.links[i];
+        const LinkWork<S>& w = at.links[i];
+        const Pair6<S>& own = at.wrench[i];
+        Vector3<S>&alpha = response[i].turning, &a = response[i].linear;
+        S* const out = rates + (link.rate - links_.coordinates);
+        if (link.kind == LinkJoint::free) {
+            alpha = w.inverse * Vector3<S>(own.turning - w.inertia.B * (w.inverse_mass * own.linear));
+            a = w.inverse_mass * Vector3<S>(own.linear - transposed_times(w.inertia.B, alpha));
+            const Vector3<S> a_W = w.R * a;
+            for (std::size_t k = 0; k < 3; ++k) out[k] = alpha[k], out[k + 3] = a_W[k];
+            continue;
+        }
+        if (link.parent < 0) {
+            alpha = {}, a = {};
+        } else {
+            const Pair6<S>& parent = response[link.parent];
+            alpha = transposed_times(w.R, parent.turning);
+            a = transposed_times(w.R, Vector3<S>(parent.linear + cross(parent.turning, w.r)));
+        }
+        if (link.kind == LinkJoint::spherical) {
+            const Vector3<S> whole = w.inverse * Vector3<S>(own.turning - w.inertia.B * a);
+            for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
+            alpha = whole;
+        } else {
+            const bool turns = link.kind == LinkJoint::revolute;
+            const S force = turns ? own.turning[2] : own.linear[2];
+            out[0] = w.inverse.xx * (force - dot(w.U.turning, alpha) - dot(w.U.linear, a));
+            S& along = turns ? alpha[2] : a[2];
+            along = along + out[0];
+        }
+    }
+}
+
+/// The responses to the chosen rows, and their matrix G M^-1 G^T as L D L^T.
+template <class P>
+template <class S>
+void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
+    const std::size_t n = links_.links.size(), rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
+    at.response.resize(rows * n), at.rates.resize(rows * rates), at.matrix.resize(rows * rows);
+    for (std::size_t r = 0; r < rows; ++r) {
+        start_response(static_cast<std::size_t>(chosen_[r]), at);
+        respond(at, at.response.data() + r * n, at.rates.data() + r * rates);
+        for (std::size_t c = 0; c <= r; ++c)
+            at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n);
+    }
+    // below the diagonal L, on it 1 / D
+    for (std::size_t c = 0; c < rows; ++c) {
+        for (std::size_t k = 0; k < c; ++k) {
+            // column k is still L D; row c of L is matrix[c][k] / D_k
+            const S factor = at.matrix[c * rows + k] * at.matrix[k * rows + k];
+            for (std::size_t r = c; r < rows; ++r)
+                at.matrix[r * rows + c] = at.matrix[r * rows + c] - factor * at.matrix[r * rows + k];
+        }
+        at.matrix[c * rows + c] = S(P(1)) / at.matrix[c * rows + c];
+    }
+}
+
+template <class P>
+template <class S>
+void Tree<P>::solve_rows(TreeWork<S>& at, std::vector<S>& x) const {
+    const std::size_t rows = chosen_.size();
+    // (L D) D^-1 (L D)^T x = b
+    for (std::size_t c = 0; c < rows; ++c)
+        for (std::size_t r = c + 1; r < rows; ++r)
+            x[r] = x[r] - at.matrix[r * rows + c] * (at.matrix[c * rows + c] * x[c]);
+    for (std::size_t r = rows; r-- > 0;) {
+        for (std::size_t c = r + 1; c < rows; ++c) x[r] = x[r] - at.matrix[c * rows + r] * x[c];
+        x[r] = at.matrix[r * rows + r] * x[r];
+    }
+}
+
+template <class P>
+void Tree<P>::displace(const P* by, P* y) const {
+    for (const Link<P>& link : links_.links) {
+        P* const x = y + link.coordinate;
+        const P* const d = by + (link.rate - links_.coordinates);
+        if (link.coordinates() == 1) {
+            x[0] = x[0] + d[0];
+            continue;
+        }
+        const P half = P(1) / P(2);
+        const Quaternion<P> q{x[0], x[1], x[2], x[3]};
+        const Quaternion<P> turned = normalized(q * Quaternion<P>{P(1), half * d[0], half * d[1], half * d[2]});
+        x[0] = turned.w, x[1] = turned.x, x[2] = turned.y, x[3] = turned.z;
+        if (link.kind == LinkJoint::free)
+            for (std::size_t k = 0; k < 3; ++k) x[4 + k] = x[4 + k] + d[3 + k];
+    }
+}
+
+template <class P>
+P Tree<P>::loop_gap(const P* y) const {
+    TreeWork<P>& at = work<P>();
+    move(y, at), see(y, at), find_rows(at);
+    P worst(0);
+    for (const LoopRow<P>& row : at.rows)
+        for (const P& size : {Elementary<P>::magnitude(row.value), Elementary<P>::magnitude(row.velocity)})
+            if (size > worst) worst = size;
+    return worst;
+}
+
+template <class P>
+void Tree<P>::project(P* y) const {
+    if (!has_loops()) return;
+    constexpr int most_steps = 20;
+    TreeWork<P>& at = work<P>();
+    const std::size_t rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
+    std::vector<P> change(rates);
+    const auto answer = [&](P LoopRow<P>::*what) {
+        at.multipliers.resize(rows);
+        for (std::size_t r = 0; r < rows; ++r)
+            at.multipliers[r] = -(at.rows[static_cast<std::size_t>(chosen_[r])].*what);
+        solve_rows(at, at.multipliers);
+        for (std::size_t k = 0; k < rates; ++k) {
+            change[k] = P(0);
+            for (std::size_t r = 0; r < rows; ++r) change[k] = change[k] + at.multipliers[r] * at.rates[r * rates + k];
+        }
+    };
+    const auto look = [&] {
+        move(y, at), see(y, at);
+        for (LinkWork<P>& link : at.links) link.force = {};
+        articulate(at), find_rows(at), respond_to_rows(at);
+    };
+    // Newton's method, until round-off stops it
+    P before(-1);
+    for (int step = 0; step < most_steps; ++step) {
+        look();
+        P worst(0);
+        for (const int row : chosen_) {
+            const P size = Elementary<P>::magnitude(at.rows[static_cast<std::size_t>(row)].value);
+            if (size > worst) worst = size;
+        }
+        if (!(worst > P(0)) || (step > 0 && !(worst + worst < before))) break;
+        before = worst;
+        answer(&LoopRow<P>::value);
+        displace(change.data(), y);
+    }
+    look();
+    answer(&LoopRow<P>::velocity);
+    for (std::size_t k = 0; k < rates; ++k) {
+        P& rate = y[static_cast<std::size_t>(links_.coordinates) + k];
+        rate = rate + change[k];
+    }
+}
+
+template <class P>
+template <class S>
+std::vector<BodyMotion<S>> Tree<P>::motions(const S* y) const {
+    TreeWork<S>& at = work<S>();
+    move(y, at), see(y, at);
+    for (std::size_t i = 0; i < links_.links.size(); ++i) at.q[i] = attitude_of(i, y, at);
+    std::vector<BodyMotion<S>> all(links_.bodies.size());
+    for (std::size_t b = 0; b < all.size(); ++b) {
+        const Carried<P>& body = links_.bodies[b];
+        BodyMotion<S>& m = all[b];
+        if (body.link < 0) {
+            m.q = cast<S>(body.q), m.position_W = cast<S>(body.center);
+            continue;
+        }
+        const std::size_t i = static_cast<std::size_t>(body.link);
+        const LinkFrame<S>& frame = at.frames[i];
+        m.q = at.q[i] * body.q;
+        m.angular_velocity_B = transposed_times(body.turn, at.links[i].w);
+        m.position_W = frame.x + frame.R * body.center;
+        m.velocity_W = at.velocity_W[i] + frame.R * cross(at.links[i].w, body.center);
+    }
+    return all;
+}
+
+}  // namespace polhode

@@ -452,7 +452,7 @@ class TaylorSession {
     static constexpr int not_finite = -1, too_short = -2;
 
     // those of a system of the user's own are in seconds already
-    static std::vector<Sample> in_seconds(std::vector<Sample> bodies) { return bodies; }
+    static Moment in_seconds(Moment bodies) { return bodies; }
     Sample in_seconds(Sample sample) const {
         sample.t *= unit_;
         sample.angular_velocity_B = per_unit_ * sample.angular_velocity_B;

@@ -84,6 +84,8 @@ template <class P>
 struct Links {
     std::vector<Link<P>> links;      ///< each after its parent
     std::vector<Carried<P>> bodies;  ///< in the scene's order
+    std::vector<int> order;          ///< of the bodies: each after what carries it
+    std::vector<int> carrier;        ///< of each body: index in scene.joints; -1 of a free base
     std::vector<int> link_of_joint;  ///< of each joint its link (the last, of a universal one); world_link where fixed
     int coordinates = 0, rates = 0;  ///< of the state y = (coordinates, rates)
 };
@@ -130,7 +132,8 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
     const std::size_t n = scene.bodies.size();
     all.bodies.resize(n);
     all.link_of_joint.assign(scene.joints.size(), world_link);
-    std::vector<int> carrier(n, -1);
+    std::vector<int>& carrier = all.carrier;
+    carrier.assign(n, -1);
     for (std::size_t j = 0; j < scene.joints.size(); ++j)
         carrier[static_cast<std::size_t>(body_index(scene, scene.joints[j].child))] = static_cast<int>(j);
 
@@ -210,6 +213,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
             if (parent >= 0 && !placed[static_cast<std::size_t>(parent)]) continue;
             place(b);
             placed[b] = 1, ++done;
+            all.order.push_back(static_cast<int>(b));
         }
     }
     // what each link is made of; a free one is about its own centre of mass

@@ -32,6 +32,7 @@ class MechanismModel {
     }
     std::vector<double> scales() const { return scales_; }
     std::vector<Sample> motion(const double* y) const;
+    std::vector<Reaction<double>> reactions(const double* y) const { return tree_.reactions(*scene_, y); }
     void enter(double t, double* y);
     /// Back onto the loops.
     bool projects() const { return tree_.has_loops(); }

@@ -87,6 +87,7 @@ class ErasedModel {
     virtual void derivative(const truth::Traced<long double>* y, truth::Traced<long double>* dy) const = 0;
     virtual std::vector<double> scales() const = 0;
     virtual std::vector<Sample> motion(const double* y) const = 0;
+    virtual std::vector<Reaction<double>> reactions(const double* y) const = 0;
     virtual std::vector<double> events() const = 0;
     virtual bool projects() const = 0;
     virtual void project(double* y) const = 0;
@@ -115,6 +116,10 @@ class Erased : public ErasedModel {
     }
     std::vector<double> scales() const override { return model_.scales(); }
     std::vector<Sample> motion(const double* y) const override { return model_.motion(y); }
+    std::vector<Reaction<double>> reactions([[maybe_unused]] const double* y) const override {
+        if constexpr (requires { model_.reactions(y); }) return model_.reactions(y);
+        return {};
+    }
     std::vector<double> events() const override {
         if constexpr (requires { model_.events(); })
             return model_.events();
@@ -173,7 +178,8 @@ class OwnSystem {
     static constexpr int dimension = run_time;
     static constexpr bool about_axis = false, has_translation = false;
 
-    explicit OwnSystem(const Problem& problem) : model_(problem.own), size_(model_->dimension()) {}
+    explicit OwnSystem(const Problem& problem)
+        : model_(problem.own), size_(model_->dimension()), reactions_(problem.reactions) {}
 
     int size() const { return size_; }
     void initial(double* y) const { model_->initial(y); }
@@ -187,10 +193,11 @@ class OwnSystem {
     void derivative(double, const S* y, S* dy) const {
         model_->derivative(y, dy);
     }
-    std::vector<Sample> motion(double t, const double* y) const {
-        std::vector<Sample> bodies = model_->motion(y);
-        for (Sample& body : bodies) body.t = t;
-        return bodies;
+    Moment motion(double t, const double* y) const {
+        Moment moment{model_->motion(y), {}};
+        for (Sample& body : moment.samples) body.t = t;
+        if (reactions_) moment.reactions = model_->reactions(y);
+        return moment;
     }
     /// Whether there are conditions that a step leaves by a little, and the way back onto them.
     bool projects() const { return model_->projects(); }
@@ -203,6 +210,7 @@ class OwnSystem {
   private:
     std::shared_ptr<const ErasedModel> model_;
     int size_;
+    bool reactions_;
 };
 
 /// Moves a state after a step back onto what the system keeps; whether there was anything to do.

@@ -109,6 +109,7 @@ struct Problem {
     Needs needs;                                     ///< what the motion really has
     std::vector<Segment> segments;                   ///< its itinerary: the legs between events, with what acts on each
     Scales scales;                                   ///< how large the motion gets
+    bool reactions = false;                          ///< samples of several bodies carry the reactions of their joints
 
     PosedBody body;  ///< what the system is made of: rounded once from 128 bits
     /// The same for a system of the user's own, which has no body and no scene, and for a scene of several bodies.

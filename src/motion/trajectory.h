@@ -31,17 +31,6 @@ struct Sample {
     Vector3<double> velocity_W;          ///< of the centre of mass, m/s
 };
 
-/// The motion of every body at one time, seen in one sample or in a list of them.
-class Bodies : public std::span<const Sample> {
-  public:
-    Bodies(const Sample& one) : span(&one, 1) {}           ///< of a single body
-    Bodies(const std::vector<Sample>& all) : span(all) {}  ///< one sample for each
-    Bodies(std::span<const Sample> all) : span(all) {}     ///< one sample for each
-};
-
-/// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
-Vector3<double> angular_velocity_W(const Sample& sample);
-
 /// What the parent of a joint exerts on the child through it, or a loop's first body on the second: the whole force and
 /// torque, the joint's own spring, damper and motor included.
 template <class S>
@@ -52,6 +41,26 @@ struct Reaction {
     /// Whether all numbers are equal.
     bool operator==(const Reaction&) const = default;
 };
+
+/// The motion of every body at one time, and the reactions of joints and loops where they are asked for.
+struct Moment {
+    std::vector<Sample> samples;              ///< one for each body
+    std::vector<Reaction<double>> reactions;  ///< in the order of Trajectory::reactions, or none
+};
+
+/// The motion of every body at one time, seen in one sample or in a list of them.
+class Bodies : public std::span<const Sample> {
+  public:
+    std::span<const Reaction<double>> reactions;  ///< where they are known
+
+    Bodies(const Moment& moment) : span(moment.samples), reactions(moment.reactions) {}  ///< of several bodies
+    Bodies(const Sample& one) : span(&one, 1) {}                                         ///< of a single body
+    Bodies(const std::vector<Sample>& all) : span(all) {}                                ///< one sample for each
+    Bodies(std::span<const Sample> all) : span(all) {}                                   ///< one sample for each
+};
+
+/// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
+Vector3<double> angular_velocity_W(const Sample& sample);
 
 /// What a solver tells of its troubles; empty where it does not tell, or cannot have them.
 struct SolverCounts {
@@ -88,6 +97,7 @@ struct Trajectory {
     void append(const Bodies& moment) {
         bodies = static_cast<int>(moment.size());
         samples.insert(samples.end(), moment.begin(), moment.end());
+        reactions.insert(reactions.end(), moment.reactions.begin(), moment.reactions.end());
     }
 };
 

@@ -12,6 +12,7 @@
 #include "motion/exact_body.h"
 #include "motion/links.h"
 #include "motion/mechanism_motion.h"
+#include "motion/trajectory.h"
 
 namespace polhode {
 
@@ -20,32 +21,33 @@ template <class P>
 struct LinkPoint {
     int link = world_link;
     Vector3<P> point;  ///< from the link's origin, its axes; of the world, world axes
+    int body = -1;     ///< index in scene.bodies; -1 of the world
 };
 
 /// What acts on the links from the event last entered on.
 template <class P>
 struct LinkLoads {
     struct Constant {
-        int link;
+        int link, body;
         Pair6<P> load;  ///< torque about the origin and force, link axes
     };
     struct InWorld {
-        int link;
+        int link, body;
         Vector3<P> torque_W, force_W, point;  ///< the force acts at a point of the link
     };
     struct AtWorldPoint {
-        int link;
+        int link, body;
         Vector3<P> force, point_W;
         bool in_link;  ///< the force is constant in the link's axes, else in the world's
     };
     struct Drag {
-        int link;
+        int link, body;
         Matrix3<P> rotational;  ///< torque -C w, link axes
         P translational;
         Vector3<P> center;  ///< where the force -c v acts, link axes
     };
     struct Spring {
-        int link;
+        int link, body;
         P stiffness;
         Quaternion<P> q;     ///< body axes to link axes
         Quaternion<P> rest;  ///< body axes to world axes
@@ -153,6 +155,9 @@ class Tree {
     /// The motion of every body, in the scene's order, with the quaternions as they come.
     template <class S>
     std::vector<BodyMotion<S>> motions(const S* y) const;
+    /// What each joint, then each loop does to its child or its second body, in the scene's order.
+    template <class S>
+    std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
     /// Moves y on to what the loops ask for by the smallest step that the masses allow, and its rates likewise.
     void project(P* y) const;
     /// Of the loops at y: the largest of the conditions and of their rates (m, rad, SI).
@@ -220,4 +225,5 @@ class Tree {
 #include "motion/tree_cast.h"
 #include "motion/tree_equations.h"
 #include "motion/tree_loops.h"
+#include "motion/tree_reactions.h"
 #include "motion/tree_start.h"

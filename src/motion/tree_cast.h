@@ -16,7 +16,7 @@ Pair6<To> cast(const Pair6<From>& pair) {
 }
 template <class To, class From>
 LinkPoint<To> cast(const LinkPoint<From>& point) {
-    return {point.link, cast<To>(point.point)};
+    return {point.link, cast<To>(point.point), point.body};
 }
 
 template <class To, class From>
@@ -41,7 +41,7 @@ Links<To> cast(const Links<From>& links) {
     for (const Carried<From>& b : links.bodies)
         r.bodies.push_back({b.link, cast<To>(b.q), cast<To>(b.turn), cast<To>(b.origin), cast<To>(b.center), To(b.mass),
                             cast<To>(b.inertia_B)});
-    r.link_of_joint = links.link_of_joint;
+    r.order = links.order, r.carrier = links.carrier, r.link_of_joint = links.link_of_joint;
     r.coordinates = links.coordinates, r.rates = links.rates;
     return r;
 }
@@ -50,15 +50,15 @@ template <class To, class From>
 LinkLoads<To> cast(const LinkLoads<From>& loads) {
     LinkLoads<To> r;
     r.gravity_W = cast<To>(loads.gravity_W);
-    for (const auto& one : loads.constant) r.constant.push_back({one.link, cast<To>(one.load)});
+    for (const auto& one : loads.constant) r.constant.push_back({one.link, one.body, cast<To>(one.load)});
     for (const auto& one : loads.in_world)
-        r.in_world.push_back({one.link, cast<To>(one.torque_W), cast<To>(one.force_W), cast<To>(one.point)});
+        r.in_world.push_back({one.link, one.body, cast<To>(one.torque_W), cast<To>(one.force_W), cast<To>(one.point)});
     for (const auto& one : loads.at_world_points)
-        r.at_world_points.push_back({one.link, cast<To>(one.force), cast<To>(one.point_W), one.in_link});
+        r.at_world_points.push_back({one.link, one.body, cast<To>(one.force), cast<To>(one.point_W), one.in_link});
     for (const auto& one : loads.drags)
-        r.drags.push_back({one.link, cast<To>(one.rotational), To(one.translational), cast<To>(one.center)});
+        r.drags.push_back({one.link, one.body, cast<To>(one.rotational), To(one.translational), cast<To>(one.center)});
     for (const auto& one : loads.springs)
-        r.springs.push_back({one.link, To(one.stiffness), cast<To>(one.q), cast<To>(one.rest)});
+        r.springs.push_back({one.link, one.body, To(one.stiffness), cast<To>(one.q), cast<To>(one.rest)});
     for (const auto& one : loads.between)
         r.between.push_back({cast<To>(one.first), cast<To>(one.second), To(one.stiffness), To(one.rest_length)});
     for (const From& motor : loads.motors) r.motors.push_back(To(motor));

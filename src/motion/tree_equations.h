@@ -135,17 +135,20 @@ void Tree<P>::load(const S* y, TreeWork<S>& at) const {
         if (!(link.damping == P(0))) force[0] = force[0] - link.damping * rate[0];
     }
     for (const auto& one : loads_.constant) {
+        if (one.link < 0) continue;
         ArticulatedInertia<S>& own = at.links[static_cast<std::size_t>(one.link)].inertia;
         own.n = own.n - cast<S>(one.load.turning);
         own.f = own.f - cast<S>(one.load.linear);
     }
     for (const auto& one : loads_.in_world) {
+        if (one.link < 0) continue;
         force_at(LinkPoint<P>{one.link, one.point}, cast<S>(one.force_W), at);
         const std::size_t i = static_cast<std::size_t>(one.link);
         ArticulatedInertia<S>& own = at.links[i].inertia;
         own.n = own.n - transposed_times(at.frames[i].R, one.torque_W);
     }
     for (const auto& one : loads_.at_world_points) {
+        if (one.link < 0) continue;
         const std::size_t i = static_cast<std::size_t>(one.link);
         ArticulatedInertia<S>& own = at.links[i].inertia;
         const Vector3<S> arm = transposed_times(at.frames[i].R, one.point_W - at.frames[i].x);
@@ -154,6 +157,7 @@ void Tree<P>::load(const S* y, TreeWork<S>& at) const {
         own.n = own.n - cross(arm, force);
     }
     for (const auto& one : loads_.drags) {
+        if (one.link < 0) continue;
         const std::size_t i = static_cast<std::size_t>(one.link);
         const Vector3<S>& w = at.links[i].w;
         ArticulatedInertia<S>& own = at.links[i].inertia;
@@ -183,6 +187,7 @@ void Tree<P>::load(const S* y, TreeWork<S>& at) const {
     // the attitudes of links, in half the angles of R
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.q[i] = attitude_of(i, y, at);
     for (const auto& one : loads_.springs) {
+        if (one.link < 0) continue;
         const std::size_t i = static_cast<std::size_t>(one.link);
         const Quaternion<S> r = conjugate(one.rest) * (at.q[i] * one.q);
         const Vector3<S> torque = rotate(one.q, Vector3<S>((P(-2) * one.stiffness) * (r.w * vector_part(r))));

@@ -20,9 +20,9 @@ Tree<P>::Tree(const Scene& scene, const std::vector<MassProperties<P>>& properti
 template <class P>
 LinkPoint<P> Tree<P>::point_of(const Scene& scene, const std::string& body, const Vector3<double>& point) const {
     const int b = body_index(scene, body);
-    if (b < 0) return {world_link, cast<P>(point)};
+    if (b < 0) return {world_link, cast<P>(point), b};
     const Carried<P>& there = links_.bodies[static_cast<std::size_t>(b)];
-    return {there.link, there.origin + there.turn * cast<P>(point)};
+    return {there.link, there.origin + there.turn * cast<P>(point), b};
 }
 
 template <class P>
@@ -236,8 +236,10 @@ void Tree<P>::set_loads(const Scene& scene, double begin) {
     loads_ = {};
     loads_.motors.assign(links_.links.size(), P(0));
     bool motors = false;
+    int b = -1;  // the body that is acted on
     const auto body = [&](const std::string& name) -> const Carried<P>& {
-        return links_.bodies[static_cast<std::size_t>(body_index(scene, name))];
+        b = body_index(scene, name);
+        return links_.bodies[static_cast<std::size_t>(b)];
     };
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<Impulse>(load) || !acts(window_of(load), begin)) continue;
@@ -249,37 +251,34 @@ void Tree<P>::set_loads(const Scene& scene, double begin) {
             sum = sum + P(motor->force), motors = true;
         } else if (const auto* torque = std::get_if<Torque>(&load)) {
             const Carried<P>& on = body(torque->body);
-            if (on.link < 0) continue;
             const Vector3<P> v = cast<P>(torque->vector);
             if (torque->frame == Frame::body)
-                loads_.constant.push_back({on.link, {on.turn * v, {}}});
+                loads_.constant.push_back({on.link, b, {on.turn * v, {}}});
             else
-                loads_.in_world.push_back({on.link, v, {}, {}});
+                loads_.in_world.push_back({on.link, b, v, {}, {}});
         } else if (const auto* force = std::get_if<Force>(&load)) {
             const Carried<P>& on = body(force->body);
-            if (on.link < 0) continue;
             const Vector3<P> F = cast<P>(force->vector), point = cast<P>(force->point);
             const bool in_body = force->frame == Frame::body;
             const Vector3<P> F_link = in_body ? on.turn * F : F;
             if (force->point_frame == Frame::world) {
-                loads_.at_world_points.push_back({on.link, F_link, point, in_body});
+                loads_.at_world_points.push_back({on.link, b, F_link, point, in_body});
                 continue;
             }
             const Vector3<P> at = on.origin + on.turn * point;
             if (in_body)
-                loads_.constant.push_back({on.link, {cross(at, F_link), F_link}});
+                loads_.constant.push_back({on.link, b, {cross(at, F_link), F_link}});
             else
-                loads_.in_world.push_back({on.link, {}, F, at});
+                loads_.in_world.push_back({on.link, b, {}, F, at});
         } else if (const auto* drag = std::get_if<Drag>(&load)) {
             const Carried<P>& on = body(drag->body);
-            if (on.link < 0) continue;
             const Matrix3<P> C = on.turn * diagonal(cast<P>(drag->rotational)) * transposed(on.turn);
-            loads_.drags.push_back({on.link, C, P(drag->translational), on.center});
+            loads_.drags.push_back({on.link, b, C, P(drag->translational), on.center});
         } else if (const auto* spring = std::get_if<Spring>(&load)) {
             const Carried<P>& on = body(spring->body);
-            if (on.link < 0 || spring->stiffness == 0) continue;
+            if (spring->stiffness == 0) continue;
             const Quaternion<P> rest = normalized(cast<P>(spring->rest_orientation));
-            loads_.springs.push_back({on.link, P(spring->stiffness), on.q, rest});
+            loads_.springs.push_back({on.link, b, P(spring->stiffness), on.q, rest});
         } else if (const auto* between = std::get_if<PointSpring>(&load)) {
             loads_.between.push_back({point_of(scene, between->first, between->first_point),
                                       point_of(scene, between->second, between->second_point), P(between->stiffness),

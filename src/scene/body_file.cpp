@@ -7,6 +7,7 @@
 #include "scene/json_values.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
+#include "scene/robot_xml.h"
 #include "scene/scene_keys.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -198,7 +199,8 @@ MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
     const JsonNode& link = import.required("link", "the name of the link or body");
     try {
-        ImportedBody body = read_robot_body(path_in(directory, file.string()), link.string());
+        ImportedBody body =
+            parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()), link.string());
         body.file = file.string(), body.link = link.string();
         return body;
     } catch (const InputError& error) {

@@ -24,4 +24,7 @@ std::string_view builtin_scene_text(std::string_view name) { return text_of(buil
 std::vector<std::string> builtin_experiment_names() { return names_of(builtin_experiments()); }
 std::string_view builtin_experiment_text(std::string_view name) { return text_of(builtin_experiments(), name); }
 
+std::vector<std::string> builtin_robot_names() { return names_of(builtin_robots()); }
+std::string_view builtin_robot_text(std::string_view name) { return text_of(builtin_robots(), name); }
+
 }  // namespace polhode

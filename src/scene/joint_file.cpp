@@ -8,6 +8,7 @@
 #include "scene/body_file.h"
 #include "scene/initial_file.h"
 #include "scene/json_values.h"
+#include "scene/robot_import.h"
 #include "scene/scene_keys.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -204,10 +205,13 @@ void parse_joint_start(const JsonNode& node, Joint& j) {
 }
 
 void parse_mechanism(const JsonNode& root, Scene& scene) {
+    const JsonNode* import = root.find("import");
+    if (import) parse_robot_import(*import, scene);
     if (const JsonNode* joints = root.find("joints"))
         for (const JsonNode* one : joints->elements()) scene.joints.push_back(joint(*one));
     if (const JsonNode* loops = root.find("loops"))
         for (const JsonNode* one : loops->elements()) scene.loops.push_back(loop(*one));
+    if (import) return;
     const JsonNode& bodies = root.required("bodies", "a list of {\"name\": .., \"body\": ..}");
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
     const std::set<std::string_view> carried = children_of(scene);

@@ -8,8 +8,9 @@
 
 namespace polhode {
 
-/// What the members "bodies", "joints" and "loops" of a scene's object say goes into `scene`, whose directory is that
-/// of the files that bodies name. Throws InputError, also at the start of a body that a joint carries.
+/// What the members "bodies" and "joints", or "import", and "loops" of a scene's object say goes into `scene`, whose
+/// directory is that of the files that bodies name. Throws InputError, also at the start of a body that a joint
+/// carries.
 void parse_mechanism(const JsonNode& root, Scene& scene);
 
 /// The start that the object at `node` gives a joint: coordinate and rate, or orientation and angular velocity of a

@@ -30,13 +30,17 @@ Plane plane(const JsonNode& node) {
 // Whether it is one of several bodies; never one of both kinds.
 bool has_several(const JsonNode& root) {
     const JsonNode* several = nullptr;
-    for (const char* key : {"bodies", "joints", "loops"})
+    for (const char* key : {"bodies", "joints", "import", "loops"})
         if (const JsonNode* one = root.find(key); one && !several) several = one;
     for (const char* key : {"body", "initial", "pivot"})
         if (const JsonNode* one = root.find(key); one && several)
             one->fail(fmt::format("stands beside \"{}\"", several->key()),
                       "give \"body\", \"initial\" and \"pivot\" of one body, or \"bodies\", \"joints\" and \"loops\" "
                       "of several");
+    if (root.find("import"))
+        for (const char* key : {"bodies", "joints"})
+            if (const JsonNode* one = root.find(key))
+                one->fail("stands beside \"import\"", "leave it out: the robot's file says what it is made of");
     return several;
 }
 
@@ -82,6 +86,12 @@ bool in_builtin_folder(std::string_view name) {
     return false;
 }
 
+// Where the files that a built-in scene names are.
+std::string builtin_folder_of(const std::string& name) {
+    const std::size_t slash = name.rfind('/');
+    return std::string(builtin_directory) + (slash == name.npos ? "" : name.substr(0, slash));
+}
+
 // The built-in scenes meant by a name that is none: first the one that is called so in a folder.
 std::string scenes_meant(const std::string& name) {
     for (const BuiltinText& scene : builtin_scenes())
@@ -106,7 +116,7 @@ Scene read_scene(const std::string& path) {
 
 Scene find_scene(const std::string& name_or_path) {
     if (const std::string_view text = builtin_scene_text(name_or_path); !text.empty())
-        return parse_scene(text, name_or_path);
+        return parse_scene(text, name_or_path, builtin_folder_of(name_or_path));
     const bool path_like = name_or_path.ends_with(".json") ||
                            (name_or_path.find('/') != std::string::npos && !in_builtin_folder(name_or_path));
     if (path_like || is_file(name_or_path)) return read_scene(name_or_path);

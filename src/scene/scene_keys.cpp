@@ -18,6 +18,8 @@ std::span<const FileKey> scene_keys() {
          "several bodies, in place of body, initial and pivot"},
         {"scene", "joints", "list of objects", "", "none", "[{\"type\": \"revolute\", ..}]",
          "what ties them together and to the world; each body is the child of one at most"},
+        {"scene", "import", "object", "", "none", "{\"file\": \"robot.urdf\"}",
+         "a whole robot's bodies and joints, in place of bodies and joints"},
         {"scene", "loops", "list of objects", "", "none", "[{\"type\": \"spherical\", ..}]",
          "what closes chains of joints"},
         {"scene", "loads", "list of objects", "", "none", "[{\"type\": \"gravity\", ..}]", "what acts on it"},
@@ -110,6 +112,13 @@ std::span<const FileKey> scene_keys() {
         {"plane", "restitution", "number, 0 to 1", "", "required", "0.5",
          "how much of the normal speed an impact gives back"},
         {"plane", "friction", "number >= 0", "", "0", "0.3", "Coulomb's coefficient"},
+
+        {"import of a robot", "file", "text", "", "required", "\"robot.urdf\"",
+         "a URDF, MJCF or SDFormat file beside the scene"},
+        {"import of a robot", "base", "\"fixed\" or \"free\"", "", "fixed; free of SDFormat", "\"free\"",
+         "how a root is held that the file ties to nothing"},
+        {"import of a robot", "initial", "object", "", "zero, at rest", "{\"shoulder\": {\"angle\": 0.5}}",
+         "by the names of joints the initial of each, by that of a free body its own"},
 
         {"one of bodies", "name", "text", "", "required", "\"arm\"",
          "what joints, loads and tables call it; not \"world\", no commas or quotation marks"},

@@ -138,7 +138,7 @@ TEST(SceneFile, MessagesTellWhatWasMeant) {
     EXPECT_EQ(
         fault_of(scene_with(R"("load": [])")),
         "file.json: /load: is an unknown key; did you mean loads? known here: name, about, source, duration, body, "
-        "initial, pivot, bodies, joints, loops, loads, planes, tolerated");
+        "initial, pivot, bodies, joints, import, loops, loads, planes, tolerated");
     EXPECT_EQ(fault_of(scene_with(R"("pivot": [0, "1", 0])")),
               "file.json: /pivot/1: is the string \"1\"; give a number");
     EXPECT_EQ(fault_of(R"({"name": "s", "duration": 1, "body": {"mass": 1, "inertia": [1, -1, 3]}})"),

@@ -1,0 +1,70 @@
+#include "scene/robot_import.h"
+
+#include <fmt/format.h>
+
+#include "scene/initial_file.h"
+#include "scene/joint_file.h"
+#include "scene/robot_tree.h"
+#include "scene/robot_xml.h"
+#include "scene/scene_keys.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+RobotBase robot_base(const JsonNode& node) {
+    if (node.string() == "fixed") return RobotBase::fixed;
+    if (node.string() == "free") return RobotBase::free;
+    node.fail(node.described(), "give \"fixed\" or \"free\"");
+}
+
+NamedBody* free_body(Scene& scene, const std::string& name) {
+    for (NamedBody& body : scene.bodies) {
+        if (body.name != name) continue;
+        for (const Joint& joint : scene.joints)
+            if (joint.child == name) return nullptr;
+        return &body;
+    }
+    return nullptr;
+}
+
+// by the name of a joint, or of a body that none carries
+void parse_start(const JsonNode& node, Scene& scene) {
+    NamedBody* body = free_body(scene, node.key());
+    for (Joint& joint : scene.joints) {
+        if (joint.name != node.key()) continue;
+        if (body) node.fail("is both a joint and a free body", "give one of them another name in the robot's file");
+        return parse_joint_start(node, joint);
+    }
+    if (body) {
+        body->initial = parse_initial(node, false, body->initial);
+        return;
+    }
+    std::vector<std::string> names;
+    for (const Joint& joint : scene.joints) names.push_back(joint.name);
+    for (const NamedBody& one : scene.bodies)
+        if (free_body(scene, one.name)) names.push_back(one.name);
+    const std::string meant = did_you_mean(node.key(), names);
+    node.fail("is neither a joint nor a free body of the robot",
+              meant.empty() ? "give one of " + listed(names) : meant);
+}
+
+}  // namespace
+
+void parse_robot_import(const JsonNode& node, Scene& scene) {
+    if (!node.is_object()) node.fail(node.described(), "give an object {\"file\": ..}");
+    node.only(keys_of(scene_keys(), "import of a robot"));
+    const std::string& file = node.required("file", "the path of a URDF, MJCF or SDFormat file").string();
+    const JsonNode* base = node.find("base");
+    const RobotBase held = base ? robot_base(*base) : RobotBase::as_usual;
+    try {
+        const Robot robot = parse_robot(robot_text(scene.directory, file), file);
+        add_robot(robot, held, file, scene);
+    } catch (const InputError& error) {
+        node.fail(error);
+    }
+    if (const JsonNode* starts = node.find("initial"))
+        for (const JsonNode* one : starts->members()) parse_start(*one, scene);
+}
+
+}  // namespace polhode

@@ -62,7 +62,7 @@ struct Judge::State {
         const unsigned known = known_truth | (file->has_angular_velocity ? known_angular_velocity : 0U) |
                                (has_position() ? known_position : 0U) | (file->has_velocity ? known_velocity : 0U) |
                                (center ? known_center : 0U);
-        return (measure.needs & ~known) == 0;
+        return measure.of_one_body() && (measure.needs & ~known) == 0;
     }
 
     std::size_t span_of(double t) const {

@@ -38,16 +38,17 @@ double roundest(double low, double high, double duration) {
 
 std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
     std::vector<TrajectoryRow>& rows = file.rows;
-    if (rows.size() < 3) return {};
-    const double spacing = (rows.back().t - rows.front().t) / static_cast<double>(rows.size() - 1);
+    const std::size_t at_once = file.bodies_at_once(), moments = rows.size() / at_once;
+    if (moments < 3) return {};
+    const double spacing = (rows.back().t - rows.front().t) / static_cast<double>(moments - 1);
     // below the normal numbers of binary32 no clock was one
     if (!(spacing >= 0x1p-126)) return {};
     const double first = std::round(rows.front().t / spacing);
     if (!(first < 1e15)) return {};
     // each time allows an interval of dt; a narrow one where the clock is binary64's, be it one that adds up its steps
     double low = 0, high = HUGE_VAL, narrow_low = 0, narrow_high = HUGE_VAL;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double count = first + static_cast<double>(k), t = rows[k].t;
+    for (std::size_t k = 0; k < moments; ++k) {
+        const double count = first + static_cast<double>(k), t = rows[k * at_once].t;
         if (count == 0) {
             if (t != 0) return {};
             continue;
@@ -68,7 +69,7 @@ std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
     const double steps = std::round(duration / dt);
     const bool divides = steps >= 1 && steps < 1e15 && duration / steps == dt;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double count = first + static_cast<double>(k);
+        const double count = first + static_cast<double>(k / at_once);
         rows[k].t = divides ? (count == steps ? duration : duration * count / steps) : count * dt;
     }
     return dt;

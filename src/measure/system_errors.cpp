@@ -62,7 +62,7 @@ ErrorSeries system_error_series(const Scene& scene, const Trajectory& trajectory
     const bool reacts = joints > 0 && reference.reactions.size() == reference.moments() * joints &&
                         trajectory.reactions.size() == moments * joints;
     // what is not a number is the largest of all
-    const auto larger = [](const Wide& error, const Wide& worst) { return !(error <= worst); };
+    const auto larger = [](const Wide& error, const Wide& worst) { return !(error <= worst) && worst == worst; };
 
     PerMeasure<Wide> scale;
     for (std::size_t m = 0; m < all.size(); ++m) {

@@ -20,10 +20,10 @@ Quaternion<double> moderate_orientation() {
 }
 // an axis that is no axis of the frame
 Vector3<double> moderate_axis() { return {1 + std::abs(moderate()), moderate(), moderate()}; }
-Quaternion<Wide> wide(const Quaternion<double>& q) { return normalized(cast<Wide>(q)); }
+Quaternion<Wide> wide_unit(const Quaternion<double>& q) { return normalized(cast<Wide>(q)); }
 
 // exp(axis angle)
-Quaternion<Wide> turn(const Vector3<double>& axis, Wide angle) {
+Quaternion<Wide> turn_by(const Vector3<double>& axis, Wide angle) {
     const Vector3<Wide> a = cast<Wide>(axis);
     Wide s, c;
     Elementary<Wide>::sine_cosine(angle / 2, s, c);
@@ -40,7 +40,7 @@ Body moderate_body() {
 }
 
 BodyMotion<Wide> moderate_motion() {
-    return {wide(moderate_orientation()), cast<Wide>(moderate_vector()), cast<Wide>(moderate_vector()),
+    return {wide_unit(moderate_orientation()), cast<Wide>(moderate_vector()), cast<Wide>(moderate_vector()),
             cast<Wide>(moderate_vector())};
 }
 
@@ -67,7 +67,7 @@ std::vector<BodyMotion<Wide>> jointed(const Scene& scene, const Quaternion<Wide>
     const Joint& joint = scene.joints.front();
     const auto center = [&](int i) { return cast<Wide>(scene.bodies[i].body.center_of_mass); };
     std::vector<BodyMotion<Wide>> motions(2);
-    const Quaternion<Wide> between = q_parent * wide(joint.parent_orientation);
+    const Quaternion<Wide> between = q_parent * wide_unit(joint.parent_orientation);
     motions[0].q = q_parent, motions[0].position_W = parent_center_W;
     motions[1].q = between * J;
     motions[1].position_W = parent_center_W + rotate(q_parent, cast<Wide>(joint.parent_point) - center(0)) +
@@ -125,8 +125,8 @@ TEST(MechanismMotion, MomentaAndEnergyAreThoseOfTheParticles) {
     }
     scene.loads = {Gravity{{0.5, -1, 2}, {}}};
     const std::vector<BodyMotion<Wide>> motions{
-        {wide({0.5, 0.5, -0.5, 0.5}), {1, 2, -3}, {4, -5, 6}, {0.5, 0.25, -2}},
-        {wide({0.6, 0, 0.8, 0}), {-1, 0.5, 0.25}, {-7, 1, 0.5}, {3, -1, 0.125}}};
+        {wide_unit({0.5, 0.5, -0.5, 0.5}), {1, 2, -3}, {4, -5, 6}, {0.5, 0.25, -2}},
+        {wide_unit({0.6, 0, 0.8, 0}), {-1, 0.5, 0.25}, {-7, 1, 0.5}, {3, -1, 0.125}}};
     const auto summed = [&](const Vector3<Wide>& about, const Vector3<Wide>& drift) {
         SystemInvariants<Wide> sum;
         for (int i = 0; i < 2; ++i)
@@ -208,13 +208,13 @@ RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) 
     const Vector3<double>& axis = scene.joints.front().axes[0];
     const MechanismMeasure<Wide> measure(scene);
     JointCoordinates coordinates(scene);
-    const Quaternion<Wide> q_parent = wide(moderate_orientation());
+    const Quaternion<Wide> q_parent = wide_unit(moderate_orientation());
     // a tenth of a radian a sample by its rate: beyond a turn in either direction
     const double rate = *rc::gen::arbitrary<bool>() ? 20 : -20;
     scene.joints.front().rate = {rate, 0};
     for (int i = 0; i <= 20; ++i) {
         const Wide x = Wide(scene.joints.front().coordinate[0]) + Wide(rate) * Wide(i) * Wide(0.5);
-        auto motions = jointed(scene, q_parent, {1, 2, 3}, turn(axis, x));
+        auto motions = jointed(scene, q_parent, {1, 2, 3}, turn_by(axis, x));
         const Vector3<Wide> a = cast<Wide>(axis);
         motions[1].angular_velocity_B = (Wide(rate) / length(a)) * a;
         // the parent turns too, as a whole with the child
@@ -245,8 +245,8 @@ RC_GTEST_PROP(MechanismMotion, AUniversalJointHasTwoAnglesAboutAxesThatNeedNotBe
     scene.joints[0].rest = {moderate(), moderate()};
 
     const Joint& joint = scene.joints.front();
-    const Quaternion<Wide> J = turn(joint.axes[0], x) * turn(joint.axes[1], y);
-    const auto motions = jointed(scene, wide(moderate_orientation()), {}, J);
+    const Quaternion<Wide> J = turn_by(joint.axes[0], x) * turn_by(joint.axes[1], y);
+    const auto motions = jointed(scene, wide_unit(moderate_orientation()), {}, J);
     JointCoordinates coordinates(scene);
     const MechanismMeasure<Wide> measure(scene);
     const double energy = double(measure.invariants(0, motions, coordinates).energy);
@@ -276,7 +276,7 @@ TEST(MechanismMotion, TheAnglesOfAUniversalJointAreFollowedByTheirRates) {
     const auto unit = [](const Vector3<double>& v) { return cast<Wide>((1 / hypotenuse(v)) * v); };
     for (int i = 0; i < 12; ++i) {
         const double t = i;
-        const Quaternion<Wide> second = turn(joint.axes[1], -5 * t), J = turn(joint.axes[0], 7 * t) * second;
+        const Quaternion<Wide> second = turn_by(joint.axes[1], -5 * t), J = turn_by(joint.axes[0], 7 * t) * second;
         const auto motions = jointed(scene, {}, {}, J);
         // w = exp(b y)* a x' + b y'
         const Vector3<Wide> w = Wide(7) * rotate_back(second, unit(joint.axes[0])) + Wide(-5) * unit(joint.axes[1]);
@@ -290,7 +290,7 @@ TEST(MechanismMotion, TheAnglesOfAUniversalJointAreFollowedByTheirRates) {
     }
     // known from elsewhere
     coordinates.set(20, std::array<std::array<double, 2>, 1>{{{1, 100}}});
-    auto motions = jointed(scene, {}, {}, turn(joint.axes[0], 1) * turn(joint.axes[1], 100));
+    auto motions = jointed(scene, {}, {}, turn_by(joint.axes[0], 1) * turn_by(joint.axes[1], 100));
     std::vector<BodyMotion<double>> rounded;
     for (const BodyMotion<Wide>& m : motions)
         rounded.push_back({cast<double>(m.q), {}, cast<double>(m.position_W), {}});
@@ -311,7 +311,7 @@ TEST(MechanismMotion, PrismaticAndSphericalJointsHaveTheirPotentials) {
     scene.joints[0].rest = {0.25, 0};
 
     JointCoordinates coordinates(scene);
-    auto motions = jointed(scene, wide({0.5, -0.5, 0.5, 0.5}), {7, 8, 9}, {}, {0, -0.75, -1});
+    auto motions = jointed(scene, wide_unit({0.5, -0.5, 0.5, 0.5}), {7, 8, 9}, {}, {0, -0.75, -1});
     EXPECT_NEAR(double(MechanismMeasure<Wide>(scene).invariants(0, motions, coordinates).energy), 5 * 1.5 * 1.5, 1e-14);
     EXPECT_LT(double(MechanismMeasure<Wide>(scene).violations(motions).gap), 1e-30);
 
@@ -325,7 +325,8 @@ TEST(MechanismMotion, PrismaticAndSphericalJointsHaveTheirPotentials) {
     scene.joints[0].rest_orientation = {0.8, 0.6, 0, 0};
 
     // a turn of 2 rad beyond rest: k (1 - cos 2)
-    motions = jointed(scene, wide({0.5, -0.5, 0.5, 0.5}), {7, 8, 9}, wide({0.8, 0.6, 0, 0}) * turn({1, 2, -1}, 2));
+    motions = jointed(scene, wide_unit({0.5, -0.5, 0.5, 0.5}), {7, 8, 9},
+                      wide_unit({0.8, 0.6, 0, 0}) * turn_by({1, 2, -1}, 2));
     EXPECT_NEAR(double(MechanismMeasure<Wide>(scene).invariants(0, motions, coordinates).energy),
                 10 * (1 - std::cos(2.0)), 1e-14);
 }
@@ -346,12 +347,12 @@ RC_GTEST_PROP(MechanismMotion, JointsAreClosedWhereTheyShouldBeAndOffByWhatTheyA
     scene.joints[0].axes = {moderate_axis(), {}};
 
     const Vector3<double>& axis = scene.joints.front().axes[0];
-    const Quaternion<Wide> free_turn = type == JointType::revolute    ? turn(axis, moderate())
-                                       : type == JointType::spherical ? wide(moderate_orientation())
+    const Quaternion<Wide> free_turn = type == JointType::revolute    ? turn_by(axis, moderate())
+                                       : type == JointType::spherical ? wide_unit(moderate_orientation())
                                                                       : Quaternion<Wide>{};
     const Vector3<Wide> free_slide =
         type == JointType::prismatic ? Wide(moderate()) * cast<Wide>(axis) : Vector3<Wide>();
-    const Quaternion<Wide> q_parent = wide(moderate_orientation());
+    const Quaternion<Wide> q_parent = wide_unit(moderate_orientation());
     const MechanismMeasure<Wide> measure(scene);
     const JointViolations<Wide> closed = measure.violations(jointed(scene, q_parent, {3, 2, 1}, free_turn, free_slide));
     RC_ASSERT(double(closed.gap) < 1e-30);
@@ -360,7 +361,7 @@ RC_GTEST_PROP(MechanismMotion, JointsAreClosedWhereTheyShouldBeAndOffByWhatTheyA
     const Vector3<double> across = cross(axis, Vector3<double>(0, 0, 1));
     const double apart = 0.125, angle = 0.0625;
     const Vector3<Wide> moved = free_slide + (Wide(apart) / length(cast<Wide>(across))) * cast<Wide>(across);
-    const auto motions = jointed(scene, q_parent, {3, 2, 1}, turn(across, angle) * free_turn, moved);
+    const auto motions = jointed(scene, q_parent, {3, 2, 1}, turn_by(across, angle) * free_turn, moved);
     const JointViolations<Wide> off = measure.violations(motions);
     RC_ASSERT(std::abs(double(off.gap) - apart) < 1e-15);
     RC_ASSERT(std::abs(double(off.turn) - (type == JointType::spherical ? 0 : angle)) < 1e-15);
@@ -401,7 +402,7 @@ TEST(MechanismMotion, LoopsAreMeasuredAndTheWorstIsNamed) {
     EXPECT_EQ(joint_names(scene)[off.gap_joint], "rod");
     EXPECT_EQ(double(off.turn), 0);
     EXPECT_EQ(off.turn_joint, JointViolations<Wide>::none);
-    motions[1].q = turn({1, 1, 0}, 0.25);
+    motions[1].q = turn_by({1, 1, 0}, 0.25);
     motions[1].position_W = {3.3, 4.4, 0};
     off = measure.violations(motions);
     // the points (3.3, 4.4, 0) + R (0, 0, 1/8) and (3, 4, 0)

@@ -25,5 +25,23 @@ TEST(TrajectoryCsv, WritesTheGoldenText) {
     EXPECT_EQ(trajectory_csv(trajectory), golden + "# diverged: not finite at t = 0.2 s\n");
 }
 
+TEST(TrajectoryCsv, WritesALineForEachBody) {
+    Trajectory trajectory;
+    Sample arm, leg;
+    arm.q = {1, 0, 0, 0}, leg.q = {0, 1, 0, 0}, leg.velocity_W = {1, 2, 3};
+    trajectory.append(std::vector<Sample>{arm, leg});
+    arm.t = leg.t = 0.5;
+    trajectory.append(std::vector<Sample>{arm, leg});
+    const std::vector<std::string> names{"arm", "leg"}, joints{"hip", "knee", "loop"};
+    EXPECT_EQ(trajectory_csv(trajectory, names),
+              "t,body,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n"
+              "0,arm,1,0,0,0,0,0,0,0,0,0,0,0,0\n0,leg,0,1,0,0,0,0,0,0,0,0,1,2,3\n"
+              "0.5,arm,1,0,0,0,0,0,0,0,0,0,0,0,0\n0.5,leg,0,1,0,0,0,0,0,0,0,0,1,2,3\n");
+    for (int k = 0; k < 6; ++k) trajectory.reactions.push_back({{k + 0.5, 0, 0}, {0, 0, -1.0 * k}});
+    EXPECT_EQ(reactions_csv(trajectory, joints),
+              "t,joint,fx,fy,fz,tx,ty,tz\n0,hip,0.5,0,0,0,0,-0.0\n0,knee,1.5,0,0,0,0,-1\n0,loop,2.5,0,0,0,0,-2\n"
+              "0.5,hip,3.5,0,0,0,0,-3\n0.5,knee,4.5,0,0,0,0,-4\n0.5,loop,5.5,0,0,0,0,-5\n");
+}
+
 }  // namespace
 }  // namespace polhode

@@ -25,15 +25,18 @@ std::string fault_of(const std::string& text) {
 
 TrajectoryFile random_file() {
     TrajectoryFile file;
+    const int bodies = *rc::gen::inRange(0, 4);
+    for (int i = 0; i < bodies; ++i) file.bodies.push_back(std::string(1, static_cast<char>('z' - i)) + " arm");
     file.has_angular_velocity = *rc::gen::arbitrary<bool>();
     file.has_velocity = *rc::gen::arbitrary<bool>();
     const int position = *rc::gen::inRange(0, 3);
     file.has_position = position == 1, file.has_origin = position == 2;
-    const int rows = *rc::gen::inRange(1, 6);
+    const int rows = *rc::gen::inRange(1, 6) * static_cast<int>(file.bodies_at_once());
     double t = 0;
     for (int i = 0; i < rows; ++i) {
         TrajectoryRow row;
-        row.t = t, t += positive_number();
+        row.t = t;
+        if ((i + 1) % static_cast<int>(file.bodies_at_once()) == 0) t += positive_number();
         const double length = std::exp2(*rc::gen::inRange(-300, 300));
         const Quaternion<double> q = random_orientation();
         row.q = {length * q.w, length * q.x, length * q.y, length * q.z};
@@ -68,6 +71,79 @@ TEST(TrajectoryFile, ReadsWhatSolveWrites) {
         EXPECT_EQ(file.rows[k], (TrajectoryRow{s.t, s.q, angular_velocity_W(s), s.position_W, s.velocity_W}));
     }
     EXPECT_TRUE(std::signbit(file.rows[0].velocity_W[1]));
+}
+
+constexpr const char* two_bodies =
+    "qw,body,t,qx,qy,qz\n1,arm,0,0,0,0\n0,leg,0,1,0,0\n0,leg,0.5,0,1,0\n# between\n0,arm,0.5,0,0,1\n";
+
+TEST(TrajectoryFile, BodiesStandInAnyOrderAtEachTime) {
+    TrajectoryFile file = parse_trajectory(two_bodies, "f");
+    EXPECT_EQ(file.bodies, (std::vector<std::string>{"arm", "leg"}));
+    ASSERT_EQ(file.rows.size(), 4u);
+    EXPECT_EQ(file.rows[0].q, (Quaternion<double>{1, 0, 0, 0}));
+    EXPECT_EQ(file.rows[1].q, (Quaternion<double>{0, 1, 0, 0}));
+    EXPECT_EQ(file.rows[2].q, (Quaternion<double>{0, 0, 0, 1}));
+    EXPECT_EQ(file.rows[3].q, (Quaternion<double>{0, 0, 1, 0}));
+    EXPECT_EQ(file.rows[2].t, 0.5);
+    // in the order of a scene's
+    const std::vector<std::string> names{"leg", "arm"};
+    file = parse_trajectory(two_bodies, "f", QuaternionColumns::by_name, names);
+    EXPECT_EQ(file.bodies, names);
+    EXPECT_EQ(file.rows[0].q, (Quaternion<double>{0, 1, 0, 0}));
+    EXPECT_EQ(file.rows[3].q, (Quaternion<double>{0, 0, 0, 1}));
+}
+
+TEST(TrajectoryFile, AColumnIsNotNeededWhereThereIsOneBody) {
+    const std::vector<std::string> name{"arm"};
+    const TrajectoryFile file =
+        parse_trajectory("t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n", "f", QuaternionColumns::by_name, name);
+    EXPECT_EQ(file.bodies, name);
+    EXPECT_EQ(file.rows.size(), 2u);
+}
+
+TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
+    const std::string arm = ",arm,1,0,0,0\n", leg = ",leg,1,0,0,0\n", header = "t,body,qw,qx,qy,qz\n";
+    EXPECT_EQ(
+        fault_of(header + "0" + arm + "0" + leg + "1" + leg + "2" + leg + "2" + arm),
+        "run.csv: line 4, column body: the body \"arm\" is missing at 1 s; give a line for each body at each time");
+    EXPECT_EQ(
+        fault_of(header + "0" + arm + "0" + leg + "1" + leg),
+        "run.csv: line 4, column body: the body \"arm\" is missing at 1 s; give a line for each body at each time");
+    EXPECT_EQ(fault_of(header + "0" + arm + "0" + leg + "0" + arm),
+              "run.csv: line 4, column body: the body \"arm\" is there twice at 0 s; give a line for each body at each "
+              "time");
+    EXPECT_EQ(fault_of(header + "0" + arm + "1" + leg),
+              "run.csv: line 3, column body: there is no body \"leg\" at the first time; give a line for each body at "
+              "each time");
+    EXPECT_EQ(
+        fault_of(header + "1" + arm + "0" + arm),
+        "run.csv: line 3, column t: 0 s does not come after the 1 s of the sample before; give each time once, in "
+        "order");
+    EXPECT_EQ(fault_of(header + "0,,1,0,0,0\n"), "run.csv: line 2, column body: is empty; give the body's name");
+    const std::vector<std::string> names{"arm", "leg"};
+    const auto fault_of_scene = [&](const std::string& text) -> std::string {
+        try {
+            parse_trajectory(text, "run.csv", QuaternionColumns::by_name, names);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(fault_of_scene(header + "0" + arm + "0,lag,1,0,0,0\n"),
+              "run.csv: line 3, column body: \"lag\" is no body of the scene; did you mean leg?");
+    EXPECT_EQ(
+        fault_of_scene("t,qw,qx,qy,qz\n0,1,0,0,0\n"),
+        "run.csv: line 1: column body is missing; give t,body,qw,.. with a line for each of arm, leg at each time");
+    EXPECT_EQ(fault_of_scene(header + "0" + arm + "0" + leg), "");
+}
+
+TEST(TrajectoryFile, EachBodysOriginIsExchangedForItsOwnCenterOfMass) {
+    const TrajectoryFile file =
+        parse_trajectory("t,body,qw,qx,qy,qz,ox,oy,oz\n0,a,1,0,0,0,1,2,3\n0,b,0,2,0,0,1,2,3\n", "f");
+    const std::vector<Vector3<double>> centers{{0.5, 0, 0}, {0, 0.25, 0}};
+    const std::vector<Sample> samples = samples_of(file, centers);
+    EXPECT_EQ(samples[0].position_W, Vector3<double>(1.5, 2, 3));
+    EXPECT_EQ(samples[1].position_W, Vector3<double>(1, 1.75, 3));
 }
 
 TEST(TrajectoryFile, TakesColumnsByNameInAnyOrder) {
@@ -119,7 +195,7 @@ TEST(TrajectoryFile, MessagesTellWhereAndWhat) {
               "run.csv: line 3, column qx: nan is not finite; give a finite number");
     EXPECT_EQ(fault_of("t,qw,qx,qy,qs\n"),
               "run.csv: line 1, column 5: is named qs; known columns: t, qw, qx, qy, qz, "
-              "wx, wy, wz, px, py, pz, ox, oy, oz, vx, vy, vz, bound");
+              "wx, wy, wz, px, py, pz, ox, oy, oz, vx, vy, vz, bound, body");
     EXPECT_EQ(fault_of("t,qw,qx,qy,qz\n# c\n0.5,1,0,0,0\n0.5,1,0,0,0\n"),
               "run.csv: line 4, column t: 0.5 s does not come after the 0.5 s of the sample before; give each time "
               "once, in order");

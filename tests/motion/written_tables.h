@@ -19,14 +19,17 @@ inline void put_cells(std::string& text, const Quaternion<double>& q) { put_cell
 
 /// The file as CSV, with the columns that it has in the usual order; parse_trajectory() reads the same rows back.
 inline std::string write_trajectory(const TrajectoryFile& file) {
-    std::string text = "t,qw,qx,qy,qz";
+    std::string text = file.bodies.empty() ? "t,qw,qx,qy,qz" : "t,body,qw,qx,qy,qz";
     if (file.has_angular_velocity) text += ",wx,wy,wz";
     if (file.has_position) text += ",px,py,pz";
     if (file.has_origin) text += ",ox,oy,oz";
     if (file.has_velocity) text += ",vx,vy,vz";
     text += '\n';
+    std::size_t k = 0;
     for (const TrajectoryRow& row : file.rows) {
-        put_cells(text, {row.t}), put_cells(text, row.q);
+        put_cells(text, {row.t});
+        if (!file.bodies.empty()) text += "," + file.bodies[k++ % file.bodies.size()];
+        put_cells(text, row.q);
         if (file.has_angular_velocity) put_cells(text, row.angular_velocity_W);
         if (file.has_position || file.has_origin) put_cells(text, row.position_W);
         if (file.has_velocity) put_cells(text, row.velocity_W);

@@ -93,8 +93,13 @@ TEST(TruthCache, WhatOtherCodeComputedIsNotFound) {
 
 // The thread's clock changes no digit; the proofs, in a folder below, are not kept.
 TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
-    const std::set<std::string> folders{"src/text",         "src/body",           "src/scene",
-                                        "src/motion",       "integrators/series", "integrators/closed_form",
+    const std::set<std::string> folders{"src/text",
+                                        "src/body",
+                                        "src/scene",
+                                        "src/motion",
+                                        "integrators/series",
+                                        "integrators/closed_form",
+                                        "integrators/maximal",
                                         "integrators/truth"};
     int files = 0;
     for (const std::string& folder : folders) {
@@ -135,6 +140,70 @@ TEST(TruthCache, BrokenFilesAreComputedAgain) {
         expect_same(find_truth(scene_of(1), 5, 25), made);
         EXPECT_TRUE(cached(key));
     }
+}
+
+// A truth of two bodies at three times with four joints, every number another.
+Truth of_several_bodies(bool with_reactions) {
+    Truth truth;
+    Reference& r = truth.reference;
+    double next = 1.0 / 3;
+    const auto pair = [&] { return next *= 1.25, Pair(next, next * 0x1p-60); };
+    const auto vector = [&] { return Vector3<Pair>(pair(), pair(), pair()); };
+    const auto word = [&](std::string& decimal) { decimal = std::to_string(next *= 1.25); };
+    r.available = true, r.message = "by hand, not computed", r.bound = 1e-26, r.bodies = 2;
+    truth.steps = 7, truth.seconds = 0.125;
+    for (int k = 0; k < 6; ++k) {
+        ReferenceSample s;
+        s.t = k / 2, s.q = {pair(), pair(), pair(), pair()};
+        s.angular_velocity_B = vector(), s.position_W = vector(), s.velocity_W = vector();
+        r.samples.push_back(s);
+        for (std::string& decimal : truth.decimals.emplace_back()) word(decimal);
+    }
+    for (int k = 0; k < 3; ++k) r.system.push_back({1.0 * k, pair(), pair(), vector(), vector()});
+    for (int k = 0; with_reactions && k < 12; ++k) {
+        r.reactions.push_back({vector(), vector()});
+        for (std::string& decimal : truth.reaction_decimals.emplace_back()) word(decimal);
+    }
+    return truth;
+}
+
+TEST(TruthCache, SeveralBodiesReadBackTheSameBits) {
+    for (const bool with_reactions : {false, true})
+        for (const bool with_impacts : {false, true}) {
+            Truth made = of_several_bodies(with_reactions);
+            if (with_impacts) made.reference.impact_times = {Pair(0.5, 1e-20)}, made.impact_decimals = {"0.5"};
+            const std::string text = encode("key", made);
+            const std::optional<Truth> back = decode("key", text);
+            ASSERT_TRUE(back);
+            expect_same(made, *back);
+            EXPECT_EQ(back->reference.bodies, 2);
+            EXPECT_EQ(back->reference.moments(), 3u);
+            EXPECT_EQ(back->reference.impact_times, made.reference.impact_times);
+            EXPECT_EQ(back->reference.reactions, made.reference.reactions);
+            EXPECT_EQ(back->reaction_decimals, made.reaction_decimals);
+            EXPECT_EQ(back->decimals, made.decimals);
+            ASSERT_EQ(back->reference.system.size(), 3u);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const ReferenceSystem &x = made.reference.system[k], &y = back->reference.system[k];
+                EXPECT_EQ(x.t, y.t);
+                EXPECT_EQ(x.kinetic, y.kinetic);
+                EXPECT_EQ(x.energy, y.energy);
+                EXPECT_EQ(x.angular_momentum_W, y.angular_momentum_W);
+                EXPECT_EQ(x.linear_momentum_W, y.linear_momentum_W);
+            }
+            EXPECT_EQ(encode("key", *back), text);
+        }
+}
+
+TEST(TruthCache, SeveralBodiesThatDoNotFitTheirSamplesAreRefused) {
+    for (const int bodies : {0, 4, 7, -1}) {
+        Truth made = of_several_bodies(true);
+        made.reference.bodies = bodies;
+        EXPECT_FALSE(decode("key", encode("key", made))) << bodies;
+    }
+    Truth made = of_several_bodies(true);
+    made.reaction_decimals.back().back().clear();
+    EXPECT_FALSE(decode("key", encode("key", made)));
 }
 
 TEST(TruthCache, NoPlaceForItIsNoFault) {

@@ -1,0 +1,123 @@
+#include "integrators/truth/compare.h"
+
+#include <gtest/gtest.h>
+
+namespace polhode::truth {
+namespace {
+
+using Fifty = Real<50>;
+using RunOfTwo = Run<Fifty, Motions<Fifty>>;
+
+// Two free bodies: one spins about its z axis and flies, the other is pulled by a spring at its joint.
+Scene two_bodies() {
+    Scene scene;
+    scene.name = "two", scene.duration = 1;
+    scene.bodies.resize(2);
+    scene.bodies[0].name = "a", scene.bodies[0].body.mass = 2;
+    scene.bodies[0].body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    scene.bodies[1].name = "b", scene.bodies[1].body.mass = 4;
+    scene.joints.resize(1);
+    scene.joints[0].name = "slide", scene.joints[0].type = JointType::prismatic;
+    scene.joints[0].parent = "a", scene.joints[0].child = "b", scene.joints[0].axes[0] = {0, 0, 1};
+    scene.joints[0].child_point = {0, 0.5, 0};
+    scene.joints[0].stiffness[0] = 8;
+    return scene;
+}
+
+const std::vector<double> three_times{0, 0.5, 1};
+
+Motion<Fifty> spinning_body(const Fifty& t) {
+    Motion<Fifty> m;
+    m.q = {cos(Fifty(t)), Fifty(0), Fifty(0), sin(Fifty(t))};  // at 2 rad/s
+    m.angular_velocity_B = {Fifty(0), Fifty(0), Fifty(2)};
+    m.velocity_W = {Fifty(1), Fifty(0), Fifty(1) / Fifty(3)};
+    m.position_W = t * m.velocity_W;
+    return m;
+}
+
+RunOfTwo run_of_two() {
+    RunOfTwo run;
+    run.steps = 3;
+    for (const double t : three_times) {
+        Motion<Fifty> b = spinning_body(Fifty(t));
+        b.position_W = b.position_W + Vector3<Fifty>(Fifty(0), Fifty(0), Fifty(1) / Fifty(7));
+        run.motions.push_back({spinning_body(Fifty(t)), b});
+    }
+    return run;
+}
+
+Problem problem_of_two() {
+    Problem problem;
+    problem.scene = two_bodies();
+    return problem;
+}
+
+double off_by(const Pair& pair, double expected) { return (pair.high - expected) + pair.low; }
+
+TEST(TruthOfSeveralBodies, IsWrittenTimeByTimeWithWhatTheBodiesHaveTogether) {
+    const Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50);
+    EXPECT_EQ(attempt.fault, "");
+    EXPECT_EQ(attempt.agreed_digits, 50);
+    const Reference& truth = attempt.truth.reference;
+    EXPECT_EQ(truth.bodies, 2);
+    EXPECT_EQ(truth.moments(), 3u);
+    ASSERT_EQ(truth.samples.size(), 6u);
+    ASSERT_EQ(attempt.truth.decimals.size(), 6u);
+    ASSERT_EQ(truth.system.size(), 3u);
+    EXPECT_TRUE(truth.reactions.empty());
+    EXPECT_EQ(attempt.truth.steps, 6);
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(truth.samples[k].t, three_times[k / 2]);
+    EXPECT_EQ(attempt.truth.decimals[3][9].substr(0, 30), "3.0952380952380952380952380952");  // 1/6 + 1/7
+    // the spring's stretch is 1/7 m along z
+    const Fifty third = Fifty(1) / Fifty(3),
+                kinetic = (Fifty(3) * 4 + Fifty(1) * 4 + Fifty(6) * (1 + third * third)) / 2;
+    const Fifty energy = kinetic + Fifty(4) / Fifty(49);
+    for (const ReferenceSystem& system : truth.system) {
+        EXPECT_LT(std::abs(off_by(system.kinetic, 0) - kinetic.convert_to<double>()), 1e-15);
+        EXPECT_LT(abs(Fifty(system.kinetic.high) + Fifty(system.kinetic.low) - kinetic).convert_to<double>(), 1e-30);
+        EXPECT_LT(abs(Fifty(system.energy.high) + Fifty(system.energy.low) - energy).convert_to<double>(), 1e-30);
+        // about the centre of mass of both, which are one above the other
+        EXPECT_LT(std::abs(off_by(system.angular_momentum_W[2], 8)), 1e-30);
+        EXPECT_LT(std::abs(off_by(system.angular_momentum_W[0], 0)), 1e-30);
+        EXPECT_EQ(system.linear_momentum_W[0].high, 6);
+    }
+}
+
+TEST(TruthOfSeveralBodies, DiffersByTheWorstBody) {
+    RunOfTwo other = run_of_two();
+    // relative to the largest length of all bodies: position, at the end
+    other.motions[1][1].position_W[1] += Fifty(1e-20);
+    const double longest = std::sqrt(1 + std::pow(1.0 / 3 + 1.0 / 7, 2));
+    EXPECT_NEAR(disagreement(run_of_two(), other), 1e-20 / longest, 1e-26);
+    other.motions[2][0].q.x += Fifty(1e-17);
+    const Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), other, "by hand", 50);
+    EXPECT_NEAR(attempt.truth.reference.bound, 2e-17, 1e-22);
+    EXPECT_NEAR(attempt.agreed_digits, 17 - std::log10(2), 1e-4);
+    other.fault = "lost";
+    EXPECT_EQ(compared(problem_of_two(), three_times, run_of_two(), other, "by hand", 50).fault, "lost");
+}
+
+TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
+    Beside<Fifty> first;
+    for (int k = 0; k < 3; ++k)
+        first.reactions.push_back({{{Fifty(k), Fifty(0), Fifty(2) / Fifty(3)}, {Fifty(0), Fifty(0.25), Fifty(0)}}});
+    Beside<Fifty> second = first;
+    Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    EXPECT_EQ(attempt.agreed_digits, 50);
+    ASSERT_EQ(attempt.truth.reference.reactions.size(), 3u);
+    EXPECT_EQ(attempt.truth.reference.reactions[2].force_W[0].high, 2);
+    EXPECT_LT(std::abs(off_by(attempt.truth.reference.reactions[0].force_W[2], 2.0 / 3) - 3.70074341541719e-17), 1e-31);
+    EXPECT_EQ(attempt.truth.reaction_decimals[1][2].substr(0, 27), "6.6666666666666666666666666");
+    EXPECT_EQ(attempt.truth.reaction_decimals[1][4].substr(0, 4), "2.50");
+    // the largest force is |(2, 0, 2/3)|; the torques' scale is that force half a metre from the child's centre
+    const double force = std::sqrt(4 + 4.0 / 9);
+    second.reactions[0][0].torque_W[0] += Fifty(1e-12);
+    attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    EXPECT_NEAR(attempt.truth.reference.bound, 1e-12 / (force / 2), 1e-18);
+    second.reactions[1][0].force_W[1] += Fifty(1e-10);
+    attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    EXPECT_NEAR(attempt.truth.reference.bound, 1e-10 / force, 1e-16);
+}
+
+}  // namespace
+}  // namespace polhode::truth

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "integrators/maximal/loads.h"
+#include "integrators/maximal/redundancy.h"
 #include "integrators/maximal/sparse_ldl.h"
 
 namespace polhode::maximal {
@@ -142,50 +143,30 @@ class Dynamics {
         return result;
     }
 
-    /// Drops the rows of loops that say what the others say already, found at this state: those whose pivots come to
-    /// less than 1e-11 of what they began as, the largest taken first.
-    void drop_redundant(const std::vector<Placement<P>>& at) {
-        const int n = rows_count_;
-        int trees = 0;
-        for (const int k : order_)
-            if (!mechanism_->links[k].closes) trees += static_cast<int>(kept_[k].size());
-        if (trees == n) return;
+    /// What the loops' rows have left to say once the joints' are met, at a state: the Schur complement of their part
+    /// of the matrix, and its diagonal before.
+    std::pair<Dense<P>, std::vector<P>> loops(const std::vector<Placement<P>>& at) const {
         std::vector<P> A = assembled(constraints(at));
-        std::vector<P> begin(A.begin(), A.begin() + n);
-        pattern_.factorize(A, trees);
-        const int m = n - trees;
-        std::vector<std::vector<P>> schur(m, std::vector<P>(m, P(0)));
-        for (int i = 0; i < m; ++i)
-            for (int j = 0; j <= i; ++j)
-                if (pattern_.has(trees + i, trees + j))
-                    schur[i][j] = schur[j][i] = A[pattern_.place(trees + i, trees + j)];
-        std::vector<char> taken(m, 0);
-        for (;;) {
-            int best = -1;
-            P largest = P(1e-11);
-            for (int i = 0; i < m; ++i) {
-                if (taken[i]) continue;
-                const P share = schur[i][i] / begin[trees + i];
-                if (share > largest) best = i, largest = share;
-            }
-            if (best < 0) break;
-            taken[best] = 1;
-            for (int i = 0; i < m; ++i) {
-                if (taken[i]) continue;
-                const P scale = schur[i][best] / schur[best][best];
-                for (int j = 0; j < m; ++j)
-                    if (!taken[j]) schur[i][j] = schur[i][j] - scale * schur[best][j];
-            }
-        }
+        std::vector<P> begin(A.begin() + trees_, A.begin() + rows_count_);
+        pattern_.factorize(A, trees_);
+        return {loop_part(A), std::move(begin)};
+    }
+    /// Keeps of the loops' rows those with a mark, in the order of loops(); `rank` of them are independent. Where they
+    /// are more the multipliers are the shortest, each counted by its scale.
+    void keep(const std::vector<char>& marks, int rank, std::vector<P> scales) {
         for (const int k : order_) {
             if (!mechanism_->links[k].closes) continue;
             std::vector<int> left;
             for (std::size_t i = 0; i < kept_[k].size(); ++i)
-                if (taken[first_row_[k] + static_cast<int>(i) - trees]) left.push_back(kept_[k][i]);
+                if (marks[first_row_[k] + i - trees_]) left.push_back(kept_[k][i]);
             kept_[k] = std::move(left);
         }
         arrange();
+        rank_ = rank;
+        scales_ = std::move(scales);
     }
+    /// How many of the rows are independent.
+    int independent_rows() const { return trees_ + rank_; }
 
   private:
     struct Attached {
@@ -193,9 +174,11 @@ class Dynamics {
         bool to;  ///< the body is the one that the link leads to
     };
     const Mechanism<P>* mechanism_;
-    std::vector<std::vector<int>> kept_;  // of each link
-    std::vector<int> order_, first_row_;  // links as they are eliminated; of each link
-    int rows_count_ = 0;
+    std::vector<std::vector<int>> kept_;           // of each link
+    std::vector<int> order_, first_row_;           // links as they are eliminated; of each link
+    int rows_count_ = 0, trees_ = 0;               // all, and those of joints, which come first
+    int rank_ = 0;                                 // of the loops' rows
+    std::vector<P> scales_;                        // of each of them, where they are more
     std::vector<std::vector<Attached>> attached_;  // to each movable body
     SparsePattern pattern_;
     std::vector<int> targets_;  // of each product of two rows in turn
@@ -211,18 +194,19 @@ class Dynamics {
         return {link, at[link.from.body], at[link.to.body]};
     }
 
-    // calls f(body, row, row, first?) .. for each pair of rows that meet in a body, in a fixed order
     void arrange() {
         first_row_.assign(mechanism_->links.size(), 0);
         attached_.assign(mechanism_->bodies.size(), {});
-        rows_count_ = 0;
+        rows_count_ = trees_ = 0;
         for (const int k : order_) {
             first_row_[k] = rows_count_;
             rows_count_ += static_cast<int>(kept_[k].size());
             const Link<P>& link = mechanism_->links[k];
+            if (!link.closes) trees_ = rows_count_;
             if (mechanism_->movable(link.to.body)) attached_[link.to.body].push_back({k, true});
             if (mechanism_->movable(link.from.body)) attached_[link.from.body].push_back({k, false});
         }
+        rank_ = rows_count_ - trees_;
         std::vector<std::set<int>> entries(rows_count_);
         for_pairs([&](int, const Attached&, std::size_t, int i, const Attached&, std::size_t, int j) {
             if (i != j) entries[std::min(i, j)].insert(std::max(i, j));
@@ -233,6 +217,7 @@ class Dynamics {
             targets_.push_back(pattern_.place(i, j));
         });
     }
+    // each pair of rows that meet in a body, in a fixed order
     template <class Do>
     void for_pairs(Do&& act) const {
         for (int b = 0; b < mechanism_->world(); ++b)
@@ -282,9 +267,32 @@ class Dynamics {
     template <class S>
     std::vector<S> solved(const Rows<S>& rows, std::vector<S> right) const {
         std::vector<S> A = assembled(rows);
-        pattern_.factorize(A, rows_count_);
-        pattern_.solve(A, right);
+        const bool all = rank_ == rows_count_ - trees_;
+        const int count = all ? rows_count_ : trees_;
+        pattern_.factorize(A, count);
+        pattern_.descend(A, right, count);
+        if (!all) {
+            Dense<S> part = loop_part(A);
+            std::vector<S> rest(right.begin() + trees_, right.end());
+            for (std::size_t i = 0; i < rest.size(); ++i) {
+                rest[i] = scales_[i] * rest[i];
+                for (std::size_t j = 0; j < rest.size(); ++j) part[i][j] = P(scales_[i] * scales_[j]) * part[i][j];
+            }
+            rest = shortest_solution(part, rest, rank_);
+            for (std::size_t i = 0; i < rest.size(); ++i) right[trees_ + i] = scales_[i] * rest[i];
+        }
+        pattern_.ascend(A, right, count);
         return right;
+    }
+    template <class S>
+    Dense<S> loop_part(const std::vector<S>& A) const {
+        const int n = rows_count_ - trees_;
+        Dense<S> part(n, std::vector<S>(n, S(P(0))));
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j <= i; ++j)
+                if (pattern_.has(trees_ + i, trees_ + j))
+                    part[i][j] = part[j][i] = A[pattern_.place(trees_ + i, trees_ + j)];
+        return part;
     }
 };
 

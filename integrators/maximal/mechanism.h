@@ -25,6 +25,13 @@ struct HeldBody {
     Matrix3<P> inertia;          ///< about the centre of mass, kg m^2
     Matrix3<P> inverse_inertia;  ///< its inverse
     bool movable = true;         ///< not held to the world by fixed joints alone
+
+    /// No more than the smallest principal moment, and no less than 3/5 of it: 1 / |I^-1|.
+    P least_moment() const {
+        P square(0);
+        for (int i = 0; i < 3; ++i) square += dot(inverse_inertia[i], inverse_inertia[i]);
+        return P(1) / square_root(square);
+    }
 };
 
 /// Where a joint or a loop takes hold of a body.

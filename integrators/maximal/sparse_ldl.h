@@ -64,13 +64,17 @@ class SparsePattern {
             }
         }
     }
-    /// x becomes A^-1 x, for an A that is factorized as a whole.
+    /// Of an A whose columns [0, count) are factorized: x becomes D^-1 L^-1 x there, and of the rest what remains.
     template <class S>
-    void solve(const std::vector<S>& A, std::vector<S>& x) const {
-        for (int k = 0; k < size(); ++k)
+    void descend(const std::vector<S>& A, std::vector<S>& x, int count) const {
+        for (int k = 0; k < count; ++k)
             for (int a = begin_[k]; a < begin_[k + 1]; ++a) x[rows_[a]] = x[rows_[a]] - A[size() + a] * x[k];
-        for (int k = 0; k < size(); ++k) x[k] = x[k] / A[k];
-        for (int k = size(); k-- > 0;)
+        for (int k = 0; k < count; ++k) x[k] = x[k] / A[k];
+    }
+    /// Then, with the rest solved for, x becomes the solution.
+    template <class S>
+    void ascend(const std::vector<S>& A, std::vector<S>& x, int count) const {
+        for (int k = count; k-- > 0;)
             for (int a = begin_[k]; a < begin_[k + 1]; ++a) x[k] = x[k] - A[size() + a] * x[rows_[a]];
     }
 

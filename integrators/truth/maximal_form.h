@@ -1,271 +1,53 @@
 // The second formulation of the truth of a mechanism, written on its own so that a wrong sign in one of the two cannot
-// pass: every body in world axes with all six freedoms, held by multipliers. Of the first formulation it shares the
-// algebra, the bodies' mass properties and how they start, and nothing else.
-//
-// State: of each body that can move q, p, L and P (momenta in world axes, L about the centre of mass); then the angles
-// of revolute and universal joints that have a spring, since a spring counts turns. What is held stays held by the
-// accelerations alone: in multiprecision nothing drifts that a sample would show.
+// pass: every body in world axes with all six freedoms, held by multipliers (integrators/maximal). Of the first
+// formulation it shares the algebra, the bodies' mass properties and how they start, and nothing else. In
+// multiprecision nothing drifts off its constraints that a sample would show.
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <memory>
-#include <span>
-#include <string>
 #include <vector>
 
-#include "integrators/maximal/dynamics.h"
+#include "integrators/maximal/system.h"
 #include "integrators/truth/motion.h"
-#include "motion/body_equations.h"
 #include "motion/problem.h"
-#include "scene/scene.h"
 
 namespace polhode::truth {
 
-/// What a joint or a loop does to its child (its second body): the whole of it, its spring, damper and motor included.
 template <class P>
-struct Reaction {
-    Vector3<P> force_W;   ///< N
-    Vector3<P> torque_W;  ///< N m, about the child's point
-};
+class MaximalForm : public maximal::System<P> {
+    using Base = maximal::System<P>;
 
-/// How far a mechanism is from what its joints and loops allow.
-template <class P>
-struct JointGap {
-    P point{0};     ///< m, between points that should coincide, or off a distance or a rail
-    P turn{0};      ///< rad off an axis or an attitude
-    P velocity{0};  ///< m/s and rad/s of what should not move
-};
-
-template <class P>
-class MaximalForm {
   public:
     static constexpr const char* name = "maximal coordinates";
 
-    /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order: q, angular_velocity_B,
-    /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where the scene's own do not count (of a
-    /// dependent joint). The scene must outlive it.
-    template <class Start>
-    explicit MaximalForm(const Scene& scene, const Start& start, std::span<const std::array<P, 2>> coordinates = {})
-        : mechanism_(std::make_shared<maximal::Mechanism<P>>(scene)) {
-        for (const auto& body : start)
-            start_.push_back({body.q, body.angular_velocity_B, body.position_W, body.velocity_W});
-        for (std::size_t k = 0; k < coordinates.size(); ++k) mechanism_->links[k].coordinate = coordinates[k];
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            place_.push_back(mechanism_->movable(b) ? dimension_ : -1);
-            if (mechanism_->movable(b)) dimension_ += body_size;
-        }
-        angles_ = dimension_;
-        dimension_ += mechanism_->turns;
-        dynamics_ = std::make_shared<maximal::Dynamics<P>>(*mechanism_);
-        loads_ = maximal::Loads<P>(*mechanism_, 0);
-        std::vector<P> y(dimension_, P(0));
-        initial(y.data());
-        dynamics_->drop_redundant(placements(y.data()));
-    }
-
-    int dimension() const { return dimension_; }
-    const maximal::Mechanism<P>& mechanism() const { return *mechanism_; }
-    const maximal::Dynamics<P>& dynamics() const { return *dynamics_; }
+    using Base::Base;
 
     /// `scales`: estimates over all bodies.
     std::vector<Block> blocks(const Scales& scales) const {
         std::vector<Block> all;
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            const maximal::HeldBody<P>& body = mechanism_->bodies[b];
-            // the error of w is that of L over the smallest moment, which is no less than 1 / |I^-1|
-            P norm(0);
-            for (int i = 0; i < 3; ++i) norm += dot(body.inverse_inertia[i], body.inverse_inertia[i]);
-            const double moment = static_cast<double>(P(P(1) / square_root(norm)));
-            all.push_back({place_[b], 4, 1});
-            all.push_back({place_[b] + 4, 3, scales.position});
-            all.push_back({place_[b] + 7, 3, moment * scales.angular_velocity});
-            all.push_back({place_[b] + 10, 3, static_cast<double>(body.mass) * scales.velocity});
+        const maximal::Mechanism<P>& mechanism = this->mechanism();
+        for (int b = 0; b < mechanism.world(); ++b) {
+            const int first = this->place(b);
+            if (first < 0) continue;
+            // the error of w is that of L over the smallest moment
+            const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
+            const double mass = static_cast<double>(mechanism.bodies[b].mass);
+            all.push_back({first, 4, 1});
+            all.push_back({first + 4, 3, scales.position});
+            all.push_back({first + 7, 3, moment * scales.angular_velocity});
+            all.push_back({first + 10, 3, mass * scales.velocity});
         }
-        for (int i = angles_; i < dimension_; ++i) all.push_back({i, 1, 1});
+        for (int i = this->angles(); i < this->dimension(); ++i) all.push_back({i, 1, 1});
         return all;
-    }
-
-    void initial(P* y) const {
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            const maximal::HeldBody<P>& body = mechanism_->bodies[b];
-            put(y, place_[b], start_[b].q);
-            put(y, place_[b] + 4, start_[b].position_W);
-            put(y, place_[b] + 7, rotate(start_[b].q, body.inertia * start_[b].angular_velocity_B));
-            put(y, place_[b] + 10, body.mass * start_[b].velocity_W);
-        }
-        for (const maximal::Link<P>& link : mechanism_->links)
-            for (int i = 0; link.angles >= 0 && i < link.coordinates(); ++i)
-                y[angles_ + link.angles + i] = link.coordinate[i];
-    }
-
-    /// Takes up the loads that act from `begin` on, and applies the impulses at that time to y, through all joints.
-    void enter(double begin, P* y) {
-        loads_ = maximal::Loads<P>(*mechanism_, begin);
-        const std::vector<maximal::Placement<P>> at = placements(y);
-        std::vector<maximal::Wrench<P>> given(at.size());
-        if (!loads_.add_impulses(begin, at, given)) return;
-        const maximal::Rows<P> rows = dynamics_->constraints(at);
-        dynamics_->add_held(rows, dynamics_->impulses(at, rows, given), given);
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            put(y, place_[b] + 7, vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
-            put(y, place_[b] + 10, vector_at(y, place_[b] + 10) + given[b].force_W);
-        }
-    }
-
-    template <class S>
-    void derivative(const S* y, S* dy) const {
-        const std::vector<maximal::Placement<S>> at = placements(y);
-        const maximal::Rows<S> rows = dynamics_->constraints(at);
-        std::vector<maximal::Wrench<S>> on(at.size());
-        dynamics_->add_forces(loads_, at, y + angles_, on);
-        dynamics_->add_held(rows, dynamics_->multipliers(at, rows, on), on);
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            const Vector3<S> h = (P(1) / P(2)) * at[b].angular_velocity_B;
-            put(dy, place_[b], at[b].q * Quaternion<S>{S(P(0)), h[0], h[1], h[2]});
-            put(dy, place_[b] + 4, at[b].velocity_W);
-            put(dy, place_[b] + 7, on[b].torque_W + at[b].world(on[b].torque_B));
-            put(dy, place_[b] + 10, on[b].force_W);
-        }
-        for (const maximal::Link<P>& link : mechanism_->links) {
-            if (link.angles < 0) continue;
-            const std::array<S, 2> rates = view(link, at).rates();
-            for (int i = 0; i < link.coordinates(); ++i) dy[angles_ + link.angles + i] = rates[i];
-        }
     }
 
     /// The motion of every body, in the scene's order.
     std::vector<Motion<P>> motion(const P* y) const {
-        const std::vector<maximal::Placement<P>> at = placements(y);
-        std::vector<Motion<P>> all = start_;
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            all[b] = {normalized(at[b].q), at[b].angular_velocity_B, at[b].position_W, at[b].velocity_W};
-        }
+        std::vector<Motion<P>> all;
+        for (const BodyMotion<P>& m : this->motions(y))
+            all.push_back({normalized(m.q), m.angular_velocity_B, m.position_W, m.velocity_W});
         return all;
     }
-
-    /// Of every joint and then every loop, in the scene's order, under the loads of the piece last entered.
-    std::vector<Reaction<P>> reactions(const P* y) const;
-
-    /// How far the state is off.
-    JointGap<P> gap(const P* y) const;
-
-  private:
-    static constexpr int body_size = 13;
-
-    std::shared_ptr<maximal::Mechanism<P>> mechanism_;  // never moved: the dynamics and the loads point to it
-    std::shared_ptr<maximal::Dynamics<P>> dynamics_;
-    maximal::Loads<P> loads_;
-    std::vector<Motion<P>> start_;
-    std::vector<int> place_;  // of each body in y, -1 of one that does not move
-    int dimension_ = 0, angles_ = 0;
-
-    template <class S>
-    maximal::LinkView<P, S> view(const maximal::Link<P>& link, const std::vector<maximal::Placement<S>>& at) const {
-        return {link, at[link.from.body], at[link.to.body]};
-    }
-    // of every body, and last the world
-    template <class S>
-    std::vector<maximal::Placement<S>> placements(const S* y) const {
-        std::vector<maximal::Placement<S>> at(place_.size() + 1);
-        at.back().axes = diagonal(Vector3<S>(S(P(1)), S(P(1)), S(P(1))));
-        at.back().q = {S(P(1)), S(P(0)), S(P(0)), S(P(0))};
-        for (std::size_t b = 0; b < place_.size(); ++b) {
-            const maximal::HeldBody<P>& body = mechanism_->bodies[b];
-            if (place_[b] < 0) {
-                at[b].q = cast<S>(start_[b].q);
-                at[b].axes = cast<S>(rotation_matrix(start_[b].q));
-                at[b].position_W = cast<S>(start_[b].position_W);
-                continue;
-            }
-            at[b].q = quaternion_at(y, place_[b]);
-            at[b].axes = rotation_matrix(at[b].q);
-            at[b].position_W = vector_at(y, place_[b] + 4);
-            at[b].angular_velocity_B = body.inverse_inertia * at[b].body(vector_at(y, place_[b] + 7));
-            at[b].velocity_W = (P(1) / body.mass) * vector_at(y, place_[b] + 10);
-        }
-        return at;
-    }
 };
-
-template <class P>
-std::vector<Reaction<P>> MaximalForm<P>::reactions(const P* y) const {
-    const std::vector<maximal::Placement<P>> at = placements(y);
-    const maximal::Rows<P> rows = dynamics_->constraints(at);
-    std::vector<maximal::Wrench<P>> on(at.size());
-    dynamics_->add_forces(loads_, at, y + angles_, on);
-    const std::vector<P> lambda = dynamics_->multipliers(at, rows, on);
-    dynamics_->add_held(rows, lambda, on);
-
-    const std::size_t count = mechanism_->links.size();
-    std::vector<Reaction<P>> all(count);
-    for (std::size_t k = 0; k < count; ++k) {
-        Reaction<P>& reaction = all[k];
-        const auto add = [&](const maximal::Row<P>& row, const P& size) {
-            reaction.force_W = reaction.force_W + size * row.force_W;
-            reaction.torque_W = reaction.torque_W + size * row.torque_W;
-        };
-        for (std::size_t i = 0; i < rows[k].size(); ++i) add(rows[k][i], lambda[dynamics_->first_row(k) + i]);
-        for (const auto& [row, size] : dynamics_->own_forces(loads_, k, at, y + angles_)) add(row, size);
-    }
-    // what rests in the world: its joint balances all that acts on it, from the leaves on
-    std::vector<std::size_t> resting;
-    for (std::size_t k = 0; k < count; ++k)
-        if (const maximal::Link<P>& link = mechanism_->links[k]; !link.closes && !mechanism_->movable(link.to.body))
-            resting.push_back(k);
-    std::stable_sort(resting.begin(), resting.end(), [&](std::size_t a, std::size_t b) {
-        return mechanism_->depth[mechanism_->links[a].to.body] > mechanism_->depth[mechanism_->links[b].to.body];
-    });
-    for (const std::size_t k : resting) {
-        const maximal::Link<P>& link = mechanism_->links[k];
-        const int child = link.to.body, parent = link.from.body;
-        const Vector3<P> arm_W = at[child].world(link.to.arm_B);
-        const Vector3<P> about_center = on[child].torque_W + at[child].world(on[child].torque_B);
-        all[k] = {-on[child].force_W, cross(arm_W, on[child].force_W) - about_center};
-        const Vector3<P> from_parent = at[child].position_W + arm_W - at[parent].position_W;
-        on[parent].force_W = on[parent].force_W - all[k].force_W;
-        on[parent].torque_W = on[parent].torque_W - all[k].torque_W - cross(from_parent, all[k].force_W);
-    }
-    return all;
-}
-
-template <class P>
-JointGap<P> MaximalForm<P>::gap(const P* y) const {
-    using maximal::Kind;
-    const std::vector<maximal::Placement<P>> at = placements(y);
-    JointGap<P> worst;
-    const auto raise = [](P& largest, const P& value) {
-        const P size = value < P(0) ? P(-value) : value;
-        if (largest < size) largest = size;
-    };
-    for (const maximal::Link<P>& link : mechanism_->links) {
-        const maximal::Placement<P>&from = at[link.from.body], &to = at[link.to.body];
-        const Vector3<P> apart = view(link, at).apart();
-        if (link.kind == Kind::distance) {
-            raise(worst.point, length(apart) - link.length);
-        } else if (link.kind == Kind::prismatic) {
-            for (const Vector3<P>& t : link.across_from) raise(worst.point, dot(t, from.body(apart)));
-        } else {
-            raise(worst.point, length(apart));
-        }
-        if (link.kind == Kind::prismatic || link.kind == Kind::fixed) {
-            const Quaternion<P> turn = conjugate(from.q * link.orientation) * to.q;
-            raise(worst.turn, P(2) * length(vector_part(turn)));
-        } else if (link.kind == Kind::revolute) {
-            for (const Vector3<P>& u : link.across_from)
-                raise(worst.turn, dot(from.world(u), to.world(link.axes_to[0])));
-        } else if (link.kind == Kind::universal) {
-            raise(worst.turn, dot(from.world(link.axis_from), to.world(link.axes_to[1])) - link.between);
-        }
-    }
-    for (const P& slip : dynamics_->slips(at, dynamics_->constraints(at))) raise(worst.velocity, slip);
-    return worst;
-}
 
 }  // namespace polhode::truth

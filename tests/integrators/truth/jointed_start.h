@@ -124,7 +124,7 @@ inline Scene random_tree(unsigned seed, int count, bool free_base) {
     Dice dice(seed);
     Scene scene;
     scene.name = "tree";
-    scene.duration = 0.5;
+    scene.duration = 0.125;
     static constexpr JointType types[] = {JointType::spherical, JointType::revolute, JointType::universal,
                                           JointType::prismatic, JointType::fixed};
     for (int i = 0; i < count; ++i) {

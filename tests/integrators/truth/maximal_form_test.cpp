@@ -27,9 +27,9 @@ double size(const V& v) { return length(v).convert_to<double>(); }
 /// A mechanism that shows the state and the reactions beside the motions.
 struct Shown {
     std::vector<Motion<P>> bodies;
-    std::vector<truth::Reaction<P>> reactions;
+    std::vector<Reaction<P>> reactions;
     std::vector<P> y;
-    truth::JointGap<P> gap;
+    maximal::JointGap<P> gap;
 };
 struct Form : truth::MaximalForm<P> {
     using Base = truth::MaximalForm<P>;
@@ -106,7 +106,7 @@ TEST(MaximalForm, SwingsAsAPendulumInClosedForm) {
         EXPECT_LT(size(P(motion[i].bodies[0].angular_velocity_B[1] - P(2) * k * rate * cn)), 1e-30);
         EXPECT_LT(size(P(motion[i].gap.point + motion[i].gap.turn + motion[i].gap.velocity)), 1e-30);
         // the hinge carries: along the rod m g cos x + m l x'^2, and no torque about its axis
-        const truth::Reaction<P>& reaction = motion[i].reactions[0];
+        const Reaction<P>& reaction = motion[i].reactions[0];
         const P cosine = 1 - 2 * q.y * q.y, x_rate = P(2) * k * rate * cn;
         const V along = rotate(q, V(P(0), P(0), P(1)));
         const P pull = P(1.5) * (P(9.5) * cosine + P(0.75) * x_rate * x_rate);
@@ -116,9 +116,9 @@ TEST(MaximalForm, SwingsAsAPendulumInClosedForm) {
 }
 
 TEST(MaximalForm, KeepsEnergyAndMomentaOfFreeTrees) {
-    for (unsigned seed = 0; seed < 5; ++seed) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
         const Scene scene = random_tree(seed, 4, true);
-        const std::vector<Shown> motion = solved(scene, {0, 0.5});
+        const std::vector<Shown> motion = solved(scene, {0, 0.125});
         EXPECT_LT(size(linear_momentum(scene, motion[1].bodies) - linear_momentum(scene, motion[0].bodies)), 1e-30);
         EXPECT_LT(size(angular_momentum(scene, motion[1].bodies) - angular_momentum(scene, motion[0].bodies)), 1e-30);
         EXPECT_LT(size(P(kinetic_energy(scene, motion[1].bodies) - kinetic_energy(scene, motion[0].bodies))), 1e-30);
@@ -129,7 +129,7 @@ TEST(MaximalForm, KeepsEnergyAndMomentaOfFreeTrees) {
 }
 
 TEST(MaximalForm, KeepsTheEnergyOfSpringsAndGravity) {
-    for (unsigned seed = 0; seed < 5; ++seed) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
         Scene scene = random_tree(seed, 4, false);
         scene.loads = {Gravity{{1, 2, -9}, {}}, PointSpring{"b2", {0.5, 0, 0}, "b3", {0, 0.25, 0}, 5, 0.5, {}},
                        PointSpring{"world", {1, 2, 0}, "b3", {0, 0.25, 0}, 3, 0, {}}};
@@ -189,7 +189,7 @@ TEST(MaximalForm, KeepsTheEnergyOfSpringsAndGravity) {
             }
             return sum;
         };
-        const std::vector<Shown> motion = solved(form, scene, {0, 0.5});
+        const std::vector<Shown> motion = solved(form, scene, {0, 0.125});
         EXPECT_LT(size(P(energy(motion[1]) - energy(motion[0]))), 1e-29) << seed;
         EXPECT_GT(size(P(kinetic_energy(scene, motion[1].bodies) - kinetic_energy(scene, motion[0].bodies))), 1e-2);
     }
@@ -197,7 +197,7 @@ TEST(MaximalForm, KeepsTheEnergyOfSpringsAndGravity) {
 
 // m v' and d(R I w)/dt by differences of seventh order from samples h apart
 TEST(MaximalForm, ReactionsObeyNewtonsEquationsOfEachBody) {
-    for (unsigned seed = 0; seed < 5; ++seed) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
         Scene scene = random_tree(seed, 5, false);
         scene.loads = {Gravity{{1, 2, -9}, {}}, Motor{"to b4", 2, {}}, Motor{"to b3", -1, {}}};
         for (Joint& joint : scene.joints) joint.stiffness = {3, 2}, joint.damping = {0.5, 0.25};
@@ -207,7 +207,7 @@ TEST(MaximalForm, ReactionsObeyNewtonsEquationsOfEachBody) {
                     if (joint.name == motor->joint && joint.type != JointType::revolute &&
                         joint.type != JointType::prismatic)
                         motor->force = 0;
-        constexpr double h = 0x1p-11, middle = 0.25;
+        constexpr double h = 0x1p-11, middle = 0.0625;
         std::vector<double> times;
         for (int i = -4; i <= 4; ++i) times.push_back(middle + i * h);
         const std::vector<Shown> motion = solved(scene, times);
@@ -321,7 +321,7 @@ TEST(MaximalForm, ImpulsesActThroughAllJoints) {
         const P work = dot(given, V(speed(before[3]) + speed(after[3]))) / P(2);
         EXPECT_LT(size(P(kinetic_energy(scene, after) - kinetic_energy(scene, before) - work)), 1e-40) << seed;
         EXPECT_GT(size(work), 1e-3);
-        const truth::JointGap<P> gap = static_cast<const Form::Base&>(form).gap(y.data());
+        const maximal::JointGap<P> gap = static_cast<const Form::Base&>(form).gap(y.data());
         EXPECT_LT(size(P(gap.point + gap.turn + gap.velocity)), 1e-40) << seed;
         if (seed % 2 != 0) continue;
         EXPECT_LT(size(linear_momentum(scene, after) - linear_momentum(scene, before) - given), 1e-40) << seed;
@@ -368,13 +368,14 @@ Scene ring(const std::vector<Vector3<double>>& corners, const std::vector<Vector
 }
 
 void expect_same_wherever_cut(const std::vector<Vector3<double>>& corners, const std::vector<Vector3<double>>& axes,
-                              int freedoms, double duration) {
+                              int freedoms, int spare, double duration) {
     std::vector<std::vector<Shown>> motions;
     for (const std::size_t cut : {corners.size() - 1, corners.size() / 2}) {
         Scene scene = ring(corners, axes, cut);
         scene.duration = duration;
         const Form form(scene);
-        EXPECT_EQ(6 * static_cast<int>(scene.bodies.size()) - form.dynamics().rows(), freedoms);
+        EXPECT_EQ(6 * static_cast<int>(scene.bodies.size()) - form.dynamics().independent_rows(), freedoms);
+        EXPECT_EQ(form.dynamics().rows() - form.dynamics().independent_rows(), spare);
         motions.push_back(solved(form, scene, {0, duration / 2, duration}));
         const auto energy = [&](const Shown& shown) {
             P sum = kinetic_energy(scene, shown.bodies);
@@ -400,13 +401,14 @@ TEST(MaximalForm, FourBarIsTheSameWhereverItIsCut) {
     // in a plane askew to all axes: 2 of the closure's 5 rows count
     const Vector3<double> e{0.8, 0.6, 0}, f{-0.6, 0.8, 0};
     const auto at = [&](double x, double y) { return Vector3<double>(x * e + y * Vector3<double>{0, 0, 1}); };
-    expect_same_wherever_cut({at(0, 0), at(0.25, 1), at(1.25, 1.5), at(1.5, 0.25)}, {f, f, f, f}, 1, 2);
+    expect_same_wherever_cut({at(0, 0), at(0.25, 1), at(1.25, 1.5), at(1.5, 0.25)}, {f, f, f, f}, 1, 0, 0.5);
 }
 
+// another of the closure's 5 rows is redundant at another state: all are kept
 TEST(MaximalForm, BricardsMechanismIsTheSameWhereverItIsCut) {
     const Vector3<double> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
     expect_same_wherever_cut({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}}, {y, z, x, y, z, x}, 1,
-                             1);
+                             1, 0.5);
 }
 
 TEST(MaximalForm, BodyOnARodSwingsAsAPoint) {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "check/convention.h"
+#include "scene/scene.h"
 
 namespace polhode {
 
@@ -66,7 +67,12 @@ void require_positive(const char* option, double value);
 /// What --convention says; ours where it is empty. Throws UsageError.
 Convention convention_option(const std::string& words);
 
-/// Likewise, of a table of trajectories: a file also says in a comment which frames and which point its columns are of.
+/// Throws UsageError where a scene has no joints whose reactions could go to `path`, or `path` is that of another
+/// output.
+void require_joints(const Scene& scene, const std::string& path, const std::string& other);
+
+/// As write_output, of a table of trajectories: a file also says in a comment which frames and which point its columns
+/// are of.
 void write_trajectory_output(const std::string& path, std::string text);
 
 /// Puts what the columns of trajectory files mean under the command's help.

@@ -89,6 +89,16 @@ void require_output(const std::string& path) {
     }
 }
 
+void require_joints(const Scene& scene, const std::string& path, const std::string& other) {
+    if (!is_mechanism(scene))
+        throw UsageError(
+            "--reactions: the scene is of one body and has no joints; leave it out, or give a scene of "
+            "bodies and joints");
+    if (scene.joints.empty() && scene.loops.empty())
+        throw UsageError("--reactions: the scene has neither joints nor loops; leave it out");
+    if (path == other) throw UsageError("--reactions and --output name one file; give two");
+}
+
 namespace {
 
 // Help and versions go through a stream of their own, which keeps its failures to itself.

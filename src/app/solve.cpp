@@ -21,7 +21,7 @@ namespace {
 constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000, most_evaluations = 1'000'000'000'000'000;
 
 struct SolveOptions {
-    std::string scene, method = "auto", output;
+    std::string scene, method = "auto", output, reactions;
     std::optional<double> step, tolerance, duration;
     std::optional<long> steps;
     long samples = 100, max_steps = Settings{}.max_steps, max_evaluations = Settings{}.max_evaluations;
@@ -39,6 +39,7 @@ void require_sane(const SolveOptions& options) {
     require_count("--max-evaluations", options.max_evaluations, most_evaluations);
     require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
+    require_output(options.reactions);
 }
 
 // What auto takes: the most accurate method, of those that take a step or a tolerance where one is given.
@@ -72,6 +73,26 @@ Choice chosen(const SolveOptions& options, const Problem& problem) {
 
 std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
+// How far the joints of several bodies were from closed, in the trajectory itself.
+std::string joints_told(const Scene& scene, const Trajectory& trajectory) {
+    const MechanismMeasure<double> measure(scene);
+    const std::vector<std::string> names = joint_names(scene);
+    JointViolations<double> most;
+    for (std::size_t k = 0; k < trajectory.moments(); ++k) {
+        std::vector<BodyMotion<double>> motions;
+        for (const Sample& s : trajectory.at(k))
+            motions.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
+        const JointViolations<double> now = measure.violations(motions);
+        if (!(now.gap <= most.gap)) most.gap = now.gap, most.gap_joint = now.gap_joint;
+        if (!(now.turn <= most.turn)) most.turn = now.turn, most.turn_joint = now.turn_joint;
+    }
+    const auto where = [&](std::size_t joint) {
+        return joint < names.size() ? fmt::format(" at {}", one_line(names[joint], 100)) : std::string();
+    };
+    return fmt::format("joints   joint_gap_max {:.3g} m{}, joint_turn_max {:.3g} rad{}\n", most.gap,
+                       where(most.gap_joint), most.turn, where(most.turn_joint));
+}
+
 // What the run did, for people: a line each.
 std::string summary(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
                     const Trajectory& trajectory) {
@@ -102,6 +123,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
     if (counts.order_reductions.value_or(0) > 0)
         text += fmt::format(", {} for stability", plural(*counts.order_reductions, "order reduction"));
     text += fmt::format(", {:.6f} s\n", trajectory.seconds);
+    if (is_mechanism(problem.scene) && !trajectory.samples.empty()) text += joints_told(problem.scene, trajectory);
     return text;
 }
 
@@ -118,14 +140,27 @@ int solve_command(const SolveOptions& options) {
     settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
     settings.tolerance = options.tolerance;
     if (settings.step) require_positive("the step", *settings.step);
-    const Problem problem = pose(scene, settings.formulation);
+    if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
+    Problem problem = pose(scene, settings.formulation);
+    problem.reactions = !options.reactions.empty();
     const Choice choice = chosen(options, problem);
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
     // what was reached is kept: it tells how far the method came
     if (!trajectory.samples.empty())
         write_trajectory_output(options.output, trajectory_csv(trajectory, body_names(scene)));
+    const bool no_reactions = trajectory.status == Status::ok && problem.reactions && trajectory.reactions.empty();
+    if (problem.reactions && !trajectory.reactions.empty())
+        write_output(options.reactions, reactions_csv(trajectory, joint_names(scene)));
     std::fputs(summary(options, problem, choice, settings, trajectory).c_str(), stderr);
+    if (no_reactions)
+        std::fputs(
+            fmt::format("polhode: {} gives no reactions of joints, and {} is not written; take taylor, or another "
+                        "method in joint coordinates\n",
+                        choice.method->name, one_line(options.reactions, 200))
+                .c_str(),
+            stderr);
+    if (no_reactions) return 1;
     return trajectory.status == Status::ok ? 0 : 1;
 }
 
@@ -158,6 +193,9 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
     engines_option(*command);
     command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->add_option("--reactions", options->reactions,
+                        "File (CSV) for the forces and torques of joints and loops, of a scene of several bodies: "
+                        "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
     command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
     command->callback([options, &exit_code] { exit_code = solve_command(*options); });
 }

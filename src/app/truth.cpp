@@ -23,7 +23,7 @@ constexpr long most_true_samples = 1'000'000;
 constexpr const char* names[] = {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
 
 struct TruthOptions {
-    std::string scene, format = "csv", output;
+    std::string scene, format = "csv", output, reactions;
     std::optional<double> duration;
     long samples = 100;
     int digits = 17;
@@ -71,6 +71,38 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
         text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i / at_once]));
         if (!bodies.empty()) text += ", " + json_string(bodies[i % at_once]);
         for (const std::string& value : truth.columns[i]) text += fmt::format(", \"{}\"", value);
+        text += ']';
+    }
+    return text + "\n]}\n";
+}
+
+constexpr const char* reaction_names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+
+// The forces and torques of joints, then of loops, at each time.
+std::string reactions_csv_of(const Scene& scene, const DecimalReference& truth) {
+    const std::vector<std::string> joints = joint_names(scene);
+    std::string text = "t,joint";
+    for (const char* name : reaction_names) text.append(",").append(name);
+    text += '\n';
+    for (std::size_t i = 0; i < truth.reactions.size(); ++i) {
+        text += shortest_decimal(truth.times[i / joints.size()]);
+        text.append(",").append(joints[i % joints.size()]);
+        for (const std::string& value : truth.reactions[i]) text.append(",").append(value);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string reactions_json(const Scene& scene, const DecimalReference& truth) {
+    const std::vector<std::string> joints = joint_names(scene);
+    std::string text = fmt::format("{{\"scene\": {}, \"scene_hash\": \"{}\",\n \"columns\": [\"t\", \"joint\"",
+                                   json_string(scene.name), truth.scene_hash);
+    for (const char* name : reaction_names) text += fmt::format(", \"{}\"", name);
+    text += "],\n \"reactions\": [";
+    for (std::size_t i = 0; i < truth.reactions.size(); ++i) {
+        text += fmt::format("{}\n  [\"{}\", {}", i == 0 ? "" : ",", shortest_decimal(truth.times[i / joints.size()]),
+                            json_string(joints[i % joints.size()]));
+        for (const std::string& value : truth.reactions[i]) text += fmt::format(", \"{}\"", value);
         text += ']';
     }
     return text + "\n]}\n";
@@ -134,8 +166,12 @@ int truth_command(const TruthOptions& options) {
     if (options.duration) require_positive("--duration", *options.duration);
     require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
+    require_output(options.reactions);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
+    if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
+    if (options.certified && !options.reactions.empty())
+        throw UsageError("--reactions: there are no proven ones; leave out --certified");
     if (options.certified) return run_certified(options, scene);
     const DecimalReference truth = decimal_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
@@ -146,11 +182,19 @@ int truth_command(const TruthOptions& options) {
         write_output(options.output, json(scene, options, truth));
     else
         write_trajectory_output(options.output, csv(scene, truth));
+    if (!options.reactions.empty() && !truth.reactions.empty())
+        write_output(options.reactions,
+                     options.format == "json" ? reactions_json(scene, truth) : reactions_csv_of(scene, truth));
     std::fputs(fmt::format("scene    {}\ntruth    {}\nbound    {:.2e}\n", one_line(scene.name, 100), truth.message,
                            truth.bound)
                    .c_str(),
                stderr);
-    return 0;
+    if (options.reactions.empty() || !truth.reactions.empty()) return 0;
+    std::fputs(fmt::format("polhode: the truth of this scene tells no reactions, and {} is not written\n",
+                           one_line(options.reactions, 200))
+                   .c_str(),
+               stderr);
+    return 1;
 }
 
 }  // namespace
@@ -180,6 +224,9 @@ void add_truth(CLI::App& program, int& exit_code) {
         ->add_option("--max-seconds", options->max_seconds,
                      "A truth that takes its thread longer is given up (exit 1); what is cached takes none")
         ->capture_default_str();
+    command->add_option("--reactions", options->reactions,
+                        "File for the forces and torques of joints and loops, of a scene of several bodies: columns "
+                        "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }

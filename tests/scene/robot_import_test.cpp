@@ -1,0 +1,474 @@
+// Whole robots: the same one in three formats, against positions multiplied out by hand, and what is merged or refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "body/orientation.h"
+#include "scene/builtin.h"
+#include "scene/robot_tree.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+Scene robot_scene(const std::string& text, RobotBase base = RobotBase::as_usual) {
+    Scene scene;
+    scene.name = "robot", scene.duration = 1;
+    add_robot(parse_robot(text, "robot.xml"), base, "robot.xml", scene);
+    validate(scene, "robot.xml");
+    return scene;
+}
+
+std::string robot_fault(const std::string& text, RobotBase base = RobotBase::as_usual) {
+    try {
+        robot_scene(text, base);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+const Joint& joint_named(const Scene& scene, const std::string& name) {
+    for (const Joint& joint : scene.joints)
+        if (joint.name == name) return joint;
+    throw std::out_of_range("no joint " + name);
+}
+
+// Where a body is: points of it go to A x + p.
+struct Placed {
+    Matrix3<double> A = diagonal(Vector3<double>(1, 1, 1));
+    Vector3<double> p;
+};
+Placed operator*(const Placed& outer, const Placed& inner) { return {outer.A * inner.A, outer.A * inner.p + outer.p}; }
+Vector3<double> operator*(const Placed& there, const Vector3<double>& x) { return there.A * x + there.p; }
+
+// Rodrigues' formula.
+Placed turned(const Vector3<double>& axis, double angle) {
+    const double length = std::sqrt(dot(axis, axis));
+    const Vector3<double> n = (1 / length) * axis;
+    Placed turn;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            turn.A[i][j] =
+                (i == j ? std::cos(angle) : 0) + (1 - std::cos(angle)) * n[i] * n[j] + std::sin(angle) * skew(n)[i][j];
+    return turn;
+}
+Placed moved(const Vector3<double>& by) { return {diagonal(Vector3<double>(1, 1, 1)), by}; }
+Placed rpy(double r, double p, double y) { return turned({0, 0, 1}, y) * turned({0, 1, 0}, p) * turned({1, 0, 0}, r); }
+
+// What the contract says of a joint, from the numbers of a scene: the child in the parent.
+Placed by_contract(const Joint& j, double x, double y = 0) {
+    const Placed q0{rotation_matrix(normalized(j.parent_orientation)), {}};
+    Placed J;
+    Vector3<double> slid;
+    if (j.type == JointType::revolute) J = turned(j.axes[0], x);
+    if (j.type == JointType::universal) J = turned(j.axes[0], x) * turned(j.axes[1], y);
+    if (j.type == JointType::prismatic) slid = (x / std::sqrt(dot(j.axes[0], j.axes[0]))) * j.axes[0];
+    Placed there = q0 * J;
+    there.p = j.parent_point + q0.A * slid - there.A * j.child_point;
+    return there;
+}
+
+void expect_same(const Placed& a, const Placed& b, double within) {
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(a.p[i], b.p[i], within) << i;
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(a.A[i][j], b.A[i][j], within) << i << j;
+    }
+}
+
+const std::string inertial =
+    R"(<inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial>)";
+std::string urdf(const std::string& inside) { return "<robot name='r'>" + inside + "</robot>"; }
+std::string link(const std::string& name) { return "<link name='" + name + "'>" + inertial + "</link>"; }
+std::string bare(const std::string& name) { return "<link name='" + name + "'/>"; }
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                  const std::string& more = "") {
+    return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child +
+           "'/>" + more + "</joint>";
+}
+
+TEST(RobotImport, UrdfJointsMoveAsItsMatricesSay) {
+    const Scene s = robot_scene(
+        urdf(bare("world_link") + link("a") + link("b") + link("c") +
+             joint("j1", "revolute", "world_link", "a",
+                   "<origin xyz='1 2 3' rpy='0.3 -0.7 1.1'/><axis xyz='0 2 0'/><dynamics damping='0.5' friction='1'/>"
+                   "<limit lower='0' upper='1'/>") +
+             joint("j2", "prismatic", "a", "b", "<origin xyz='-1 0.5 0.25' rpy='-0.2 0.4 2'/><axis xyz='1 1 0'/>") +
+             joint("j3", "continuous", "b", "c", "<origin rpy='3 0 0'/>") + "<transmission name='t1'/>"));
+    ASSERT_EQ(s.joints.size(), 3u);
+    EXPECT_EQ(s.joints[0].parent, "world");
+    EXPECT_EQ(s.joints[0].damping[0], 0.5);
+    const double x = 0.4, y = -0.3, z = 2.5, slide = y / std::sqrt(2);
+    expect_same(by_contract(joint_named(s, "j1"), x), moved({1, 2, 3}) * rpy(0.3, -0.7, 1.1) * turned({0, 1, 0}, x),
+                1e-15);
+    expect_same(by_contract(joint_named(s, "j2"), y),
+                moved({-1, 0.5, 0.25}) * rpy(-0.2, 0.4, 2) * moved({slide, slide, 0}), 1e-15);
+    expect_same(by_contract(joint_named(s, "j3"), z), rpy(3, 0, 0) * turned({1, 0, 0}, z), 1e-15);
+    EXPECT_EQ(s.bodies[1].body.mass, 2);
+    EXPECT_EQ(s.bodies[1].body.center_of_mass, Vector3<double>(0.1, 0.2, 0.3));
+    EXPECT_EQ(s.left_out, (std::vector<std::string>{"<transmission>: t1", "friction of joints: j1",
+                                                    "limits of joints: j1", "links without mass, merged: world_link"}));
+}
+
+// A frame between two links by fixed joints changes no motion, wherever it stands.
+TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
+    const std::string tilt = "<origin xyz='0.1 0.2 0.3' rpy='0.5 0.6 0.7'/>", on = "<origin xyz='1 0 0' rpy='0 0 1'/>";
+    const std::string axis = "<axis xyz='0 0.6 0.8'/>";
+    // in front of the moving joint
+    const Scene before =
+        robot_scene(urdf(link("a") + bare("m") + link("b") + bare("tip") + joint("f", "fixed", "a", "m", tilt) +
+                         joint("j", "revolute", "m", "b", on + axis) + joint("t", "fixed", "b", "tip", tilt)));
+    const Placed step = moved({0.1, 0.2, 0.3}) * rpy(0.5, 0.6, 0.7), other = moved({1, 0, 0}) * rpy(0, 0, 1);
+    ASSERT_EQ(before.bodies.size(), 2u);
+    EXPECT_EQ(joint_named(before, "j").parent, "a");
+    expect_same(by_contract(joint_named(before, "j"), 0.9), step * other * turned({0, 0.6, 0.8}, 0.9), 1e-15);
+    EXPECT_EQ(before.left_out,
+              (std::vector<std::string>{"links without mass, dropped: tip", "links without mass, merged: m"}));
+    // behind it, with a second link on the frame
+    const Scene behind =
+        robot_scene(urdf(link("a") + bare("m") + link("b") + link("c") + joint("j", "revolute", "a", "m", on + axis) +
+                         joint("f", "fixed", "m", "b", tilt) + joint("k", "prismatic", "m", "c", on + axis)));
+    ASSERT_EQ(behind.bodies.size(), 3u);
+    EXPECT_EQ(joint_named(behind, "j").child, "b");
+    EXPECT_EQ(joint_named(behind, "k").parent, "b");
+    const Placed turn = other * turned({0, 0.6, 0.8}, 0.9);
+    expect_same(by_contract(joint_named(behind, "j"), 0.9), turn * step, 1e-15);
+    expect_same(by_contract(joint_named(behind, "j"), 0.9) * by_contract(joint_named(behind, "k"), 0.5),
+                turn * other * moved({0, 0.3, 0.4}), 1e-15);
+}
+
+// Two hinges through one point, a frame without mass between them.
+TEST(RobotImport, TwoHingesThroughOnePointAreAUniversalJoint) {
+    const Scene s =
+        robot_scene(urdf(bare("root") + bare("m") + link("b") +
+                         joint("j", "revolute", "root", "m",
+                               "<origin xyz='1 2 3' rpy='0.1 0.2 0.3'/><axis xyz='0 0 1'/><dynamics damping='3'/>") +
+                         // its axis along x' passes the first one's 2 further up
+                         joint("k", "revolute", "m", "b",
+                               "<origin xyz='-0.5 0 2' rpy='0.4 0 0'/><axis xyz='1 0 0'/><dynamics damping='4'/>")));
+    ASSERT_EQ(s.joints.size(), 1u);
+    const Joint& j = s.joints[0];
+    EXPECT_EQ(j.type, JointType::universal);
+    EXPECT_EQ(j.name, "j+k");
+    EXPECT_EQ(j.damping, (std::array<double, 2>{3, 4}));
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), std::pair(0.7, 0.0), std::pair(0.7, -1.3)})
+        expect_same(by_contract(j, x, y),
+                    moved({1, 2, 3}) * rpy(0.1, 0.2, 0.3) * turned({0, 0, 1}, x) * moved({-0.5, 0, 2}) *
+                        turned({1, 0, 0}, 0.4) * turned({1, 0, 0}, y),
+                    1e-14);
+    const auto two = [](const char* origin, const char* axis) {
+        return urdf(
+            bare("root") + bare("m") + link("b") + joint("j", "revolute", "root", "m", "<axis xyz='0 0 1'/>") +
+            joint("k", "revolute", "m", "b", std::string("<origin xyz='") + origin + "'/><axis xyz='" + axis + "'/>"));
+    };
+    EXPECT_NE(robot_fault(two("0 0.001 0", "1 0 0")).find("do not meet in one point"), std::string::npos);
+    EXPECT_NE(robot_fault(two("0 0 0", "0 0 -1")).find("do not meet in one point"), std::string::npos);
+}
+
+TEST(RobotImport, TheBaseIsHeldOrFree) {
+    const std::string robot = urdf(link("base") + link("arm") + joint("j", "revolute", "base", "arm"));
+    const Scene held = robot_scene(robot), free = robot_scene(robot, RobotBase::free);
+    EXPECT_EQ(joint_named(held, "base_base").type, JointType::fixed);
+    EXPECT_EQ(held.joints.size(), 2u);
+    ASSERT_EQ(free.joints.size(), 1u);
+    EXPECT_EQ(free.bodies[0].initial.position_W, Vector3<double>(0.1, 0.2, 0.3)) << "its origin is the world's";
+    // a floating joint says so itself
+    const Scene floating = robot_scene(
+        urdf(bare("world_link") + link("base") +
+             joint("j", "floating", "world_link", "base", "<origin xyz='1 0 0' rpy='0 0 1.5707963267948966'/>")));
+    EXPECT_TRUE(floating.joints.empty());
+    const Vector3<double> p = floating.bodies[0].initial.position_W;
+    EXPECT_NEAR(p[0], 1 - 0.2, 1e-15);
+    EXPECT_NEAR(p[1], 0.1, 1e-15);
+}
+
+// One robot in three languages.
+const char* arm_in_urdf = R"(<robot name="r">
+  <link name="foot"><inertial><origin xyz="0 0 0.1" rpy="0 0 0.5"/><mass value="3"/>
+    <inertia ixx="1" iyy="2" izz="2.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+    <inertia ixx="0.5" iyy="0.75" izz="1" ixy="0.1" ixz="0" iyz="0"/></inertial></link>
+  <link name="slide"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="hip" type="revolute"><parent link="foot"/><child link="arm"/><origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/>
+    <axis xyz="0 0.6 0.8"/><dynamics damping="0.5"/></joint>
+  <joint name="rail" type="prismatic"><parent link="arm"/><child link="slide"/><origin xyz="1 0 0" rpy="0 1.5707963267948966 0"/>
+    <axis xyz="0 0 1"/></joint>
+</robot>)";
+const char* arm_in_mjcf = R"(<mujoco><compiler angle="radian" eulerseq="XYZ"/>
+  <default><joint damping="0.5"/><default class="still"><joint damping="0" type="slide"/></default></default>
+  <worldbody><geom type="plane" size="1 1 1"/>
+  <body name="foot"><inertial pos="0 0 0.1" euler="0 0 0.5" mass="3" diaginertia="1 2 2.5"/>
+    <body name="arm" pos="0.1 0.2 0.3" euler="0.4 0.5 0.6">
+      <joint name="hip" axis="0 0.6 0.8"/>
+      <inertial pos="0.5 0 0" mass="2" fullinertia="0.5 0.75 1 0.1 0 0"/>
+      <body name="slide" pos="1 0 0" axisangle="0 3 0 1.5707963267948966" childclass="still">
+        <joint name="rail"/>
+        <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      </body>
+    </body>
+  </body></worldbody></mujoco>)";
+const char* arm_in_sdf = R"(<sdf version="1.10"><model name="r">
+  <link name="foot"><inertial><pose>0 0 0.1 0 0 0.5</pose><mass>3</mass>
+    <inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz></inertia></inertial></link>
+  <frame name="seat" attached_to="foot"><pose>0.1 0.2 0.3 0 0 0</pose></frame>
+  <link name="arm"><pose relative_to="seat">0 0 0 0.4 0.5 0.6</pose><inertial><pose>0.5 0 0 0 0 0</pose><mass>2</mass>
+    <inertia><ixx>0.5</ixx><iyy>0.75</iyy><izz>1</izz><ixy>0.1</ixy></inertia></inertial></link>
+  <link name="slide"><pose relative_to="arm" degrees="true">1 0 0 0 90 0</pose><inertial><mass>1</mass>
+    <inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+  <joint name="ground" type="fixed"><parent>world</parent><child>foot</child></joint>
+  <joint name="hip" type="revolute"><parent>foot</parent><child>arm</child>
+    <axis><xyz>0 0.6 0.8</xyz><dynamics><damping>0.5</damping></dynamics></axis></joint>
+  <joint name="rail" type="prismatic"><parent>arm</parent><child>slide</child>
+    <axis><xyz expressed_in="arm">1 0 0</xyz></axis></joint>
+</model></sdf>)";
+
+TEST(RobotImport, ThreeFormatsSayTheSame) {
+    const Scene a = robot_scene(arm_in_urdf);
+    ASSERT_EQ(a.bodies.size(), 3u);
+    for (const char* text : {arm_in_mjcf, arm_in_sdf}) {
+        const Scene b = robot_scene(text);
+        SCOPED_TRACE(write_scene(b));
+        ASSERT_EQ(b.bodies.size(), 3u);
+        for (std::size_t i = 0; i < 3; ++i) {
+            EXPECT_EQ(a.bodies[i].name, b.bodies[i].name);
+            EXPECT_EQ(a.bodies[i].body.mass, b.bodies[i].body.mass);
+            EXPECT_EQ(a.bodies[i].body.center_of_mass, b.bodies[i].body.center_of_mass);
+            for (int r = 0; r < 3; ++r)
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_NEAR(a.bodies[i].body.inertia_B[r][c], b.bodies[i].body.inertia_B[r][c], 1e-15);
+        }
+        for (const char* name : {"hip", "rail"}) {
+            const Joint &one = joint_named(a, name), &two = joint_named(b, name);
+            EXPECT_EQ(one.parent, two.parent);
+            EXPECT_EQ(one.child, two.child);
+            EXPECT_EQ(one.damping, two.damping);
+            for (const double x : {0.0, 1.25}) expect_same(by_contract(one, x), by_contract(two, x), 1e-15);
+        }
+    }
+}
+
+std::string mjcf(const std::string& bodies, const std::string& more = "") {
+    return "<mujoco>" + more + "<worldbody>" + bodies + "</worldbody></mujoco>";
+}
+const std::string mjcf_inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
+
+// Inertias that MuJoCo works out from geoms, against the closed forms of the same solids.
+TEST(RobotImport, GeomsOfMjcfHaveTheirMass) {
+    const auto body = [](const std::string& geoms) {
+        return robot_scene(mjcf("<body name='b'><freejoint/>" + geoms + "</body>")).bodies[0].body;
+    };
+    const double pi = 3.141592653589793;
+    const Body ball = body("<geom size='0.5'/>");
+    EXPECT_NEAR(ball.mass, 1000 * 4 / 3. * pi * 0.125, 1e-12);
+    EXPECT_NEAR(ball.inertia_B[1][1], 0.4 * ball.mass * 0.25, 1e-13);
+    const Body box = body("<geom type='box' size='0.1 0.2 0.3' pos='1 0 0' mass='6'/>");
+    EXPECT_NEAR(box.inertia_B[0][0], 2 * (0.04 + 0.09), 1e-15);
+    EXPECT_EQ(box.center_of_mass, Vector3<double>(1, 0, 0));
+    // a rod along (3, 0, 4), 10 long
+    const Body rod = body("<geom type='cylinder' size='0.5' fromto='0 0 0 6 0 8' mass='12'/>");
+    const double along = 12 * 0.25 / 2, across = 12 * 0.25 / 4 + 100;
+    EXPECT_NEAR(rod.center_of_mass[2], 4, 1e-15);
+    EXPECT_NEAR(rod.inertia_B[0][0], across + (along - across) * 0.36, 1e-12);
+    EXPECT_NEAR(rod.inertia_B[0][2], (along - across) * 0.48, 1e-12);
+    // half balls and a cylinder; an ellipsoid; two of them; one for show
+    const Body capsule = body("<geom type='capsule' size='0.1 0.2' density='500'/>");
+    EXPECT_NEAR(capsule.mass, 500 * pi * (0.01 * 0.4 + 4 / 3. * 0.001), 1e-13);
+    const Body ellipsoid = body("<geom type='ellipsoid' size='1 2 3' mass='5'/>");
+    EXPECT_NEAR(ellipsoid.inertia_B[2][2], 5, 1e-14);
+    const Body two = body(
+        "<geom size='0.1' pos='-1 0 0' mass='1'/><geom size='0.1' pos='1 0 0' mass='3'/><geom size='9' mass='0'/>");
+    EXPECT_EQ(two.mass, 4);
+    EXPECT_NEAR(two.center_of_mass[0], 0.5, 1e-15);
+    EXPECT_NEAR(two.inertia_B[1][1], 4 * 0.4 * 0.01 + 1 * 2.25 + 3 * 0.25, 1e-14);
+    EXPECT_NE(
+        robot_fault(mjcf("<body><freejoint/><geom type='mesh' mesh='m'/></body>")).find("give the body an <inertial>"),
+        std::string::npos);
+}
+
+TEST(RobotImport, JointsOfMjcf) {
+    const Scene s = robot_scene(mjcf(
+        "<body name='a' pos='0 0 1'><joint name='h' type='hinge' pos='0 0 0.5' axis='0 1 0' stiffness='3' "
+        "springref='90' ref='45' "
+        "armature='0.1' frictionloss='1' range='-1 1'/>" +
+            mjcf_inertial + "<body name='b' quat='0 2 0 0'><joint name='ball' type='ball' damping='2' stiffness='1'/>" +
+            mjcf_inertial + "<body name='c'>" + mjcf_inertial +
+            "<body name='d' zaxis='1 0 0'><joint name='x' axis='1 0 0' pos='0 0 1' damping='1'/>"
+            "<joint name='y' axis='0 1 0' pos='0 0 1'/>" +
+            mjcf_inertial + "</body></body></body></body>",
+        "<actuator><motor name='m' joint='h'/></actuator><option gravity='0 0 -1'/>"));
+    ASSERT_EQ(s.bodies.size(), 4u);
+    const Joint& h = joint_named(s, "h");
+    EXPECT_NEAR(h.rest[0], 0.7853981633974483, 1e-16);
+    EXPECT_EQ(h.stiffness[0], 3);
+    // the anchor stays where it is
+    expect_same(by_contract(h, 0.3), moved({0, 0, 1.5}) * turned({0, 1, 0}, 0.3) * moved({0, 0, -0.5}), 1e-15);
+    EXPECT_EQ(joint_named(s, "ball").type, JointType::spherical);
+    EXPECT_EQ(joint_named(s, "ball").damping[0], 2);
+    EXPECT_EQ(joint_named(s, "ball").stiffness[0], 0);
+    EXPECT_EQ(joint_named(s, "c_weld").type, JointType::fixed);
+    const Joint& xy = joint_named(s, "x+y");
+    EXPECT_EQ(xy.type, JointType::universal);
+    expect_same(by_contract(xy, 0.4, 0.5),
+                turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
+                    turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
+                1e-15);
+    EXPECT_EQ(s.left_out, (std::vector<std::string>{"<actuator>: m", "<option>: gravity", "armature of joints: h",
+                                                    "friction of joints: h", "hinges that are one universal joint: x+y",
+                                                    "limits of joints: h", "springs of ball joints: ball"}));
+    // orientations: a quarter turn about z by each of the ways
+    for (const char* way : {"quat='1 0 0 1'", "euler='0 0 90'", "axisangle='0 0 1 90'", "xyaxes='0 1 0 -1 0.25 0'"}) {
+        const Scene q =
+            robot_scene(mjcf("<body name='a' " + std::string(way) + "><joint/>" + mjcf_inertial + "</body>"));
+        expect_same(by_contract(q.joints[0], 0), turned({0, 0, 1}, 1.5707963267948966), 1e-15);
+    }
+}
+
+// SDFormat: where frames are relative to each other, and a universal joint.
+TEST(RobotImport, FramesOfSdf) {
+    const std::string i = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";
+    const Scene s = robot_scene(
+        "<sdf version='1.9'><world name='w'><model name='ground'><static>true</static><link name='l'/></model>"
+        "<model name='m'><pose>10 0 0 0 0 1</pose><link name='a'><pose>1 0 0 0 0 0</pose>" +
+        i +
+        "</link>"
+        "<link name='b'><pose relative_to='j'>0 0 -1 0 0 0</pose>" +
+        i +
+        "</link>"
+        "<joint name='j' type='universal'><pose relative_to='a'>0 2 0 0.5 0 0</pose><parent>a</parent><child>b</child>"
+        "<axis><xyz>1 0 "
+        "0</xyz><dynamics><spring_stiffness>2</spring_stiffness><spring_reference>0.5</spring_reference></dynamics></"
+        "axis>"
+        "<axis2><xyz>0 1 0</xyz><limit><lower>0</lower></limit></axis2></joint></model></world></sdf>");
+    ASSERT_EQ(s.joints.size(), 1u);
+    const Joint& j = s.joints[0];
+    expect_same(by_contract(j, 0.2, 0.3),
+                moved({0, 2, 0}) * rpy(0.5, 0, 0) * turned({1, 0, 0}, 0.2) * turned({0, 1, 0}, 0.3) * moved({0, 0, -1}),
+                1e-15);
+    EXPECT_EQ(j.stiffness, (std::array<double, 2>{2, 0}));
+    EXPECT_EQ(j.rest, (std::array<double, 2>{0.5, 0}));
+    // a model that nothing ties to the world is free, and where it is
+    EXPECT_NEAR(s.bodies[0].initial.position_W[0], 10 + std::cos(1.0), 1e-15);
+    EXPECT_NEAR(s.bodies[0].initial.position_W[1], std::sin(1.0), 1e-15);
+    EXPECT_EQ(s.left_out, (std::vector<std::string>{"limits of joints: j", "static models: ground"}));
+}
+
+TEST(RobotImport, RefusesWhatItCannotMake) {
+    const std::string two = link("a") + link("b");
+    const std::string sdf_link =
+        "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>";
+    const auto sdf = [&](const std::string& more) {
+        return "<sdf><model name='m'><link name='a'>" + sdf_link + "<link name='b'>" + sdf_link + more +
+               "</model></sdf>";
+    };
+    const std::pair<std::string, const char*> faults[] = {
+        {"<robot>", "is not XML"},
+        {"<car/>", "is the root of no known format"},
+        {urdf(""), "has no link with a mass"},
+        {urdf(bare("a")), "has no link with a mass"},
+        {urdf(two + joint("j", "planar", "a", "b")), "is a planar joint"},
+        {urdf(two + joint("j", "screw", "a", "b")), "has the type \"screw\""},
+        {urdf(two + joint("j", "fixed", "a", "bb")), "names \"bb\", which is no link"},
+        {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "a", "b")),
+         "is a second joint's that carries \"b\""},
+        {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "b", "a")), "has joints that form a circle"},
+        {urdf(link("a") + link("a")), "is a second link \"a\""},
+        {urdf(two + joint("j", "fixed", "a", "b") + joint("j", "fixed", "b", "a")), "is a second joint \"j\""},
+        {urdf(two + joint("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>")), "<axis>: is zero"},
+        {urdf(two + joint("j", "floating", "a", "b")), "frees a link from another"},
+        {urdf(link("a") + bare("b") + joint("j", "revolute", "a", "b")),
+         "link \"b\" has no mass, and joint \"j\" moves it"},
+        {urdf(link("a") + bare("m") + link("b") + joint("j", "revolute", "a", "m") + joint("k", "prismatic", "m", "b")),
+         "move one after the other without mass between"},
+        {urdf("<link name='a'><inertial><mass value='1'/><inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' "
+              "iyz='0'/></inertial></link>"),
+         "has a principal moment that is not > 0"},
+        {mjcf("<body><joint type='screw'/>" + mjcf_inertial + "</body>"), "has the type \"screw\""},
+        {mjcf("<body><joint/><freejoint/>" + mjcf_inertial + "</body>"), "is free, but not the only joint"},
+        {mjcf("<body><joint/><joint axis='1 0 0'/><joint axis='0 1 0'/>" + mjcf_inertial + "</body>"),
+         "without mass between"},
+        {mjcf("<body><joint type='slide'/><joint/>" + mjcf_inertial + "</body>"), "without mass between"},
+        {mjcf("<body class='x'><joint class='x'/>" + mjcf_inertial + "</body>"), "has the class \"x\""},
+        {mjcf("<body><frame/>" + mjcf_inertial + "</body>"), "makes bodies in a way that is not read"},
+        {mjcf("<body quat='1 0 0 0' euler='0 0 0'>" + mjcf_inertial + "</body>"), "has two orientations"},
+        {mjcf("", "<include file='other.xml'/>"), "brings in another file"},
+        {mjcf("<body name='a'>" + mjcf_inertial + "</body><body name='a'>" + mjcf_inertial + "</body>"),
+         "is a second body \"a\""},
+        {mjcf("<body><geom type='capsule' size='1'/></body>"), "has 1 numbers in size"},
+        {"<sdf/>", "has no <model> that moves"},
+        {sdf("<joint name='j' type='screw'><parent>a</parent><child>b</child></joint>"), "has the type \"screw\""},
+        {sdf("<joint name='j' type='revolute'><parent>a</parent><child>b</child></joint>"), "has no <axis>"},
+        {sdf("<joint name='j' type='fixed'><parent>a</parent><child>c</child></joint>"), "names \"c\""},
+        {sdf("<frame name='f'><pose relative_to='g'/></frame><frame name='g' attached_to='f'/>"
+             "<joint name='j' type='fixed'><pose relative_to='f'>0 0 0 0 0 "
+             "0</pose><parent>a</parent><child>b</child></joint>"),
+         "is placed relative to itself"},
+        {sdf("<model name='n'/>"), "is a model in the model"},
+        {"<sdf><model name='m'><link name='a'/></model></sdf>", "has no <inertial>"},
+    };
+    for (const auto& [text, fault] : faults) {
+        const std::string message = robot_fault(text);
+        EXPECT_NE(message.find(fault), std::string::npos) << text << "\n" << message;
+        EXPECT_EQ(message.find("robot.xml: "), 0u) << message;
+    }
+}
+
+// The scene's own member, and the arm that is built in.
+TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
+    const Scene built_in = find_scene("mechanisms/arm6");
+    const Scene from_file = read_scene(POLHODE_SOURCE_DIR "/experiments/scenes/mechanisms/arm6.json");
+    EXPECT_EQ(write_scene(built_in), write_scene(from_file));
+    ASSERT_EQ(built_in.bodies.size(), 6u);
+    ASSERT_EQ(built_in.joints.size(), 6u);
+    EXPECT_EQ(joint_named(built_in, "waist").coordinate[0], 0.25);
+    EXPECT_EQ(joint_named(built_in, "flange_roll").rate[0], 4);
+    EXPECT_EQ(built_in.left_out,
+              (std::vector<std::string>{"limits of joints: waist, shoulder, elbow, wrist_bend",
+                                        "links without mass, dropped: tool", "links without mass, merged: base"}));
+    // what is written stands alone
+    EXPECT_EQ(write_scene(parse_scene(write_scene(built_in), "written")), write_scene(built_in));
+    // the flange, with all angles zero, is upright above the foot
+    Placed tip;
+    for (const Joint& joint : built_in.joints) tip = tip * by_contract(joint, 0);
+    const Vector3<double> there = tip * Vector3<double>(0, 0, 0);
+    EXPECT_NEAR(there[0], 0.06, 1e-15);
+    EXPECT_NEAR(there[1], 0, 1e-15);
+    EXPECT_NEAR(there[2], 0.36 + 0.08 + 0.45 + 0.38 + 0.09, 1e-15);
+    EXPECT_NEAR(tip.A[2][2], 1, 1e-15);
+}
+
+TEST(RobotImport, TheMemberImport) {
+    const auto fault = [](const std::string& members) -> std::string {
+        try {
+            parse_scene(R"({"name": "a", "duration": 1, )" + members + "}", "file.json",
+                        std::string(builtin_directory) + "mechanisms");
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    const std::string file = R"("import": {"file": "../robots/arm6.urdf")";
+    EXPECT_EQ(fault(file + "}"), "");
+    EXPECT_EQ(fault(file + R"(, "base": "free", "initial": {"turntable": {}}})"),
+              "file.json: /import: ../robots/arm6.urdf: line 5: joints \"base_base\" and \"waist\" move one after the "
+              "other without mass between; give a link between them with a mass, or a ball joint: only two hinges "
+              "through one point become one joint, a universal one");
+    EXPECT_EQ(fault(file + R"(, "initial": {"elbo": {}}})"),
+              "file.json: /import/initial/elbo: is neither a joint nor a free body of the robot; did you mean elbow?");
+    EXPECT_EQ(fault(file + R"(, "initial": {"elbow": {"speed": 1}}})"),
+              "file.json: /import/initial/elbow/speed: is an unknown key; known here: angle, rate, dependent");
+    EXPECT_NE(fault(file + R"(, "base": "loose"})").find("/import/base: is the string \"loose\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(, "link": "forearm"})").find("/import/link: is an unknown key"), std::string::npos);
+    EXPECT_NE(
+        fault(R"("import": {"file": "arm6.urdf"})").find("/import: mechanisms/arm6.urdf: is no file that is built in"),
+        std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "bodies": [])").find("/bodies: stands beside \"import\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "joints": [])").find("/joints: stands beside \"import\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "pivot": [0, 0, 0])").find("/pivot: stands beside \"import\""), std::string::npos);
+    EXPECT_EQ(fault(file + R"(, "initial": {"elbow": {"dependent": true}}},
+        "loops": [{"name": "l", "type": "spherical", "first": "flange", "second": "world"}])"),
+              "");
+}
+
+}  // namespace
+}  // namespace polhode

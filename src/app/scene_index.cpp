@@ -6,9 +6,11 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "integrators/truth/reference.h"
+#include "motion/mechanism.h"
 #include "motion/problem.h"
 #include "scene/scene_family.h"
 #include "scene/scene_file.h"
@@ -68,19 +70,88 @@ Table rows_of(const std::vector<std::string>& names) {
     return table;
 }
 
+const char* name_of(JointType type) {
+    switch (type) {
+        case JointType::revolute:
+            return "revolute";
+        case JointType::prismatic:
+            return "prismatic";
+        case JointType::spherical:
+            return "spherical";
+        case JointType::universal:
+            return "universal";
+        case JointType::fixed:
+            break;
+    }
+    return "fixed";
+}
+
+const char* name_of(LoopType type) {
+    switch (type) {
+        case LoopType::spherical:
+            return "spherical";
+        case LoopType::revolute:
+            return "revolute";
+        case LoopType::distance:
+            break;
+    }
+    return "distance";
+}
+
+// each type once, in file order, with how many there are: "2 revolute, universal"
+template <class Parts>
+std::string types_of(const Parts& parts) {
+    std::vector<std::pair<std::string, int>> types;
+    for (const auto& part : parts) {
+        const std::string type = name_of(part.type);
+        const auto at = std::find_if(types.begin(), types.end(), [&](const auto& t) { return t.first == type; });
+        if (at == types.end())
+            types.emplace_back(type, 1);
+        else
+            ++at->second;
+    }
+    std::vector<std::string> words;
+    for (const auto& [type, count] : types) words.push_back(count == 1 ? type : fmt::format("{} {}", count, type));
+    return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
+}
+
+// Scenes of several bodies: what joins them. The loops' equations beyond those that the others imply are redundant.
+Table mechanism_rows_of(const std::vector<std::string>& names) {
+    Table table{{"name", "about", "duration (s)", "bodies", "joints", "loops", "degrees of freedom", "loop equations",
+                 "redundant", "loads", "variables", "truth", "source"},
+                {}};
+    for (const std::string& name : names) {
+        const Scene scene = find_scene(name);
+        const Problem problem = pose(scene);
+        const Tree<double>& tree = mechanism_of(problem).tree();
+        const long rows = long(tree.loop_rows()), independent = long(tree.independent_loop_rows());
+        table.rows.push_back({name, scene.about, short_number(scene.duration), long(scene.bodies.size()),
+                              types_of(scene.joints), types_of(scene.loops), long(tree.links().rates) - independent,
+                              rows, rows - independent, loads_of(scene), long(problem.needs.dimension),
+                              std::string(truth_method(problem)), scene.source});
+    }
+    return table;
+}
+
 }  // namespace
 
 std::string scene_index() {
     std::vector<std::string> plain;
-    std::map<std::string, std::set<std::string>> families;  // by folder
+    std::map<std::string, std::vector<std::string>> mechanisms;  // by folder
+    std::map<std::string, std::set<std::string>> families;       // by folder
     for (const std::string& name : builtin_scene_names()) {
         const FamilyMember member = family_member(name);
-        if (member.folder.empty())
+        if (is_mechanism(find_scene(name)))
+            mechanisms[member.folder].push_back(name);
+        else if (member.folder.empty())
             plain.push_back(name);
         else
             families[member.folder].insert(member.family);
     }
     std::string page = markdown(rows_of(plain));
+    for (const auto& [folder, names] : mechanisms)
+        page += fmt::format("\n## {}\n\n{}", folder.empty() ? "several bodies" : folder,
+                            markdown(mechanism_rows_of(names)));
     for (const auto& [folder, names] : families) {
         page += fmt::format("\n## {}\n", folder);
         for (const std::string& family : names)

@@ -63,7 +63,8 @@ struct SystemInvariants {
     /// About the world's origin; about the centre of mass of all where no joint ties them to the world. kg m^2/s
     Vector3<P> angular_momentum_W;
     Vector3<P> linear_momentum_W;  ///< kg m/s
-    /// The sum of the lengths of what angular_momentum_W is made of, kg m^2/s: it vanishes to round-off of this.
+    /// The sum of the lengths of what angular_momentum_W is made of and of what the bodies would have if they turned by
+    /// a radian in the scene's duration, kg m^2/s: it vanishes to round-off of this.
     P angular_size = P(0);
     P linear_size = P(0);  ///< the same of linear_momentum_W, kg m/s
 };
@@ -153,6 +154,7 @@ class MechanismMeasure {
     using Motions = std::span<const BodyMotion<P>>;
 
     std::vector<MassProperties<P>> bodies_;
+    P slow_angular_ = P(0), slow_linear_ = P(0);  // of bodies that turn by a radian in the scene's duration
     std::vector<Link> links_;
     std::vector<Closure> closures_;
     std::vector<Field> fields_;

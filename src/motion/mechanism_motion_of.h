@@ -72,6 +72,11 @@ MechanismMeasure<P>::MechanismMeasure(const Scene& scene) : bodies_(bodies_mass_
         const P size = length(w);
         return size > P(0) ? Vector3<P>(w[0] / size, w[1] / size, w[2] / size) : w;
     };
+    for (const MassProperties<P>& body : bodies_) {
+        const P moment = (body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]) / P(2);
+        slow_angular_ = slow_angular_ + moment / P(scene.duration);
+        slow_linear_ = slow_linear_ + square_root(P(body.mass * moment)) / P(scene.duration);
+    }
     for (const Joint& joint : scene.joints) {
         Link link;
         link.type = joint.type;
@@ -214,6 +219,7 @@ template <class P>
 SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, JointCoordinates& coordinates) const {
     if (motions.size() != bodies_.size()) throw std::invalid_argument("a motion for each body is needed");
     SystemInvariants<P> result;
+    result.angular_size = slow_angular_, result.linear_size = slow_linear_;
     P mass(0);
     Vector3<P> center_W;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {

@@ -27,6 +27,7 @@
 #include "scene/builtin.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
+#include "scene/robot_tree.h"
 #include "scene/scene_file.h"
 #include "table/table.h"
 #include "text/content_hash.h"
@@ -65,11 +66,28 @@ auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
 }
 
 inline void scene(std::string_view text) {
-    const std::optional<Scene> scene = parsed([&] { return parse_scene(text, "fuzz"); });
+    // among the built-in scenes, so that a robot can be imported
+    static const std::string directory = std::string(builtin_directory) + "mechanisms";
+    const std::optional<Scene> scene = parsed([&] { return parse_scene(text, "fuzz", directory); });
     if (!scene) return;
     const std::string written = write_scene(*scene);
-    require(write_scene(parse_scene(written, "written")) == written, "a scene does not read back");
+    require(write_scene(parse_scene(written, "written", directory)) == written, "a scene does not read back");
     if (!is_mechanism(*scene) && one_in(256, text)) pose(*scene);
+}
+
+/// Whole robots: refused by one line, or bodies and joints that are a scene.
+inline void robot(std::string_view text, RobotBase base) {
+    const std::optional<Scene> scene = parsed([&] {
+        Scene made;
+        made.name = "robot", made.duration = 1;
+        add_robot(parse_robot(text, "fuzz"), base, "fuzz", made);
+        validate(made, "fuzz");
+        return made;
+    });
+    if (!scene) return;
+    const std::string written = write_scene(*scene);
+    require(write_scene(parse_scene(written, "written")) == written, "a robot does not read back");
+    for (const std::string& phrase : scene->left_out) require_one_line(phrase);
 }
 
 /// Surfaces and robot descriptions: refused by one line, or bodies that have mass properties.
@@ -88,6 +106,7 @@ inline void body(std::string_view bytes) {
         require(body.mass > 0 && tensor_fault(body.inertia).empty(), "a link has no mass or no tensor");
         return body_of(body_source(body));
     });
+    for (const RobotBase base : {RobotBase::as_usual, RobotBase::free, RobotBase::fixed}) robot(bytes, base);
 }
 
 inline void experiment(std::string_view text) {

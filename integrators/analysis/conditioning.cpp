@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "integrators/analysis/conditioning_of_mechanism.h"
 #include "integrators/analysis/sensitivity_closed_form.h"
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/run/processor_time.h"
@@ -153,14 +154,21 @@ Peak Conditioning::floor_peak(double roundoff) const {
 Conditioning conditioning(const Problem& problem, const std::vector<double>& times,
                           const ConditioningSettings& settings) {
     demand_times(times);
-    if (problem.formulation != Formulation::reduced) return conditioning(problem.scene, times, settings);
+    if (problem.formulation != Formulation::reduced && !problem.own)
+        return conditioning(problem.scene, times, settings);
     if (!problem.scene.planes.empty()) {
         Conditioning none;
         none.message = "the variational equation does not pass through impacts on planes";
         return none;
     }
     if (times.back() > problem.scene.duration) throw std::invalid_argument("a time beyond the duration");
-    Conditioning result = run(problem, times, settings);
+    if (problem.needs.system == SystemKind::own) {
+        Conditioning none;
+        none.message = "nothing is known of a system of the user's own";
+        return none;
+    }
+    Conditioning result = is_mechanism(problem.scene) ? conditioning_of_mechanism(problem, times, settings)
+                                                      : run(problem, times, settings);
     if (const double reach = 1 / float64_roundoff; result.state_peak().value > reach) {
         std::size_t k = 0;
         while (!(result.state[k] > reach)) ++k;

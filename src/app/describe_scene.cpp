@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/describe.h"
+#include "app/description.h"
 #include "app/polhode_picture.h"
 #include "body/orientation.h"
 #include "check/limits.h"
@@ -23,33 +24,7 @@
 namespace polhode {
 namespace {
 
-std::string number(double value) { return shortest_decimal(value); }
-std::string text(const Vector3<double>& v) {
-    return fmt::format("({}, {}, {})", number(v[0]), number(v[1]), number(v[2]));
-}
-std::string text(const Quaternion<double>& q) {
-    return fmt::format("({}, {}, {}, {})", number(q.w), number(q.x), number(q.y), number(q.z));
-}
-std::string text(const Matrix3<double>& m) {
-    if (m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2])))
-        return "diagonal " + text(Vector3<double>(m[0][0], m[1][1], m[2][2]));
-    return fmt::format("{}, {}, {}", text(m[0]), text(m[1]), text(m[2]));
-}
-std::string text(Frame frame) { return frame == Frame::body ? "body" : "world"; }
-
-// A titled block; entries of two columns.
-class Report {
-  public:
-    void title(const std::string& words) { text_ += (text_.empty() ? "" : "\n") + words + "\n"; }
-    void line(const std::string& name, const std::string& value) {
-        text_ += fmt::format("  {:<26}  {}\n", name, value);
-    }
-    void line(const std::string& words) { text_ += "  " + words + "\n"; }
-    const std::string& text() const { return text_; }
-
-  private:
-    std::string text_;
-};
+using namespace description;
 
 std::string made_of(const MadeOf& source) {
     struct Words {
@@ -93,56 +68,6 @@ void mass_properties(Report& report, const Problem& problem) {
                                       ? "the body's own"
                                       : "q " + text(problem.body.principal.q_BP) + ", principal to body");
     momentum_direction(report, problem);
-}
-
-struct LoadText {
-    std::string operator()(const Gravity& load) const { return "gravity " + text(load.acceleration_W) + " m/s^2"; }
-    std::string operator()(const Torque& load) const {
-        return fmt::format("torque {} N m, constant in {} axes", text(load.vector), text(load.frame));
-    }
-    std::string operator()(const Force& load) const {
-        return fmt::format("force {} N, constant in {} axes, at {} m in the {}", text(load.vector), text(load.frame),
-                           text(load.point), text(load.point_frame));
-    }
-    std::string operator()(const Impulse& load) const {
-        return fmt::format("impulse {} N s, in {} axes, at {} m in the {}, at t = {} s", text(load.vector),
-                           text(load.frame), text(load.point), text(load.point_frame), number(load.at));
-    }
-    std::string operator()(const Drag& load) const {
-        return fmt::format("drag, rotational {} N m s, translational {} N s/m", text(load.rotational),
-                           number(load.translational));
-    }
-    std::string operator()(const Spring& load) const {
-        return fmt::format("torsional spring {} N m, at rest at {}", number(load.stiffness),
-                           text(load.rest_orientation));
-    }
-    std::string operator()(const UserTorque& load) const { return "torque of the user's own: " + load.name; }
-    std::string operator()(const Motor& load) const {
-        return fmt::format("motor of joint \"{}\", {} N m (N) along its axis", load.joint, number(load.force));
-    }
-    std::string operator()(const PointSpring& load) const {
-        return fmt::format("spring {} N/m from {} m in {} to {} m in {}, {} m long at rest", number(load.stiffness),
-                           text(load.first_point), load.first, text(load.second_point), load.second,
-                           number(load.rest_length));
-    }
-};
-
-// of several, the one that a load acts on
-std::string on_body(const Load& load) {
-    const std::string name = load_body(load);
-    return name.empty() ? "" : fmt::format(", on body \"{}\"", name);
-}
-
-void loads(Report& report, const Problem& problem) {
-    report.title("Loads");
-    if (problem.scene.loads.empty()) report.line("none");
-    for (const Load& load : problem.scene.loads) {
-        const Window window = window_of(load);
-        std::string when;
-        if (std::isfinite(window.from)) when += fmt::format(", from {} s", number(window.from));
-        if (std::isfinite(window.until)) when += fmt::format(", until {} s", number(window.until));
-        report.line(std::visit(LoadText{}, load) + when + on_body(load));
-    }
 }
 
 void planes(Report& report, const Problem& problem) {
@@ -213,17 +138,6 @@ void system_posed(Report& report, const Problem& problem) {
     for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
 }
 
-void choice(Report& report, const Problem& problem) {
-    report.title("What auto takes");
-    const Choice taken = choose_method(problem);
-    report.line(std::string(taken.method->name), std::string(taken.why));
-    const Stiffness found = stiffness(problem);
-    if (found.decays > 0)
-        report.line(found.stiff() ? "stiff" : "not stiff",
-                    fmt::format("{:.3g} decay times of what decays fastest, while the body turns by {:.3g} rad",
-                                found.decays, found.turning));
-}
-
 void invariants(Report& report, const Problem& problem) {
     report.title("Invariants, with their values at t = 0");
     const std::vector<Conserved> all = conserved(problem);
@@ -236,49 +150,6 @@ void invariants(Report& report, const Problem& problem) {
         if (one.name.ends_with("along u")) report.line("", "u = " + text(one.direction) + ", world axes");
         if (one.name.starts_with("spin")) report.line("", "e = " + text(one.direction) + ", axes of the system posed");
     }
-}
-
-// How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
-void conditioning(Report& report, const Problem& problem) {
-    report.title("Conditioning");
-    const double T = problem.scene.duration;
-    // evenly, and 50 a decade from T / 10^8 on: a run that is cut short is known to its end all the same
-    constexpr long intervals = 2000, decades = 8, a_decade = 50;
-    std::vector<double> times = sample_times(T, intervals);
-    for (long k = 1; k <= decades * a_decade; ++k)
-        times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(a_decade)));
-    std::sort(times.begin(), times.end());
-    ConditioningSettings settings;
-    settings.max_steps = prompt_conditioning_steps;
-    const Conditioning found = polhode::conditioning(problem, times, settings);
-    if (found.times.empty()) {
-        report.line("not known: " + found.message);
-        return;
-    }
-    const std::size_t last = found.times.size() - 1;
-    const std::string end = found.available ? "T" : fmt::format("t = {:.4g} s", found.times[last]);
-    const Peak state = found.state_peak();
-    if (!found.available) report.line("only until " + end, found.message);
-    report.line(fmt::format("kappa({})", found.available ? "T" : fmt::format("{:.4g} s", found.times[last])),
-                fmt::format("{:.4g} = ||d state / d state(0)||, each block in units of its scale", found.state[last]));
-    report.line("its peak", fmt::format("{:.4g}, at t = {:.4g} s", state.value, state.time));
-    report.line("of it the attitude",
-                fmt::format("{:.4g} rad at {} for each relative change of the start; at most "
-                            "{:.4g} rad, at t = {:.4g} s",
-                            found.attitude[last], end, found.attitude_peak().value, found.attitude_peak().time));
-    for (const auto& [name, roundoff] :
-         {std::pair("floor in binary64", float64_roundoff), std::pair("floor in binary32", float32_roundoff)})
-        report.line(name, fmt::format("{:.2g} rad at {}, {:.2g} rad at worst: by rounding the start alone",
-                                      found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
-    const ErrorLimit allowed = ErrorLimits(problem.scene)["attitude"];
-    std::size_t k = 0;
-    while (k <= last && !(found.floor(k, float32_roundoff) > allowed.value)) ++k;
-    const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
-                              : found.available ? "the whole run"
-                                                : "at least until " + end;
-    report.line("a float engine", fmt::format("can be judged {}: so long its floor is within {} rad ({})", until,
-                                              number(allowed.value), allowed.from));
-    if (found.available) report.line("by", found.message);
 }
 
 void polhode_drawing(Report& report, const Problem& problem) {
@@ -315,18 +186,23 @@ std::string describe_scene(const Scene& scene) {
     if (!scene.about.empty()) report.line(one_line(scene.about, 2000));
     if (!scene.source.empty()) report.line("Source: " + one_line(scene.source, 2000));
     report.line("duration", number(scene.duration) + " s");
+    if (is_mechanism(scene)) {
+        description::mechanism(report, problem);
+        growth(report, problem);
+        return report.text();
+    }
     mass_properties(report, problem);
     report.title("Start");
     report.line("attitude", text(problem.body.q) + ", body to world");
     report.line("angular velocity", text(problem.body.angular_velocity_B) + " rad/s, body axes");
     report.line("centre of mass at", text(problem.body.position_W) + " m, world axes");
     report.line("its velocity", text(problem.body.velocity_W) + " m/s, world axes");
-    loads(report, problem);
+    loads(report, problem.scene);
     planes(report, problem);
     system_posed(report, problem);
     choice(report, problem);
     invariants(report, problem);
-    conditioning(report, problem);
+    growth(report, problem);
     polhode_drawing(report, problem);
     return report.text();
 }

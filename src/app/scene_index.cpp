@@ -12,6 +12,7 @@
 #include "integrators/truth/reference.h"
 #include "motion/mechanism.h"
 #include "motion/problem.h"
+#include "scene/joint_file.h"
 #include "scene/scene_family.h"
 #include "scene/scene_file.h"
 #include "table/table.h"
@@ -68,34 +69,6 @@ Table rows_of(const std::vector<std::string>& names) {
                               std::string(truth_method(problem)), scene.source});
     }
     return table;
-}
-
-const char* name_of(JointType type) {
-    switch (type) {
-        case JointType::revolute:
-            return "revolute";
-        case JointType::prismatic:
-            return "prismatic";
-        case JointType::spherical:
-            return "spherical";
-        case JointType::universal:
-            return "universal";
-        case JointType::fixed:
-            break;
-    }
-    return "fixed";
-}
-
-const char* name_of(LoopType type) {
-    switch (type) {
-        case LoopType::spherical:
-            return "spherical";
-        case LoopType::revolute:
-            return "revolute";
-        case LoopType::distance:
-            break;
-    }
-    return "distance";
 }
 
 // each type once, in file order, with how many there are: "2 revolute, universal"

@@ -1,0 +1,333 @@
+#include "integrators/analysis/conditioning_of_mechanism.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "integrators/own/dormand_prince.h"
+#include "integrators/run/processor_time.h"
+#include "motion/itinerary.h"
+#include "motion/mechanism.h"
+#include "motion/own_system.h"
+
+namespace polhode {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+constexpr int most_full_directions = 40, mixed_directions = 16;
+constexpr double variation_tolerance = 1e-8;
+// of a central difference: its error is the square of this, rounding's 1e-16 over it
+constexpr double difference = 1e-5;
+// of steps times components times evaluations, so that a hundred bodies wait no longer than two
+constexpr double most_variation_work = 6e5;
+
+double largest_singular_value(const Matrix& matrix) {
+    if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
+    const Matrix gram = matrix.transpose() * matrix;
+    const double largest = Eigen::SelfAdjointEigenSolver<Matrix>(gram, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+    return std::sqrt(std::max(0.0, largest));
+}
+
+// The state y of a mechanism with columns S = dy/da, stepped along together.
+class Variation {
+  public:
+    Variation(const Problem& problem)
+        : links_(mechanism_of(problem).tree().links()), scales_(problem.own->scales()), model_(problem.own) {
+        y_.resize(size());
+        model_->initial(y_.data());
+        S_ = directions();
+    }
+
+    int size() const { return model_->dimension(); }
+    int columns() const { return static_cast<int>(S_.cols()); }
+    bool mixed() const { return mixed_; }
+    double work_of_a_step() const { return size() * std::ceil(static_cast<double>(columns()) / own_directions); }
+
+    // What happens at an event: an impulse changes y, and S by its derivative.
+    void enter(double t) {
+        std::vector<double> y = y_;
+        std::shared_ptr<const ErasedModel> next = model_->entered(t, y.data());
+        if (!next) return;
+        if (y != y_) {
+            const Matrix before = S_;
+            for (int c = 0; c < columns(); ++c)
+                S_.col(c) = difference_along(before.col(c), [&](double* moved) { model_->entered(t, moved); });
+        }
+        y_ = std::move(y), model_ = std::move(next);
+    }
+
+    // Goes on by at most h, which is the next step's size then; returns the time gone, 0 where a step was taken back.
+    double step(double& h) {
+        const int n = size(), m = columns();
+        if (!(h > 0) || !std::isfinite(h)) return 0;
+        std::vector<std::vector<double>> k(dop853_stages);
+        std::vector<Matrix> K(dop853_stages);
+        std::vector<double> y(y_.size());
+        Matrix S(n, m);
+        const auto sum = [&](const double* weights, int count, double from_y, std::vector<double>& into, Matrix& Into) {
+            for (std::size_t i = 0; i < into.size(); ++i) {
+                double slope = 0;
+                for (int j = 0; j < count; ++j)
+                    if (weights[j] != 0) slope += weights[j] * k[static_cast<std::size_t>(j)][i];
+                into[i] = from_y * y_[i] + h * slope;
+            }
+            Into = from_y * S_;
+            for (int j = 0; j < count; ++j)
+                if (weights[j] != 0) Into += (h * weights[j]) * K[static_cast<std::size_t>(j)];
+        };
+        for (int i = 0; i < dop853_stages; ++i) {
+            sum(dop853.a[i], i, 1, y, S);
+            rate(y, S, k[static_cast<std::size_t>(i)], K[static_cast<std::size_t>(i)]);
+        }
+        std::vector<double> change(y_.size());
+        Matrix Change(n, m);
+        sum(dop853.fifth_error, dop853_stages, 0, change, Change);
+        const double error = size_of_change(change, Change) / variation_tolerance;
+        const double done = h;
+        if (!std::isfinite(error)) {
+            h /= 10;
+            return 0;
+        }
+        h *= std::clamp(0.9 * std::pow(error, -1.0 / 6), 0.2, 5.0);
+        if (error > 1) return 0;
+        sum(dop853.b, dop853_stages, 1, y, S);
+        y_ = y, S_ = S;
+        if (model_->projects()) model_->project(y_.data());
+        return done;
+    }
+
+    // || d state(t) / d state(0) ||, both in minimal coordinates in units of their scales.
+    double state() const { return largest_singular_value(minimal(S_)); }
+
+    // Rad of the body that answers most.
+    double attitude() const {
+        std::vector<Matrix> turns;
+        for (int c = 0; c < columns(); ++c) {
+            const double size = minimal(S_.col(c)).norm();
+            if (!(size > 0) || !std::isfinite(size)) continue;
+            const Eigen::VectorXd along = S_.col(c) / size;
+            const auto moved = [&](double by) {
+                std::vector<double> y = y_;
+                for (std::size_t i = 0; i < y.size(); ++i) y[i] += by * along[static_cast<Eigen::Index>(i)];
+                return model_->motion(y.data());
+            };
+            const std::vector<Sample> ahead = moved(difference), behind = moved(-difference);
+            turns.resize(ahead.size(), Matrix::Zero(3, columns()));
+            for (std::size_t b = 0; b < ahead.size(); ++b) {
+                const Quaternion<double> r = conjugate(normalized(behind[b].q)) * normalized(ahead[b].q);
+                const double to_rate = (r.w < 0 ? -2 : 2) * size / (2 * difference);
+                turns[b].col(c) << to_rate * r.x, to_rate * r.y, to_rate * r.z;
+            }
+        }
+        double largest = 0;
+        for (const Matrix& turn : turns) largest = std::max(largest, largest_singular_value(turn));
+        return largest;
+    }
+
+  private:
+    Links<double> links_;
+    std::vector<double> scales_;
+    std::shared_ptr<const ErasedModel> model_;
+    std::vector<double> y_;
+    Matrix S_;
+    bool mixed_ = false;
+
+    static Quaternion<double> quaternion_at(const double* q) { return {q[0], q[1], q[2], q[3]}; }
+    static Eigen::Index index(int i) { return static_cast<Eigen::Index>(i); }
+
+    // Changes of y as changes of what has as many parts as the mechanism has freedoms, in units of the scales.
+    Matrix minimal(const Matrix& changes) const {
+        Matrix small(2 * links_.rates, changes.cols());
+        for (Eigen::Index c = 0; c < changes.cols(); ++c) {
+            Eigen::Index row = 0;
+            const auto scaled = [&](int i) { small(row++, c) = changes(i, c) / scales_[static_cast<std::size_t>(i)]; };
+            for (const Link<double>& link : links_.links) {
+                int i = link.coordinate;
+                if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
+                    const Quaternion<double> q = quaternion_at(y_.data() + i);
+                    const Quaternion<double> dq{changes(i, c), changes(i + 1, c), changes(i + 2, c), changes(i + 3, c)};
+                    const Quaternion<double> turn = conjugate(q) * dq;
+                    const double to_angle = 2 / squared_norm(q);
+                    for (const double part : {turn.x, turn.y, turn.z}) small(row++, c) = to_angle * part;
+                    i += 4;
+                }
+                for (; i < link.coordinate + link.coordinates(); ++i) scaled(i);
+            }
+            for (int i = links_.coordinates; i < size(); ++i) scaled(i);
+        }
+        return small;
+    }
+
+    // The changes of y of the minimal coordinates, each by the unit of its scale.
+    Matrix unit_changes() const {
+        Matrix all = Matrix::Zero(size(), 2 * links_.rates);
+        Eigen::Index column = 0;
+        const auto scaled = [&](int i) { all(i, column++) = scales_[static_cast<std::size_t>(i)]; };
+        for (const Link<double>& link : links_.links) {
+            int i = link.coordinate;
+            if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
+                const Quaternion<double> q = quaternion_at(y_.data() + i);
+                for (int axis = 0; axis < 3; ++axis, ++column) {
+                    const Quaternion<double> half{0, axis == 0 ? 0.5 : 0, axis == 1 ? 0.5 : 0, axis == 2 ? 0.5 : 0};
+                    const Quaternion<double> dq = q * half;
+                    all(i, column) = dq.w, all(i + 1, column) = dq.x, all(i + 2, column) = dq.y,
+                           all(i + 3, column) = dq.z;
+                }
+                i += 4;
+            }
+            for (; i < link.coordinate + link.coordinates(); ++i) scaled(i);
+        }
+        for (int i = links_.coordinates; i < size(); ++i) scaled(i);
+        return all;
+    }
+
+    // (F(y + h s) - F(y - h s)) / 2h, s in units of its own length
+    template <class F>
+    Eigen::VectorXd difference_along(const Eigen::VectorXd& s, const F& apply) const {
+        const double length = minimal(s).norm();
+        if (!(length > 0)) return Eigen::VectorXd::Zero(s.size());
+        std::vector<double> ahead = y_, behind = y_;
+        for (std::size_t i = 0; i < ahead.size(); ++i) {
+            const double by = difference / length * s[static_cast<Eigen::Index>(i)];
+            ahead[i] += by, behind[i] -= by;
+        }
+        apply(ahead.data()), apply(behind.data());
+        Eigen::VectorXd rate(s.size());
+        for (std::size_t i = 0; i < ahead.size(); ++i)
+            rate[static_cast<Eigen::Index>(i)] = (ahead[i] - behind[i]) / (2 * difference) * length;
+        return rate;
+    }
+
+    // Changes of the start that keep loops closed, of length 1 and at right angles in minimal coordinates.
+    Matrix directions() {
+        Matrix all = unit_changes();
+        if (model_->projects())
+            for (Eigen::Index c = 0; c < all.cols(); ++c)
+                all.col(c) = difference_along(all.col(c), [&](double* y) { model_->project(y); });
+        mixed_ = all.cols() > most_full_directions;
+        if (mixed_) {
+            std::mt19937_64 engine(1);
+            Matrix mixture(all.cols(), mixed_directions);
+            for (Eigen::Index i = 0; i < mixture.size(); ++i)
+                mixture.data()[i] = static_cast<double>(engine() >> 11) * 0x1p-52 - 1;
+            all = all * mixture;
+        } else if (!model_->projects()) {
+            return all;
+        }
+        const Eigen::JacobiSVD<Matrix> svd(minimal(all), Eigen::ComputeThinU | Eigen::ComputeThinV);
+        const Eigen::VectorXd& values = svd.singularValues();
+        Eigen::Index rank = 0;
+        while (rank < values.size() && values[rank] > 1e-6 * values[0]) ++rank;
+        return all * svd.matrixV().leftCols(rank) * values.head(rank).cwiseInverse().asDiagonal();
+    }
+
+    void rate(const std::vector<double>& y, const Matrix& S, std::vector<double>& dy, Matrix& dS) const {
+        using D = Dual<own_directions>;
+        const int n = size(), m = columns();
+        dy.resize(y.size()), dS.resize(n, m);
+        std::vector<D> state(y.size()), slope(y.size());
+        if (m == 0) model_->derivative(y.data(), dy.data());
+        for (int first = 0; first < m; first += own_directions) {
+            const int last = std::min(m, first + own_directions);
+            for (int i = 0; i < n; ++i) {
+                D& one = state[static_cast<std::size_t>(i)];
+                one = D(y[static_cast<std::size_t>(i)]);
+                for (int c = first; c < last; ++c) one.slope[static_cast<std::size_t>(c - first)] = S(i, c);
+            }
+            model_->derivative(state.data(), slope.data());
+            for (int i = 0; i < n; ++i) {
+                dy[static_cast<std::size_t>(i)] = slope[static_cast<std::size_t>(i)].value;
+                for (int c = first; c < last; ++c)
+                    dS(i, c) = slope[static_cast<std::size_t>(i)].slope[static_cast<std::size_t>(c - first)];
+            }
+        }
+    }
+
+    // Against the scales, columns against their own length too.
+    double size_of_change(const std::vector<double>& change, const Matrix& Change) const {
+        double largest = 0;
+        const auto see = [&](double size) { largest = size <= largest ? largest : size; };
+        for (std::size_t i = 0; i < change.size(); ++i) see(std::abs(change[i]) / scales_[i]);
+        for (int c = 0; c < columns(); ++c) {
+            const double length = std::max(1.0, minimal(S_.col(c)).norm());
+            for (int i = 0; i < size(); ++i)
+                see(std::abs(Change(i, c)) / (scales_[static_cast<std::size_t>(i)] * length));
+        }
+        return largest;
+    }
+};
+
+}  // namespace
+
+Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector<double>& times,
+                                       const ConditioningSettings& settings) {
+    Conditioning result;
+    Variation variation(problem);
+    const double end = processor_time() + settings.seconds_limit;
+    const double most_steps =
+        std::min(static_cast<double>(settings.max_steps), settings.max_steps <= prompt_conditioning_steps
+                                                              ? most_variation_work / variation.work_of_a_step()
+                                                              : static_cast<double>(settings.max_steps));
+    SampleQueue samples(times);
+    double t = 0, h = 0;
+    const auto fail = [&](std::string message) {
+        result.message = std::move(message);
+        return false;
+    };
+    const auto show = [&](double at) {
+        const double state = variation.state(), attitude = variation.attitude();
+        if (!std::isfinite(state) || !std::isfinite(attitude))
+            return fail(fmt::format("kappa is beyond binary64 at t = {:g} s", at));
+        result.times.push_back(at), result.state.push_back(state), result.attitude.push_back(attitude);
+        return true;
+    };
+    const auto enter = [&](const Segment& segment) {
+        if (samples.empty()) return false;
+        variation.enter(segment.begin);
+        t = segment.begin;
+        if (h == 0) h = (segment.end - segment.begin) / 1000;
+        return true;
+    };
+    const auto go = [&](const Segment& segment) {
+        while (t < segment.end && !samples.empty()) {
+            const double stop = std::min(segment.end, std::max(samples.front(), t));
+            while (t < stop) {
+                if (static_cast<double>(++result.steps) > most_steps)
+                    return fail(fmt::format("more than {:.0f} steps: known until t = {:.4g} s", most_steps, t));
+                if (processor_time() > end)
+                    return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
+                const double left = stop - t;
+                const bool last = h >= left * (1 - 1e-14);
+                double size = last ? left : h;
+                const double tried = size, done = variation.step(size);
+                if (done == 0) {
+                    h = size;
+                    if (!(h > 0) || t + h == t)
+                        return fail(fmt::format("the variational equation stalls at t = {:g} s", t));
+                    continue;
+                }
+                t = last ? stop : t + done;
+                h = last && tried < h ? std::max(h, size) : size;
+            }
+            for (; samples.due(segment, t); samples.pop())
+                if (!show(samples.front())) return false;
+        }
+        return true;
+    };
+    follow(problem.segments, samples, enter, show, go);
+    result.available = samples.empty();
+    if (!result.available) return result;
+    result.message =
+        fmt::format("the variational equation by DOP853 on dual numbers, {} directions{}, {} steps",
+                    variation.columns(), variation.mixed() ? " of many: kappa is at least this" : "", result.steps);
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,297 @@
+// What there is to say about a scene of several bodies before it is solved.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/description.h"
+#include "body/fast_principal_frame.h"
+#include "integrators/truth/reference.h"
+#include "motion/conserved_by_mechanism.h"
+#include "motion/mechanism.h"
+#include "motion/mechanism_motion.h"
+#include "scene/joint_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using namespace description;
+
+std::string brief(double value) { return fmt::format("{:.6g}", value); }
+std::string brief(const Vector3<double>& v) {
+    return fmt::format("({}, {}, {})", brief(v[0] + 0.0), brief(v[1] + 0.0), brief(v[2] + 0.0));
+}
+std::string counted(std::size_t count, const char* noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+// "3: 2 revolute, 1 fixed"
+template <class Parts>
+std::string kinds_of(const Parts& parts) {
+    if (parts.empty()) return "none";
+    std::vector<std::pair<std::string, int>> kinds;
+    for (const auto& part : parts) {
+        const auto at = std::ranges::find(kinds, name_of(part.type), &std::pair<std::string, int>::first);
+        if (at == kinds.end())
+            kinds.emplace_back(name_of(part.type), 1);
+        else
+            ++at->second;
+    }
+    std::vector<std::string> words;
+    for (const auto& [kind, count] : kinds) words.push_back(fmt::format("{} {}", count, kind));
+    return fmt::format("{}: {}", parts.size(), fmt::join(words, ", "));
+}
+
+// Where a joint stands at t = 0, and what acts in it.
+std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j, const std::vector<double>& y) {
+    const Joint& joint = scene.joints[j];
+    const int last = tree.links().link_of_joint[j];
+    std::string text;
+    const auto link = [&](int i) -> const Link<double>& { return tree.links().links[static_cast<std::size_t>(i)]; };
+    const auto at = [&](int i) { return brief(y[static_cast<std::size_t>(i)] + 0.0); };
+    switch (joint.type) {
+        case JointType::revolute:
+            text = fmt::format("at {} rad, {} rad/s", at(link(last).coordinate), at(link(last).rate));
+            break;
+        case JointType::prismatic:
+            text = fmt::format("at {} m, {} m/s", at(link(last).coordinate), at(link(last).rate));
+            break;
+        case JointType::universal:
+            text = fmt::format("at {} and {} rad, {} and {} rad/s", at(link(last - 1).coordinate),
+                               at(link(last).coordinate), at(link(last - 1).rate), at(link(last).rate));
+            break;
+        case JointType::spherical:
+            text = fmt::format("turning by {} rad/s, child axes", brief(joint.angular_velocity));
+            break;
+        case JointType::fixed:
+            break;
+    }
+    const auto both = [&](const std::array<double, 2>& k) {
+        return joint.type == JointType::universal ? brief(k[0]) + " and " + brief(k[1]) : brief(k[0]);
+    };
+    if (joint.stiffness[0] != 0 || joint.stiffness[1] != 0) text += "; spring " + both(joint.stiffness);
+    if (joint.damping[0] != 0 || joint.damping[1] != 0) text += "; damping " + both(joint.damping);
+    if (joint.dependent) text += "; moved until the loops close";
+    return text;
+}
+
+std::string axis_of(const Joint& joint) {
+    switch (joint.type) {
+        case JointType::revolute:
+            return "revolute about " + brief(joint.axes[0]);
+        case JointType::prismatic:
+            return "prismatic along " + brief(joint.axes[0]);
+        case JointType::universal:
+            return fmt::format("universal about {} and {}", brief(joint.axes[0]), brief(joint.axes[1]));
+        case JointType::spherical:
+            return "spherical";
+        case JointType::fixed:
+            break;
+    }
+    return "fixed";
+}
+
+// The tree, each child below its parent. Long chains are cut.
+class Drawing {
+  public:
+    Drawing(Report& report, const Problem& problem)
+        : report_(report), scene_(problem.scene), tree_(mechanism_of(problem).tree()) {
+        start_.resize(static_cast<std::size_t>(tree_.dimension()));
+        tree_.initial(start_.data());
+        children_.resize(scene_.bodies.size() + 1);
+        for (std::size_t j = 0; j < scene_.joints.size(); ++j) children_[at(scene_.joints[j].parent)].push_back(j);
+    }
+
+    void draw() {
+        report_.title("Tree: joint, type and axis in the child's axes -> child, mass");
+        if (!children_[0].empty()) {
+            report_.line("world");
+            below(0);
+        }
+        for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
+            if (tree_.links().carrier[b] < 0) {
+                line(0, fmt::format("{}, {} kg, free: six degrees of freedom", name(scene_.bodies[b].name),
+                                    number(scene_.bodies[b].body.mass)));
+                below(b + 1);
+            }
+        if (lines_ > most_lines) report_.line(fmt::format(".. {} more", lines_ - most_lines));
+    }
+
+  private:
+    // a thousand links are no page
+    static constexpr std::size_t most_lines = 60, most_indent = 24;
+
+    Report& report_;
+    const Scene& scene_;
+    const Tree<double>& tree_;
+    std::vector<double> start_;
+    std::vector<std::vector<std::size_t>> children_;
+    std::size_t lines_ = 0;
+
+    static std::string name(const std::string& words) { return one_line(words, 60); }
+    std::size_t at(const std::string& body) const { return static_cast<std::size_t>(body_index(scene_, body) + 1); }
+
+    void line(std::size_t depth, const std::string& words) {
+        if (++lines_ > most_lines) return;
+        const std::string indent = depth <= most_indent
+                                       ? std::string(2 * depth, ' ')
+                                       : fmt::format("{}[{}] ", std::string(2 * most_indent, ' '), depth);
+        report_.line(indent + words);
+    }
+    void below(std::size_t root) {
+        // (joint, depth), the next one last: a long chain asks for no deep recursion
+        std::vector<std::pair<std::size_t, std::size_t>> still;
+        const auto push = [&](std::size_t body, std::size_t depth) {
+            for (std::size_t k = children_[body].size(); k-- > 0;) still.emplace_back(children_[body][k], depth);
+        };
+        push(root, 1);
+        while (!still.empty()) {
+            const auto [j, depth] = still.back();
+            still.pop_back();
+            const Joint& joint = scene_.joints[j];
+            const std::size_t child = at(joint.child);
+            const std::string state = state_of(scene_, tree_, j, start_);
+            line(depth, fmt::format("{}: {} -> {}, {} kg{}", name(joint.name), axis_of(joint), name(joint.child),
+                                    number(scene_.bodies[child - 1].body.mass), state.empty() ? "" : "; " + state));
+            push(child, depth + 1);
+        }
+    }
+};
+
+std::size_t mobility(const Tree<double>& tree) {
+    return static_cast<std::size_t>(tree.links().rates) - tree.independent_loop_rows();
+}
+
+void overview(Report& report, const Problem& problem) {
+    const Scene& scene = problem.scene;
+    const Tree<double>& tree = mechanism_of(problem).tree();
+    double mass = 0;
+    for (const NamedBody& body : scene.bodies) mass += body.body.mass;
+    report.title("Mechanism");
+    report.line("bodies", fmt::format("{}, {} kg together", scene.bodies.size(), number(mass)));
+    report.line("joints", kinds_of(scene.joints));
+    report.line("loops", kinds_of(scene.loops));
+    const std::size_t rates = static_cast<std::size_t>(tree.links().rates);
+    report.line("degrees of freedom", scene.loops.empty()
+                                          ? std::to_string(rates)
+                                          : fmt::format("{}: {} of the tree, less {} that the loops take",
+                                                        mobility(tree), rates, tree.independent_loop_rows()));
+}
+
+void loops(Report& report, const Problem& problem) {
+    const Scene& scene = problem.scene;
+    if (scene.loops.empty()) return;
+    const Tree<double>& tree = mechanism_of(problem).tree();
+    report.title("Loops");
+    int begin = 0;
+    for (std::size_t i = 0; i < scene.loops.size(); ++i) {
+        const Loop& loop = scene.loops[i];
+        const int rows = tree.loops()[i].rows();
+        const auto chosen =
+            std::ranges::count_if(tree.chosen_rows(), [&](int row) { return row >= begin && row < begin + rows; });
+        begin += rows;
+        report.line(one_line(loop.name, 26),
+                    fmt::format("{}, {} - {}: {}, {} taken", name_of(loop.type), loop.first, loop.second,
+                                counted(static_cast<std::size_t>(rows), "condition"), chosen));
+    }
+    const std::size_t all = tree.loop_rows(), independent = tree.independent_loop_rows();
+    report.line("together", fmt::format("{}, of which {} independent at the start and {} redundant",
+                                        counted(all, "condition"), independent, all - independent));
+    report.line("mobility", fmt::format("{}, the tree's {} less {}", mobility(tree), tree.links().rates, independent));
+}
+
+void start(Report& report, const Problem& problem) {
+    const Scene& scene = problem.scene;
+    constexpr std::size_t most_bodies = 60;
+    report.title("Bodies at the start: mass properties, centre of mass and motion, world axes");
+    const std::vector<BodyMotion<double>> motions = mechanism_initial_motions(scene);
+    for (std::size_t b = 0; b < std::min(most_bodies, motions.size()); ++b) {
+        const Body& body = scene.bodies[b].body;
+        const BodyMotion<double>& m = motions[b];
+        report.line(one_line(scene.bodies[b].name, 26),
+                    fmt::format("{} kg, principal moments {} kg m^2; at {} m", number(body.mass),
+                                brief(fast_principal_frame(body.inertia_B).moments), brief(m.position_W)));
+        report.line("",
+                    fmt::format("v {} m/s, w {} rad/s", brief(m.velocity_W), brief(rotate(m.q, m.angular_velocity_B))));
+    }
+    if (motions.size() > most_bodies) report.line(fmt::format(".. {} more", motions.size() - most_bodies));
+}
+
+void system_of(Report& report, const Problem& problem) {
+    const Tree<double>& tree = mechanism_of(problem).tree();
+    report.title("System posed");
+    report.line("system", fmt::format("{}, {} variables: {} and {}", name_of(problem.needs.system), tree.dimension(),
+                                      counted(static_cast<std::size_t>(tree.links().coordinates), "joint coordinate"),
+                                      counted(static_cast<std::size_t>(tree.links().rates), "rate")));
+    report.line("equations", "articulated-body recursion (Featherstone 2008) in joint coordinates");
+    if (tree.has_loops())
+        report.line("", "loops by multipliers on accelerations, places and rates projected after each step");
+    std::vector<std::string> events;
+    for (std::size_t k = 1; k < problem.segments.size(); ++k) events.push_back(number(problem.segments[k].begin));
+    if (!events.empty())
+        report.line("events at", fmt::format("{} s: loads change there, or impulses act", listed(events)));
+}
+
+void left_out(Report& report, const Problem& problem) {
+    const Scene& scene = problem.scene;
+    const Links<double>& links = mechanism_of(problem).tree().links();
+    report.title("Left out, and why");
+    const std::size_t full = 13 * scene.bodies.size(), taken = static_cast<std::size_t>(problem.needs.dimension);
+    if (full > taken)
+        report.line(counted(full - taken, "variable"),
+                    fmt::format("of the {} of all bodies on their own: joints leave no others", full));
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (links.carrier[b] < 0) continue;
+        const Joint& joint = scene.joints[static_cast<std::size_t>(links.carrier[b])];
+        if (links.bodies[b].link == world_link)
+            report.line(one_line(joint.child, 26), "does not move: it is fixed to the world");
+        else if (joint.type == JointType::fixed)
+            report.line(one_line(joint.child, 26), fmt::format("no body of its own: fixed joint {} holds it to {}",
+                                                               one_line(joint.name, 60), one_line(joint.parent, 60)));
+    }
+    const bool free_base = std::ranges::any_of(links.carrier, [](int joint) { return joint < 0; });
+    if (!free_base) report.line("p and v of the base", "joints hold it: its place follows from their coordinates");
+    if (const auto normal = plane_of_motion(problem))
+        report.line("the third dimension",
+                    fmt::format("all stay in planes across {}: what is zero there drops out of taylor's recorded "
+                                "right-hand side",
+                                brief(*normal)));
+    const Tree<double>& tree = mechanism_of(problem).tree();
+    if (const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows(); redundant > 0)
+        report.line(counted(redundant, "loop condition"), "the others imply what they say");
+    for (const std::string& phrase : scene.left_out) report.line("of the robot's file", one_line(phrase, 500));
+}
+
+void kept(Report& report, const Problem& problem) {
+    report.title("Invariants, with their values at t = 0");
+    const std::vector<SystemConserved> all = conserved_by_mechanism(problem);
+    if (all.empty()) report.line("none known: loads, joints or time change energy and momenta");
+    for (const SystemConserved& one : all) {
+        const std::vector<double>& v = one.value;
+        report.line(one.name,
+                    (v.size() == 3 ? text(Vector3<double>(v[0], v[1], v[2])) : number(v[0])) + "; " + one.formula);
+        if (one.direction) report.line("", "u = " + text(*one.direction) + ", world axes");
+    }
+}
+
+}  // namespace
+
+void description::mechanism(Report& report, const Problem& problem) {
+    overview(report, problem);
+    Drawing(report, problem).draw();
+    loops(report, problem);
+    start(report, problem);
+    loads(report, problem.scene);
+    system_of(report, problem);
+    left_out(report, problem);
+    choice(report, problem);
+    report.title("Truth");
+    report.line("by", std::string(truth_method(problem)) +
+                          " in joint coordinates and, separately written, in maximal coordinates with multipliers");
+    kept(report, problem);
+}
+
+}  // namespace polhode

@@ -1,0 +1,245 @@
+#include "motion/conserved_by_mechanism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "motion/mechanism.h"
+#include "motion/mechanism_motion.h"
+
+namespace polhode {
+namespace {
+
+using V3 = Vector3<double>;
+
+constexpr double as_one_direction = 1e-12;
+
+V3 unit_of(const V3& v) { return (1 / length(v)) * v; }
+bool are_parallel(const V3& a, const V3& b) { return length(cross(a, b)) <= as_one_direction * length(a) * length(b); }
+bool are_across(const V3& a, const V3& b) { return std::abs(dot(a, b)) <= as_one_direction * length(a) * length(b); }
+bool is_zero(const V3& v) { return dot(v, v) == 0; }
+
+// What changes a vector that would stay: nothing, something along one direction, or anything.
+struct Changes {
+    bool any = false;
+    std::optional<V3> along;
+
+    void by(const V3& v) {
+        if (is_zero(v)) return;
+        if (!along)
+            along = unit_of(v);
+        else
+            any = any || !are_parallel(*along, v);
+    }
+    void by_anything(bool really = true) { any = any || really; }
+    bool none() const { return !any && !along; }
+};
+
+bool damped(const Joint& joint) { return joint.damping[0] != 0 || joint.damping[1] != 0; }
+bool sprung(const Joint& joint) { return joint.stiffness[0] != 0 || joint.stiffness[1] != 0; }
+bool drags(const Drag& drag) { return drag.translational != 0 || !is_zero(drag.rotational); }
+bool to_world(const PointSpring& spring) {
+    return spring.stiffness != 0 && (spring.first == "world") != (spring.second == "world");
+}
+
+// of the whole system's momentum
+struct LinearChanges {
+    Changes& changes;
+
+    void operator()(const Gravity& load) const { changes.by(load.acceleration_W); }
+    void operator()(const Force& load) const {
+        if (load.frame == Frame::world)
+            changes.by(load.vector);
+        else
+            changes.by_anything(!is_zero(load.vector));
+    }
+    void operator()(const Impulse& load) const {
+        if (load.at == 0) return;
+        if (load.frame == Frame::world)
+            changes.by(load.vector);
+        else
+            changes.by_anything(!is_zero(load.vector));
+    }
+    void operator()(const Drag& load) const { changes.by_anything(load.translational != 0); }
+    void operator()(const PointSpring& load) const { changes.by_anything(to_world(load)); }
+    void operator()(const Torque&) const {}
+    void operator()(const Spring&) const {}
+    void operator()(const Motor&) const {}
+    void operator()(const UserTorque&) const { changes.by_anything(); }
+};
+
+// of the angular momentum about the centre of mass of all, or about the world's origin
+struct AngularChanges {
+    Changes& changes;
+    bool about_origin;
+
+    void operator()(const Gravity& load) const {
+        // about the origin its moment is across it, whatever that is
+        if (about_origin && !is_zero(load.acceleration_W)) changes.by_anything();
+    }
+    void operator()(const Torque& load) const {
+        if (load.frame == Frame::world)
+            changes.by(load.vector);
+        else
+            changes.by_anything(!is_zero(load.vector));
+    }
+    void operator()(const Force& load) const { changes.by_anything(!is_zero(load.vector)); }
+    void operator()(const Impulse& load) const { changes.by_anything(load.at != 0 && !is_zero(load.vector)); }
+    void operator()(const Drag& load) const { changes.by_anything(drags(load)); }
+    void operator()(const Spring& load) const { changes.by_anything(load.stiffness != 0); }
+    void operator()(const PointSpring& load) const { changes.by_anything(to_world(load)); }
+    void operator()(const Motor&) const {}
+    void operator()(const UserTorque&) const { changes.by_anything(); }
+};
+
+bool adds_up_to_energy(const Problem& problem) {
+    const Scene& scene = problem.scene;
+    if (problem.segments.size() > 1 || std::ranges::any_of(scene.joints, damped)) return false;
+    return std::ranges::none_of(scene.loads, [](const Load& load) {
+        if (const auto* torque = std::get_if<Torque>(&load)) return !is_zero(torque->vector);
+        if (const auto* force = std::get_if<Force>(&load))
+            return !is_zero(force->vector) && (force->frame == Frame::body || force->point_frame == Frame::world);
+        if (const auto* drag = std::get_if<Drag>(&load)) return drags(*drag);
+        if (const auto* motor = std::get_if<Motor>(&load)) return motor->force != 0;
+        return std::holds_alternative<UserTorque>(load);
+    });
+}
+
+// An axis of a hinge or a slide in the world, which turning about it leaves where it is.
+V3 axis_in_world(const Scene& scene, const Joint& joint, const std::vector<Sample>& start) {
+    const Sample& child = start[static_cast<std::size_t>(body_index(scene, joint.child))];
+    return unit_of(rotate(normalized(child.q), joint.axes[0]));
+}
+
+bool is_free_base(const Scene& scene, std::size_t body) {
+    return std::ranges::none_of(scene.joints, [&](const Joint& j) { return j.child == scene.bodies[body].name; });
+}
+
+// The line through the origin that the joints to the world let the system turn about as a whole: its direction, or
+// zero where it may turn about the origin at will. Nothing where there is none.
+std::optional<V3> line_of_turning(const Scene& scene, const std::vector<Sample>& start) {
+    std::optional<V3> line;
+    std::vector<V3> points;
+    for (const Loop& loop : scene.loops)
+        if ((loop.first == "world") != (loop.second == "world")) return std::nullopt;
+    for (const Joint& joint : scene.joints) {
+        if (joint.parent != "world") continue;
+        if (damped(joint) || sprung(joint)) return std::nullopt;
+        for (const Load& load : scene.loads)
+            if (const auto* motor = std::get_if<Motor>(&load); motor && motor->joint == joint.name) return std::nullopt;
+        if (joint.type == JointType::revolute) {
+            const V3 axis = axis_in_world(scene, joint, start);
+            if (line && !are_parallel(*line, axis)) return std::nullopt;
+            line = line ? line : axis;
+        } else if (joint.type != JointType::spherical) {
+            return std::nullopt;
+        }
+        points.push_back(joint.parent_point);
+    }
+    for (const V3& point : points) {
+        if (is_zero(point)) continue;
+        if (line && !are_parallel(*line, point)) return std::nullopt;
+        line = line ? line : unit_of(point);
+    }
+    return line ? *line : V3();
+}
+
+}  // namespace
+
+std::vector<SystemConserved> conserved_by_mechanism(const Problem& problem) {
+    const Scene& scene = problem.scene;
+    MechanismModel model = mechanism_of(problem);
+    std::vector<double> y(static_cast<std::size_t>(model.dimension()));
+    model.initial(y.data());
+    const std::vector<Sample> before = model.motion(y.data());
+    model.enter(0, y.data());
+    std::vector<BodyMotion<double>> motions;
+    for (const Sample& s : model.motion(y.data()))
+        motions.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
+    const MechanismMeasure<double> measure(scene);
+    JointCoordinates coordinates(scene);
+    const SystemInvariants<double> at_start = measure.invariants(0, motions, coordinates);
+
+    std::vector<SystemConserved> found;
+    const auto keep = [&](const char* name, const char* formula, const V3& value) {
+        found.push_back({name, formula, {value[0], value[1], value[2]}, {}});
+    };
+    const auto keep_across = [&](const Changes& changes, const char* whole, const char* part, const char* formula,
+                                 const V3& value) {
+        if (changes.none()) keep(whole, formula, value);
+        if (changes.any || !changes.along) return;
+        const V3& u = *changes.along;
+        keep(part, formula, value - dot(value, u) * u);
+        found.back().direction = u;
+    };
+    if (adds_up_to_energy(problem)) found.push_back({"energy", "E, kinetic and potential, J", {at_start.energy}, {}});
+    if (!measure.tied()) {
+        Changes linear, angular;
+        for (const Load& load : scene.loads)
+            std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
+        keep_across(angular, "angular momentum", "angular momentum across u",
+                    "L about the centre of mass of all, world axes, kg m^2/s", at_start.angular_momentum_W);
+        keep_across(linear, "linear momentum", "linear momentum across u", "p of all, world axes, kg m/s",
+                    at_start.linear_momentum_W);
+        return found;
+    }
+    std::optional<V3> line = line_of_turning(scene, before);
+    if (!line) return found;
+    // gravity along the line has no moment about it, and says which line where there is a point only
+    Changes other;
+    for (const Load& load : scene.loads) {
+        if (const auto* gravity = std::get_if<Gravity>(&load)) {
+            if (is_zero(gravity->acceleration_W)) continue;
+            if (is_zero(*line)) line = unit_of(gravity->acceleration_W);
+            if (!are_parallel(*line, gravity->acceleration_W)) return found;
+        } else if (const auto* torque = std::get_if<Torque>(&load); torque && torque->frame == Frame::world) {
+            if (is_zero(torque->vector)) continue;
+            if (is_zero(*line) || !are_across(*line, torque->vector)) return found;
+        } else {
+            std::visit(AngularChanges{other, true}, load);
+        }
+    }
+    if (!other.none()) return found;
+    if (is_zero(*line)) {
+        keep("angular momentum", "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
+        return found;
+    }
+    found.push_back({"angular momentum along u",
+                     "L . u about the world's origin, kg m^2/s",
+                     {dot(at_start.angular_momentum_W, *line)},
+                     *line});
+    return found;
+}
+
+std::optional<V3> plane_of_motion(const Problem& problem) {
+    const Scene& scene = problem.scene;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+        if (is_free_base(scene, b)) return std::nullopt;
+    const MechanismModel& model = mechanism_of(problem);
+    std::vector<double> y(static_cast<std::size_t>(model.dimension()));
+    model.initial(y.data());
+    const std::vector<Sample> start = model.motion(y.data());
+    std::optional<V3> normal;
+    std::vector<V3> slides;
+    for (const Joint& joint : scene.joints) {
+        if (joint.type == JointType::fixed) continue;
+        if (joint.type != JointType::revolute && joint.type != JointType::prismatic) return std::nullopt;
+        const V3 axis = axis_in_world(scene, joint, start);
+        if (joint.type == JointType::prismatic) {
+            slides.push_back(axis);
+            continue;
+        }
+        if (normal && !are_parallel(*normal, axis)) return std::nullopt;
+        normal = normal ? normal : axis;
+    }
+    // without a hinge nothing turns: two slides have a normal, one or parallel ones many
+    for (std::size_t i = 1; !normal && i < slides.size(); ++i)
+        if (const V3 product = cross(slides[0], slides[i]); length(product) > as_one_direction)
+            normal = unit_of(product);
+    if (!normal) return std::nullopt;
+    for (const V3& slide : slides)
+        if (!are_across(*normal, slide)) return std::nullopt;
+    return normal;
+}
+
+}  // namespace polhode

@@ -203,16 +203,20 @@ void Tree<P>::choose_rows() {
         respond(at, response.data(), response_rates.data());
         for (std::size_t c = 0; c < all_rows_; ++c) matrix[r * all_rows_ + c] = applied(c, at, response.data());
     }
-    // each condition by its own size
+    // each condition by its own size; what only rounding keeps from zero, as across a plane, is none
     std::vector<P> size(all_rows_);
-    for (std::size_t r = 0; r < all_rows_; ++r) size[r] = matrix[r * all_rows_ + r];
+    P most(0);
+    for (std::size_t r = 0; r < all_rows_; ++r) {
+        size[r] = matrix[r * all_rows_ + r];
+        if (size[r] > most) most = size[r];
+    }
     std::vector<char> taken(all_rows_, 0);
     std::vector<int> independent;
     for (;;) {
         std::size_t best = all_rows_;
         P largest(1e-8);
         for (std::size_t r = 0; r < all_rows_; ++r) {
-            if (taken[r] || !(size[r] > P(0))) continue;
+            if (taken[r] || !(size[r] > P(1e-20) * most)) continue;
             // a tie goes to the first
             const P left = matrix[r * all_rows_ + r] / size[r];
             if (left > largest + P(1e-6)) largest = left, best = r;

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
 #include <memory>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "integrators/method.h"
@@ -141,6 +144,100 @@ TEST(OwnSystem, EventsStrikeIt) {
         EXPECT_NEAR(trajectory.at(1)[0].velocity_W[0], -std::sin(1.0) + 2, 1e-7) << name;
         EXPECT_NEAR(trajectory.at(2)[0].position_W[0], std::cos(2.0) + 2 * std::sin(1.0), 1e-7) << name;
     }
+}
+
+/// A pendulum of length 1 m in its angle from the lowest point, let go at the angle `amplitude`: a'' = -w^2 sin a. Its
+/// body is a point at (sin a, -cos a) whose velocity's first component is the angle's rate.
+struct Pendulum {
+    double rate = 3, amplitude = 2;
+
+    int dimension() const { return 2; }
+    void initial(double* y) const { y[0] = amplitude, y[1] = 0; }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        S s(0), c(0);
+        sine_cosine(y[0], s, c);
+        dy[0] = y[1], dy[1] = -(rate * rate) * s;
+    }
+    std::vector<double> scales() const { return {1, rate}; }
+    std::vector<Sample> motion(const double* y) const {
+        Sample bob;
+        bob.position_W = {std::sin(y[0]), -std::cos(y[0]), 0}, bob.velocity_W = {y[1], 0, 0};
+        return {bob};
+    }
+};
+
+/// A planet about a sun of mu = 1 in an ellipse of half axis 1, from its nearest point on: r'' = -r / |r|^3.
+struct Planet {
+    double eccentricity = 0.3;
+
+    int dimension() const { return 4; }
+    void initial(double* y) const {
+        y[0] = 1 - eccentricity, y[1] = y[2] = 0, y[3] = std::sqrt((1 + eccentricity) / (1 - eccentricity));
+    }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        const S square = y[0] * y[0] + y[1] * y[1], pull = -1.0 / (square * square_root(square));
+        dy[0] = y[2], dy[1] = y[3], dy[2] = pull * y[0], dy[3] = pull * y[1];
+    }
+    std::vector<double> scales() const { return {1, 1, 1, 1}; }
+    std::vector<Sample> motion(const double* y) const {
+        Sample planet;
+        planet.position_W = {y[0], y[1], 0}, planet.velocity_W = {y[2], y[3], 0};
+        return {planet};
+    }
+};
+
+template <class Model, class Expected>
+void expect_closed_form(const Model& model, double duration, Expected&& expected) {
+    const Problem problem = pose(model, duration);
+    for (const char* name : {"taylor", "radau", "dop853", "extrapolation", "cvode_adams"})
+        // 1e-7, 1e-10, 1e-13 and 1e-15: each of the orders that taylor has
+        for (const double tolerance : {1e-7, 1e-10, 1e-13, 1e-15}) {
+            // a method of many small steps, each of which may err by the tolerance
+            const bool multistep = std::string_view(name) == "cvode_adams";
+            if (tolerance < 1e-13 && multistep) continue;
+            Settings settings;
+            settings.tolerance = tolerance, settings.samples = 5;
+            const Trajectory trajectory = solve(problem, *find_method(name), settings);
+            ASSERT_EQ(trajectory.status, Status::ok) << name << ": " << trajectory.message;
+            for (std::size_t k = 0; k < trajectory.moments(); ++k) {
+                const Sample& body = trajectory.at(k)[0];
+                const auto [position, velocity] = expected(body.t);
+                const double allowed = std::max((multistep ? 5000 : 500) * tolerance, 3e-13);
+                for (int i = 0; i < 2; ++i) {
+                    EXPECT_NEAR(body.position_W[i], position[i], allowed) << name << ' ' << tolerance;
+                    EXPECT_NEAR(body.velocity_W[i], velocity[i], 3 * allowed) << name << ' ' << tolerance;
+                }
+            }
+        }
+}
+
+// sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), for cd' = -k'^2 sd nd and cos(a / 2) =
+// k' nd
+TEST(OwnSystem, APendulumSwingsAsJacobisFunctionsSay) {
+    const Pendulum pendulum;
+    const double k = std::sin(pendulum.amplitude / 2), other = std::cos(pendulum.amplitude / 2);
+    expect_closed_form(pendulum, 4, [&](double t) {
+        const double u = pendulum.rate * t, sine = k * boost::math::jacobi_cd(k, u);
+        const double cosine = std::sqrt((1 - sine) * (1 + sine));
+        const double rate = -2 * pendulum.rate * k * other * boost::math::jacobi_sd(k, u);
+        return std::pair(Vector3<double>(2 * sine * cosine, sine * sine - cosine * cosine, 0),
+                         Vector3<double>(rate, 0, 0));
+    });
+}
+
+// t = E - e sin E, r = (cos E - e, sqrt(1 - e^2) sin E)
+TEST(OwnSystem, APlanetObeysKepler) {
+    const Planet planet;
+    const double e = planet.eccentricity, b = std::sqrt(1 - e * e);
+    expect_closed_form(planet, 10, [&](double t) {
+        double E = t;
+        for (int i = 0; i < 20; ++i) E -= (E - e * std::sin(E) - t) / (1 - e * std::cos(E));
+        const double rate = 1 / (1 - e * std::cos(E));
+        return std::pair(Vector3<double>(std::cos(E) - e, b * std::sin(E), 0),
+                         Vector3<double>(-std::sin(E) * rate, b * std::cos(E) * rate, 0));
+    });
 }
 
 TEST(OwnSystem, WhatMakesNoSenseIsNotPosed) {

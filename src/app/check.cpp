@@ -123,7 +123,8 @@ void add_check(CLI::App& program, int& exit_code) {
     command->add_option(
         "--columns", options->columns,
         "Which columns hold what, where names are not ours: time=T,rotation=X:Y:Z:W (or the nine of a "
-        "matrix, row by row),angular_velocity=X:Y:Z,position=..,origin=..,velocity=..; others are "
+        "matrix, row by row),body=NAME (of scenes of several "
+        "bodies),angular_velocity=X:Y:Z,position=..,origin=..,velocity=..; others are "
         "ignored; in place of rotation also matrix_by_columns= and Euler angles, euler_zyx=yaw:pitch:roll "
         "(any sequence, each turn about the axes that those before have brought). "
         "Names in common use are known without it");

@@ -12,6 +12,7 @@
 #include "integrators/analysis/conditioning.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
+#include "motion/mechanism_motion.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
 #include "text/message.h"
@@ -24,9 +25,12 @@ namespace {
 TrajectoryFile prepared(const Scene& scene, const Convention& convention, const ColumnNames& columns,
                         CheckedFile& checked) {
     constexpr std::size_t largest_file = std::size_t{1} << 30;
-    ForeignTable table =
-        own_columns(read_text(checked.path, largest_file, "a readable CSV file"), checked.path, columns);
-    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion);
+    ForeignTable table = own_columns(read_text(checked.path, largest_file, "a readable CSV file"), checked.path,
+                                     columns, is_mechanism(scene));
+    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion, body_names(scene));
+    if (!is_mechanism(scene) && !file.bodies.empty())
+        throw InputError(checked.path, "column body", "is there, and the scene is of one body",
+                         "give a scene of several bodies, or a file without it");
     checked.remarks = std::move(table.remarks);
     if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
     convert(file, convention);
@@ -41,7 +45,8 @@ TrajectoryFile prepared(const Scene& scene, const Convention& convention, const 
                          fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
                                      shortest_decimal(scene.duration)),
                          "give times in s within the scene's duration, or a scene that lasts longer");
-    checked.samples = file.rows.size(), checked.from = file.rows.front().t, checked.until = last;
+    checked.samples = file.rows.size() / file.bodies_at_once(), checked.from = file.rows.front().t,
+    checked.until = last;
     return file;
 }
 
@@ -49,6 +54,13 @@ TrajectoryFile prepared(const Scene& scene, const Convention& convention, const 
 std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("the angular velocity, and with it energy and momentum");
+    if (is_mechanism(scene)) {
+        if (!file.has_position && !file.has_origin) all.emplace_back("the position, and with it the gaps of joints");
+        if (!file.has_velocity) all.emplace_back("the velocity");
+        if (file.has_angular_velocity && (!file.has_velocity || !(file.has_position || file.has_origin)))
+            all.emplace_back("energy and momentum, which need both");
+        return fmt::format("{}", fmt::join(all, "; "));
+    }
     if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("the position");
     if (!scene.pivot && !file.has_velocity) all.emplace_back("the velocity");
     return fmt::format("{}", fmt::join(all, "; "));
@@ -79,13 +91,13 @@ void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth
 // Judges a file; says why there is no truth to judge it by, or nothing.
 std::string judge_file(const Scene& scene, const TrajectoryFile& file, CheckedFile& checked) {
     constexpr std::size_t many = 2000;
-    if (file.rows.size() > many && file.rows.back().t > 0)
+    if (!is_mechanism(scene) && file.rows.size() > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available) {
             judge_many(scene, file, truth, checked);
             return "";
         }
     std::vector<double> times;
-    for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
+    for (std::size_t k = 0; k < file.rows.size(); k += file.bodies_at_once()) times.push_back(file.rows[k].t);
     const Reference truth = reference(scene, times);
     if (!truth.available) return truth.message;
     checked.truth_bound = truth.bound, checked.truth = truth.message;
@@ -160,9 +172,13 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
         CheckedFile& checked = all[i];
         if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty())
             throw NoTruth(checked.path + ": " + fault);
-        checked.diagnosed = diagnose(scene, files[i], explain);
         checked.lacks = lacking(scene, files[i]);
-        compare_with_floors(scene, limits, checked);
+        if (is_mechanism(scene)) {
+            checked.remarks.emplace_back("known faults are not sought in files of several bodies");
+        } else {
+            checked.diagnosed = diagnose(scene, files[i], explain);
+            compare_with_floors(scene, limits, checked);
+        }
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
         files[i] = {};
     }

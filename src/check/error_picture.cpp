@@ -50,21 +50,30 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
 
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
                      const CheckedFile& checked) {
-    // evenly over the rows, the first and the last among them
+    // evenly over the times, the first and the last among them
+    const bool several = is_mechanism(scene);
+    const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
     std::vector<std::size_t> rows;
-    const std::size_t count = std::min(most_points, file.rows.size());
-    for (std::size_t i = 0; i < count; ++i) rows.push_back(count > 1 ? i * (file.rows.size() - 1) / (count - 1) : 0);
+    const std::size_t count = std::min(most_points, moments);
+    for (std::size_t i = 0; i < count; ++i) rows.push_back(count > 1 ? i * (moments - 1) / (count - 1) : 0);
     TrajectoryFile picked = file;
     picked.rows.clear();
     std::vector<double> times;
-    for (const std::size_t k : rows) picked.rows.push_back(file.rows[k]), times.push_back(file.rows[k].t);
+    for (const std::size_t k : rows) {
+        times.push_back(file.rows[k * at_once].t);
+        for (std::size_t b = 0; b < at_once; ++b) picked.rows.push_back(file.rows[k * at_once + b]);
+    }
     const Reference truth = reference(scene, times);
     if (!truth.available) throw std::invalid_argument(truth.message);
 
     Trajectory of_file;
-    of_file.samples = samples_of(picked, scene.body.center_of_mass);
+    if (several)
+        of_file = completed_by(truth, scene, picked);
+    else
+        of_file.samples = samples_of(picked, scene.body.center_of_mass);
     const ErrorSeries own = error_series(scene, of_file, truth);
-    const Companion beside = file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();
+    const Companion beside =
+        !several && file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();
 
     Figure figure;
     figure.title = fmt::format("{} on {}", one_line(checked.path, 80), scene.name);
@@ -88,7 +97,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         const double per_size = measure.scale && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
         if (const double allowed = verdict.limit.value * of_size / per_size; std::isfinite(allowed) && allowed > 0)
             panel.guides.push_back({"allowed", {}, {allowed}});
-        if (verdict.block->name == "attitude" && checked.until > 0) {
+        if (verdict.block->name == "attitude" && checked.until > 0 && !several) {
             ConditioningSettings settings;
             settings.max_steps = prompt_conditioning_steps;
             if (const Conditioning kappa = conditioning(scene, times, settings); !kappa.times.empty()) {

@@ -60,6 +60,13 @@ std::optional<std::string> recognised(std::string_view name) {
     return {};
 }
 
+bool names_a_body(std::string_view name) {
+    const std::string plain = plain_name(name);
+    for (const char* body : {"body", "bodyname", "link", "linkname", "name", "object"})
+        if (plain == body) return true;
+    return false;
+}
+
 std::vector<std::string> split(std::string_view text, char at) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0;;) {
@@ -87,6 +94,7 @@ ColumnNames parse_columns(std::string_view text) {
             equals == part.npos ? std::vector<std::string>() : split(std::string_view(part).substr(equals + 1), ':');
         std::vector<std::string> ours;
         if (block == "time") ours = {"t"};
+        if (block == "body") ours = {"body"};
         if (block == "rotation" && given.size() != 9) ours = {"qx", "qy", "qz", "qw"};
         if (block == "rotation" && given.size() == 9)
             for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i));
@@ -109,7 +117,7 @@ ColumnNames parse_columns(std::string_view text) {
     return names;
 }
 
-ForeignTable own_columns(std::string text, const std::string& file, const ColumnNames& names) {
+ForeignTable own_columns(std::string text, const std::string& file, const ColumnNames& names, bool several) {
     ForeignTable table;
     CsvLines lines(text, file);
     if (!lines.next()) return {std::move(text), {}};
@@ -118,13 +126,14 @@ ForeignTable own_columns(std::string text, const std::string& file, const Column
     std::map<std::string, std::size_t> places;
     std::vector<std::string> ignored;
     if (names.theirs.empty()) {
-        const auto is_ours = [](const std::string& name) {
-            return std::ranges::find(own_names, name) != own_names.end();
+        const auto is_ours = [several](const std::string& name) {
+            return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");
         };
         const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
         if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {std::move(text), {}};
         for (std::size_t i = 0; i < header.size(); ++i) {
-            const std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
+            std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
+            if (!own && several && names_a_body(header[i])) own = "body";
             if (!own)
                 ignored.push_back(header[i]);
             else if (!places.emplace(*own, i).second)

@@ -10,11 +10,13 @@
 #include "motion/exact_body.h"
 
 namespace polhode {
-namespace {
 
-constexpr std::size_t most_spans = 10;
-
-}  // namespace
+std::size_t span_of(double t, double begin, double end) {
+    const double length = end - begin;
+    if (!(length > 0)) return 0;
+    const double k = std::ceil(static_cast<double>(most_spans) * ((t - begin) / length)) - 1;
+    return std::min(most_spans - 1, static_cast<std::size_t>(std::max(k, 0.0)));
+}
 
 /// The largest errors so far, not yet relative to anything.
 struct Judge::Tally {
@@ -65,13 +67,7 @@ struct Judge::State {
         return measure.of_one_body() && (measure.needs & ~known) == 0;
     }
 
-    std::size_t span_of(double t) const {
-        const double begin = file->rows.front().t, length = file->rows.back().t - begin;
-        if (!(length > 0)) return 0;
-        // a span ends with the sample at its end
-        const double k = std::ceil(static_cast<double>(most_spans) * ((t - begin) / length)) - 1;
-        return std::min(most_spans - 1, static_cast<std::size_t>(std::max(k, 0.0)));
-    }
+    std::size_t span_of(double t) const { return polhode::span_of(t, file->rows.front().t, file->rows.back().t); }
 
     template <class S>
     void add(const ExactBody<S>& own, const TrajectoryRow& row, const ReferenceSample& reference) {
@@ -147,6 +143,7 @@ Judgement Judge::result() const {
 }
 
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth, JudgedIn arithmetic) {
+    if (is_mechanism(scene)) return judge_system(scene, file, truth);
     if (!truth.available || truth.samples.size() != file.rows.size())
         throw std::invalid_argument("there is no truth at the file's times");
     Judge whole(scene, file, arithmetic);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "measure/measures.h"
@@ -32,18 +33,33 @@ struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
     /// How large the motion is, by the truth: the largest value over the samples of what each measure is relative to
     /// (SI), of the distance from the start (m) and of the speed (m/s). 0 for all other measures.
     PerMeasure<double> size;
+    /// Of several bodies: the one whose attitude error is the largest, and the joints with the largest gap and turn;
+    /// else empty.
+    std::string worst_body, worst_gap, worst_turn;
 };
+
+/// As many spans of time at most are told apart.
+inline constexpr std::size_t most_spans = 10;
+/// The span of a sample at t of a file that goes from `begin` to `end` (s): a span ends with the sample at its end.
+std::size_t span_of(double t, double begin, double end);
 
 /// What the errors are formed in: 128 bits show what a binary64 file is wrong by to its last digit; binary64 takes a
 /// hundredth of the time and resolves about 1e-15.
 enum class JudgedIn { binary128, binary64 };
 
 /// Judges sample by sample; `truth` has the file's times, else std::invalid_argument. Omega and momentum need w. Energy
-/// needs w, and p and v where the scene has no pivot.
+/// needs w, and p and v where the scene has no pivot. Of several bodies see judge_system().
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
                 JudgedIn arithmetic = JudgedIn::binary128);
 
-/// The same piece by piece, for files whose truth does not fit in memory or is made by several threads.
+/// A file of several bodies as a method would have given it; its truth stands in for what it does not tell.
+Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
+
+/// Judges a file of several bodies, whose truth has its times and bodies: in 128 bits, by error_series(). What a file
+/// does not tell is not judged: energy, momenta and joints need what they are made of.
+Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Reference& truth);
+
+/// The same as judge() piece by piece, for files whose truth does not fit in memory or is made by several threads.
 class Judge {
   public:
     /// Keeps references: both outlive it.

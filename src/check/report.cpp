@@ -71,6 +71,17 @@ std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
         text += fmt::format("  {:<18}{:>10.2e}{:>7}\n", title, value, unit);
     };
     if (const auto& norm = c.judgement["norm"]) line("norm of q", norm->max, "");
+    const auto joint = [&](const char* title, const char* measure, const char* unit, const std::string& worst) {
+        const std::optional<ErrorSummary>& error = c.judgement[measure];
+        if (!error) return;
+        text += fmt::format("  {:<18}{:>10.2e}{:>7}{:>11}{:>10.5g}{:>12.2e}{}\n", title, error->max, unit, "",
+                            error->max_time, error->final, worst.empty() ? "" : "   of " + one_line(worst, 100));
+    };
+    if (const auto& p = c.judgement["linear_momentum"]) line("linear momentum", p->max, "");
+    joint("gap of joints", "joint_gap", "m", c.judgement.worst_gap);
+    joint("turn of joints", "joint_turn", "rad", c.judgement.worst_turn);
+    if (!c.judgement.worst_body.empty())
+        text += fmt::format("  {:<18}{} (by its attitude)\n", "worst body", one_line(c.judgement.worst_body, 100));
     if (c.floor) line("float64 floor", c.floor->float64, "rad"), line("float32 floor", c.floor->float32, "rad");
     line("bound of the truth", c.truth_bound, "");
     return text;
@@ -114,12 +125,18 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     file["from"] = number(c.from), file["until"] = number(c.until);
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::optional<ErrorSummary>& error = c.judgement[m];
+        if (!measures()[m].of_one_body() && !error) continue;
         const auto put = [&](const char* what, double ErrorSummary::*member) {
-            file[fmt::format("{}_error_{}", measures()[m].name, what)] =
+            file[fmt::format("{}{}_{}", measures()[m].name, measures()[m].suffix, what)] =
                 error ? number((*error).*member) : ordered_json(nullptr);
         };
         put("max", &ErrorSummary::max), put("max_time", &ErrorSummary::max_time), put("final", &ErrorSummary::final);
     }
+    const auto name = [&](const char* key, const std::string& worst) {
+        if (!worst.empty()) file[key] = worst;
+    };
+    name("worst_body", c.judgement.worst_body), name("joint_gap_worst", c.judgement.worst_gap);
+    name("joint_turn_worst", c.judgement.worst_turn);
     for (const BlockVerdict& v : limits.verdicts(c.judgement))
         file["blocks"][std::string(v.block->name)] = {
             {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
@@ -137,7 +154,8 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     for (std::size_t k = 0; k < c.judgement.over_time.size(); ++k) {
         const ErrorSpan& span = c.judgement.over_time[k];
         ordered_json& row = file["over_time"].emplace_back(ordered_json{{"until", number(span.until)}});
-        for (const std::size_t m : told) row[fmt::format("{}_error", measures()[m].name)] = number(span.error[m]);
+        for (const std::size_t m : told)
+            row[fmt::format("{}{}", measures()[m].name, measures()[m].suffix)] = number(span.error[m]);
         if (k < c.floor_over_time.size()) {
             row["float64_floor"] = number(c.floor_over_time[k].float64);
             row["float32_floor"] = number(c.floor_over_time[k].float32);

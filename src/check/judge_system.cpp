@@ -1,0 +1,96 @@
+// Files of several bodies, judged.
+#include <algorithm>
+#include <stdexcept>
+
+#include "check/judge.h"
+#include "measure/errors.h"
+
+namespace polhode {
+namespace {
+
+bool is_told(const Measure& measure, const TrajectoryFile& file) {
+    const bool position = file.has_position || file.has_origin;
+    const unsigned known = known_truth | known_free_system | (file.has_angular_velocity ? known_angular_velocity : 0U) |
+                           (position ? known_position : 0U) | (file.has_velocity ? known_velocity : 0U) |
+                           (position && file.has_velocity ? known_center : 0U);
+    // what all have together hangs on where they are and how they move
+    const bool whole = measure.system_error && (measure.needs & known_angular_velocity) != 0;
+    return (measure.needs & ~known) == 0 && (!whole || (known & known_center) != 0);
+}
+
+// The joints of the largest gap and turn of all bodies at one time.
+JointViolations<Wide> violations_at(const MechanismMeasure<Wide>& measure, const Bodies& bodies) {
+    std::vector<BodyMotion<Wide>> motions;
+    for (const Sample& s : bodies) motions.push_back({normalized(cast<Wide>(s.q)), {}, cast<Wide>(s.position_W), {}});
+    return measure.violations(motions);
+}
+
+}  // namespace
+
+Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
+    std::vector<Vector3<double>> centers;
+    for (const NamedBody& body : scene.bodies) centers.push_back(body.body.center_of_mass);
+    Trajectory trajectory;
+    trajectory.bodies = static_cast<int>(scene.bodies.size());
+    trajectory.samples = samples_of(file, centers);
+    for (std::size_t i = 0; i < trajectory.samples.size(); ++i) {
+        const Sample right = truth.samples[i].rounded();
+        Sample& own = trajectory.samples[i];
+        if (!file.has_angular_velocity) own.angular_velocity_B = right.angular_velocity_B;
+        if (!file.has_position && !file.has_origin) own.position_W = right.position_W;
+        if (!file.has_velocity) own.velocity_W = right.velocity_W;
+    }
+    return trajectory;
+}
+
+Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Reference& truth) {
+    if (!truth.available || truth.samples.size() != file.rows.size() || file.rows.empty())
+        throw std::invalid_argument("there is no truth at the file's times");
+    const Trajectory trajectory = completed_by(truth, scene, file);
+    const ErrorSeries series = error_series(scene, trajectory, truth);
+    const double begin = series.t.front(), end = series.t.back();
+    Judgement result;
+    result.worst_body = series.worst_body;
+    const MechanismMeasure<Wide> measure(scene);
+    const std::vector<std::string> joints = joint_names(scene);
+
+    std::array<bool, most_spans> seen{};
+    std::array<ErrorSpan, most_spans> spans;
+    for (std::size_t k = 0; k < series.t.size(); ++k) {
+        const std::size_t span = span_of(series.t[k], begin, end);
+        seen[span] = true, spans[span].until = series.t[k];
+    }
+    for (std::size_t m = 0; m < measures().size(); ++m) {
+        const std::vector<double>& errors = series[m];
+        if (errors.empty() || !is_told(measures()[m], file)) continue;
+        ErrorSummary& summary = result[m].emplace();
+        std::size_t worst = 0;
+        for (std::size_t k = 0; k < errors.size(); ++k) {
+            if (errors[k] > errors[worst]) worst = k;
+            double& largest = spans[span_of(series.t[k], begin, end)].error[m];
+            largest = std::max(largest, errors[k]);
+        }
+        summary = {errors[worst], series.t[worst], errors.back()};
+        const JointViolations<Wide> there = violations_at(measure, trajectory.at(worst));
+        if (measures()[m].name == "joint_gap" && there.gap_joint < joints.size())
+            result.worst_gap = joints[there.gap_joint];
+        if (measures()[m].name == "joint_turn" && there.turn_joint < joints.size())
+            result.worst_turn = joints[there.turn_joint];
+    }
+    for (std::size_t span = 0; span < most_spans; ++span)
+        if (seen[span]) result.over_time.push_back(spans[span]);
+
+    const std::size_t n = scene.bodies.size();
+    double &rate = result.size[measure_index("omega")], &way = result.size[measure_index("position")],
+           &speed = result.size[measure_index("velocity")];
+    for (std::size_t i = 0; i < truth.samples.size(); ++i) {
+        const Sample now = truth.samples[i].rounded(), first = truth.samples[i % n].rounded();
+        rate = std::max(rate, length(now.angular_velocity_B));
+        way = std::max(way, length(now.position_W - first.position_W));
+        speed = std::max(speed, length(now.velocity_W));
+    }
+    if (rate * scene.duration < 1e-15) rate = 0;  // as in error_series()
+    return result;
+}
+
+}  // namespace polhode

@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "check/foreign_table.h"
+#include "check/judge.h"
+#include "check/limits.h"
+#include "check/report.h"
+
+namespace polhode {
+namespace {
+
+// Two free bodies a metre apart on x, held together by a hinge about z half-way; both turn about it at 2 rad/s, as one.
+struct Hinged {
+    Scene scene;
+    Reference truth;
+    TrajectoryFile file;
+
+    Hinged() {
+        scene.name = "hinged", scene.duration = 4;
+        scene.bodies.resize(2);
+        scene.bodies[0].name = "left", scene.bodies[1].name = "right";
+        scene.bodies[0].body.center_of_mass = {0.25, 0, 0};
+        scene.joints.resize(1);
+        Joint& hinge = scene.joints.front();
+        hinge.name = "hinge", hinge.parent = "left", hinge.child = "right";
+        hinge.axes[0] = {0, 0, 1};
+        hinge.parent_point = {0.75, 0, 0}, hinge.child_point = {-0.5, 0, 0};
+        truth.available = true, truth.bodies = 2;
+        file.bodies = {"left", "right"};
+        file.has_angular_velocity = file.has_position = file.has_velocity = true;
+        for (int k = 0; k <= 40; ++k)
+            for (const double side : {-0.5, 0.5}) {
+                const double t = 0.1 * k, c = std::cos(2 * t), s = std::sin(2 * t);
+                const TrajectoryRow row{t,
+                                        {std::cos(t), 0, 0, std::sin(t)},
+                                        {0, 0, 2},
+                                        {side * c + t, side * s, 0},
+                                        {-2 * side * s + 1, 2 * side * c, 0}};
+                file.rows.push_back(row);
+                ReferenceSample sample;
+                sample.t = t, sample.q = {row.q.w, 0.0, 0.0, row.q.z}, sample.angular_velocity_B[2] = 2.0;
+                for (std::size_t i = 0; i < 3; ++i)
+                    sample.position_W[i] = row.position_W[i], sample.velocity_W[i] = row.velocity_W[i];
+                truth.samples.push_back(sample);
+            }
+    }
+};
+
+TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
+    const Hinged h;
+    const Judgement found = judge(h.scene, h.file, h.truth);
+    for (std::size_t m = 0; m < measures().size(); ++m) {
+        if (measures()[m].name == "reaction") {
+            EXPECT_FALSE(found[m]);
+            continue;
+        }
+        EXPECT_LT(found[m]->max, 1e-15) << measures()[m].name;
+    }
+    EXPECT_EQ(found.over_time.size(), 10u);
+    EXPECT_EQ(found.size["omega"], 2);
+    EXPECT_NEAR(found.size["velocity"], 2, 0.01);  // 1 m/s with the whole, 1 m/s about the hinge
+    EXPECT_FALSE(ErrorLimits(h.scene).refuses(found));
+}
+
+TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
+    Hinged h;
+    TrajectoryRow& row = h.file.rows[2 * 30 + 1];
+    const double t = row.t, ahead = 0.125;
+    row.q = {std::cos(t + ahead / 2), 0, 0, std::sin(t + ahead / 2)};
+    h.file.rows[2 * 10].position_W[2] = 0.25;
+    h.file.rows[2 * 20].q = {std::cos(0.1), std::sin(0.1), 0, 0};  // from another attitude, about x
+    h.file.rows[2 * 20].position_W = h.truth.samples[2 * 20].rounded().position_W;
+    const Judgement found = judge(h.scene, h.file, h.truth);
+    EXPECT_EQ(found.worst_body, "left");
+    EXPECT_EQ(found["attitude"]->max_time, 2);
+    EXPECT_EQ(found["position"]->max, 0.25);
+    EXPECT_EQ(found["position"]->max_time, 1);
+    EXPECT_NEAR(found["joint_turn"]->max, 0.2, 1e-15);  // the hinge's axis is turned from z about x
+    EXPECT_EQ(found["joint_turn"]->max_time, 2);
+    EXPECT_EQ(found.worst_turn, "hinge");
+    EXPECT_EQ(found.worst_gap, "hinge");
+    CheckedFile checked;
+    checked.path = "run.csv", checked.judgement = found;
+    const ErrorLimits limits(h.scene);
+    EXPECT_TRUE(limits.refuses(found));
+    const std::string text = check_text(limits, {checked});
+    for (const char* said : {"gap of joints", "of hinge", "worst body        left", "run.csv: failed: attitude off by"})
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+    const std::string json = check_json(h.scene, limits, {checked});
+    for (const char* key : {"\"joint_gap_max\"", "\"worst_body\": \"left\"", "\"joint_turn_worst\": \"hinge\""})
+        EXPECT_NE(json.find(key), std::string::npos) << key << "\n" << json;
+}
+
+TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
+    Hinged h;
+    h.file.has_velocity = false;
+    for (TrajectoryRow& row : h.file.rows) row.velocity_W = {};
+    Judgement found = judge(h.scene, h.file, h.truth);
+    EXPECT_FALSE(found["velocity"] || found["energy"] || found["momentum"] || found["linear_momentum"]);
+    EXPECT_LT(found["omega"]->max, 1e-15);
+    EXPECT_LT(found["joint_gap"]->max, 1e-15);
+    h.file.has_angular_velocity = h.file.has_position = false;
+    found = judge(h.scene, h.file, h.truth);
+    EXPECT_FALSE(found["omega"] || found["position"] || found["joint_gap"]);
+    EXPECT_LT(found["attitude"]->max, 1e-15);
+    EXPECT_LT(found["joint_turn"]->max, 1e-15);
+    // origins in place of centres of mass
+    h.file.has_origin = true;
+    for (std::size_t i = 0; i < h.file.rows.size(); i += 2) {
+        const double t = h.file.rows[i].t;
+        h.file.rows[i].position_W =
+            h.file.rows[i].position_W - 0.25 * Vector3<double>(std::cos(2 * t), std::sin(2 * t), 0);
+    }
+    EXPECT_LT(judge(h.scene, h.file, h.truth)["position"]->max, 1e-15);
+}
+
+TEST(ForeignTable, ABodysNameIsTakenWhereThereAreSeveral) {
+    const std::string text = "time,link,quat_w,quat_x,quat_y,quat_z\n0,a,1,0,0,0\n0,b,1,0,0,0\n";
+    EXPECT_EQ(parse_trajectory(own_columns(text, "f", {}, true).text, "f").bodies,
+              (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(own_columns(text, "f", {}).text.find("body"), std::string::npos);
+    const std::string odd = "time,who,a,b,c,d\n0,a,1,0,0,0\n0,b,1,0,0,0\n";
+    const ColumnNames names = parse_columns("time=time,body=who,rotation=b:c:d:a");
+    EXPECT_EQ(parse_trajectory(own_columns(odd, "f", names, true).text, "f").bodies.size(), 2u);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -74,10 +74,11 @@ template <class P>
 struct JointViolations {
     static constexpr std::size_t none = static_cast<std::size_t>(-1);  ///< no joint
 
-    P gap = P(0);                  ///< largest distance between points that should coincide, m
-    P turn = P(0);                 ///< largest angle between axes (or attitudes) that should coincide, rad
-    std::size_t gap_joint = none;  ///< where that is, of joint_names(); none where all are closed exactly
-    std::size_t turn_joint = none;
+    P gap = P(0);   ///< largest distance between points that should coincide, m
+    P turn = P(0);  ///< largest angle between axes (or attitudes) that should coincide, rad
+    /// Where the gap is, of joint_names(); none where there is none.
+    std::size_t gap_joint = none;
+    std::size_t turn_joint = none;  ///< where the turn is, likewise
 };
 
 /// The mass properties of each body, exact in the scalar P. Made for double and Wide; for any other scalar include
@@ -93,6 +94,7 @@ class MechanismMeasure {
     /// Of a valid scene of several bodies.
     explicit MechanismMeasure(const Scene& scene);
 
+    /// How many bodies there are.
     std::size_t bodies() const { return bodies_.size(); }
     /// Whether a joint or a loop ties a body to the world.
     bool tied() const { return tied_; }

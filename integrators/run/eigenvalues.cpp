@@ -24,6 +24,8 @@ std::vector<std::complex<double>> eigenvalues_on(const Problem& problem, const S
 }  // namespace
 
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample) {
+    // a sample of own systems tells no state
+    if (problem.own) return {};
     return with_one_body(problem, [&]<class SystemType>() { return eigenvalues_on<SystemType>(problem, sample); });
 }
 

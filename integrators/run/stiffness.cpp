@@ -1,11 +1,14 @@
 #include "integrators/run/stiffness.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include "integrators/method.h"
 #include "integrators/run/eigenvalues.h"
+#include "motion/own_system.h"
 
 namespace polhode {
 namespace {
@@ -27,11 +30,42 @@ double decay_rate(const Problem& problem, const Sample& sample) {
     return rate;
 }
 
+// Of a mechanism: by its start and the largest rate alone, which tells a stiff joint and overlooks one that becomes it.
+Stiffness stiffness_at_start(const Problem& problem) {
+    constexpr int most_variables = 400;
+    const Scene& scene = problem.scene;
+    const bool damped =
+        std::ranges::any_of(scene.joints, [](const Joint& j) { return j.damping[0] != 0 || j.damping[1] != 0; }) ||
+        std::ranges::any_of(scene.loads, [](const Load& l) { return std::holds_alternative<Drag>(l); });
+    OwnSystem system(problem);
+    const int n = system.size();
+    if (!damped || n > most_variables) return {};
+    std::vector<double> y(static_cast<std::size_t>(n)), J(y.size() * y.size());
+    system.initial(y.data());
+    Stiffness found;
+    found.turning = problem.scales.angular_velocity * scene.duration;
+    for (const Segment& segment : problem.segments) {
+        std::vector<double> struck = y;
+        system.enter(segment, struck.data());
+        jacobian(system, segment.begin, y.data(), J.data());
+        const Eigen::MatrixXd matrix =
+            Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(J.data(), n, n);
+        if (!matrix.allFinite()) return {};
+        double rate = 0;
+        for (const std::complex<double>& lambda : matrix.eigenvalues())
+            if (lambda.real() < -1e-3 * std::abs(lambda)) rate = std::max(rate, std::abs(lambda));
+        found.decays += (segment.end - segment.begin) * rate;
+    }
+    return found;
+}
+
 }  // namespace
 
 Stiffness stiffness(const Problem& problem) {
     const Method* method = find_method("radau");
-    if (!method || !damps(problem) || problem.needs.user_torque || !problem.scene.planes.empty()) return {};
+    if (method && problem.needs.system == SystemKind::mechanism) return stiffness_at_start(problem);
+    if (!method || problem.own || !damps(problem) || problem.needs.user_torque || !problem.scene.planes.empty())
+        return {};
     Settings settings;
     settings.tolerance = 1e-3, settings.samples = 50, settings.max_steps = 5000;
     const Trajectory trajectory = solve(problem, *method, settings);

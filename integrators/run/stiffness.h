@@ -17,7 +17,8 @@ struct Stiffness {
 };
 
 /// Looks along the motion itself, found to three digits by `radau`. Zero where nothing damps, and with a user's own
-/// torque, whose derivative an implicit method would lack; where `radau` finds the motion hard it is not stiff.
+/// torque, whose derivative an implicit method would lack; where `radau` finds the motion hard it is not stiff. Of
+/// several bodies by their start alone; of a system of the user's own not known, and zero.
 Stiffness stiffness(const Problem& problem);
 
 /// stiffness(problem).stiff()

@@ -63,6 +63,10 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     // a little further on, so that an event at the end opens a piece as well
     dense.scene_.duration = end * (1 + 1e-6);
     validate(dense.scene_, scene.name);
+    if (is_mechanism(scene)) {
+        dense.message = "motions of several bodies are not kept as polynomials";
+        return dense;
+    }
     const Problem problem = pose(dense.scene_);
     if (problem.needs.user_torque) {
         dense.message = "a user's torque has no truth";

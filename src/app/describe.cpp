@@ -44,7 +44,7 @@ bool is_experiment(const std::string& name) {
     try {
         const JsonDocument document(read_text(name), name);
         const JsonNode& root = document.root();
-        return root.is_object() && !root.find("body") &&
+        return root.is_object() && !root.find("body") && !root.find("bodies") && !root.find("import") &&
                (root.find("kind") || root.find("scenes") || root.find("methods"));
     } catch (const InputError&) {
         return false;
@@ -125,6 +125,11 @@ int draw(const std::string& name, const std::string& path) {
         throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
     require_output(path);
     const Scene scene = find_scene(name);
+    if (is_mechanism(scene))
+        throw UsageError(
+            fmt::format("--picture: {} is a scene of several bodies, and a polhode is one body's; give a "
+                        "scene of one body",
+                        name));
     const PolhodeCurve polhode = polhode_curve(pose(scene));
     std::string fault = polhode.fault;
     if (fault.empty() && polhode.energy == 0) fault = "the body never turns";
@@ -168,8 +173,8 @@ void add_describe(CLI::App& program, int& exit_code) {
     };
     CLI::App* command = program.add_subcommand(
         "describe",
-        "Describes a scene (mass properties, system posed, what was left out, invariants, conditioning, polhode), a "
-        "method, or an experiment (what it will run).");
+        "Describes a scene (mass properties, of several bodies their tree and loops, system posed, what was left out, "
+        "invariants, conditioning, polhode), a method, or an experiment (what it will run).");
     const auto options = std::make_shared<Options>();
     command->add_option("NAME", options->name, "A built-in scene or experiment, a file of one, or a method")
         ->required();

@@ -109,6 +109,10 @@ Polyline simplified(const Polyline& line, const Vector3<double>& scale, double t
 
 PolhodeCurve polhode_curve(const Problem& problem) {
     PolhodeCurve polhode;
+    if (problem.own) {
+        polhode.fault = "a polhode is one body's";
+        return polhode;
+    }
     Settings settings;
     settings.samples = samples, settings.max_steps = 2'000'000, settings.seconds_limit = 2;
     const Trajectory run = solve(problem, *choose_method(problem).method, settings);

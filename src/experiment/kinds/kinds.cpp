@@ -21,13 +21,18 @@ std::span<const Kind> kinds() {
         // digits gained or lost against what was asked for
         {.name = "tolerance", .reads = all_keys, .conclude = conclude_tolerance},
         // each curve by all formulations: what leaving out is worth
-        {.name = "leave_out", .reads = all_keys, .conclude = conclude_leave_out, .all_formulations = true},
+        {.name = "leave_out",
+         .reads = all_keys,
+         .conclude = conclude_leave_out,
+         .all_formulations = true,
+         .one_body = true},
         // how errors grow over a long run, every method at the same number of evaluations a revolution
         {.name = "conservation",
          .reads = all_keys,
          .conclude = conclude_conservation,
          .keeps_series = true,
-         .calibrated = true},
+         .calibrated = true,
+         .one_body = true},
         // our own methods against the libraries at equal error, and over long runs
         {.name = "speed",
          .reads = {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
@@ -38,17 +43,19 @@ std::span<const Kind> kinds() {
         {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},
         {.name = "collisions",
          .reads = {"scenes", "vary", "methods", "settings", "seconds_per_run"},
-         .make = run_collisions},
+         .make = run_collisions,
+         .one_body = true},
         {.name = "inertia", .reads = {"repeats"}, .make = run_inertia},
-        {.name = "inertia_shortcuts", .reads = {"scenes"}, .make = run_inertia_shortcuts},
+        {.name = "inertia_shortcuts", .reads = {"scenes"}, .make = run_inertia_shortcuts, .one_body = true},
         {.name = "orientation", .reads = {"repeats"}, .make = run_orientation},
-        {.name = "point_bodies", .reads = {"scenes"}, .make = run_point_bodies},
+        {.name = "point_bodies", .reads = {"scenes"}, .make = run_point_bodies, .one_body = true},
         {.name = "stability",
          .reads = {"scenes", "vary", "methods", "settings", "samples", "seconds_per_run", "max_steps",
                    "max_evaluations"},
          .make = run_stability,
          .chooses_steps = true,
-         .resumable = true},
+         .resumable = true,
+         .one_body = true},
     };
     return list;
 }

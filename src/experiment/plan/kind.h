@@ -33,6 +33,7 @@ struct Kind {
     /// Of `make`: it keeps what it has finished in the directory, obeys filter, shard and jobs and stops when it is
     /// interrupted. Of any other, folder, filter and shard mean nothing, and the first shard makes all.
     bool resumable = false;
+    bool one_body = false;  ///< what it measures is one body's: scenes of several are refused
 };
 
 /// All kinds; the first is the one of a file that names none.

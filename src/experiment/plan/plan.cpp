@@ -298,6 +298,11 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         } catch (const InputError& error) {
             throw InputError(file, "/scenes", error);
         }
+        if (e.kind->one_body && is_mechanism(scene))
+            throw InputError(file, "/scenes",
+                             fmt::format("{} is of several bodies, and experiments of kind {} measure one",
+                                         one_line(name, 80), e.kind->name),
+                             "give scenes of one body, or another kind");
         bases.push_back({scene.name, scene, write_scene(scene)});
     }
     for (const Method* method : planned_methods(e.methods, file)) {

@@ -68,6 +68,7 @@ double revolution_time(const Scene& scene) {
 }
 
 Calibration calibrate(const Scene& scene, const Method& method, SettingKind kind, double evaluations) {
+    if (is_mechanism(scene)) return {false, 0, "several bodies have no one revolution to count evaluations by"};
     const double revolution = revolution_time(scene);
     if (!std::isfinite(revolution)) return {false, 0, "the body is at rest: it makes no revolution"};
     Scene pilot = scene;

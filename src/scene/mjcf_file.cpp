@@ -133,18 +133,11 @@ class MjcfReader {
         }
     }
 
-    RobotPose pose_of(const XMLElement& at) const {
-        RobotPose pose;
-        if (at.Attribute("pos")) pose.position = cast<Wide>(three_of(xml_.attribute(at, "pos", 3)));
-        pose.turn = mjcf_turn(xml_, at, compiler_);
-        return pose;
-    }
-
     void read_body(const XMLElement& at, std::size_t parent) {
         const std::string name = name_or(at, fmt::format("body{}", ++unnamed_bodies_).c_str());
         if (xml_.flag(at, "mocap")) xml_.fail(at, "is moved by hand (mocap)", "leave it out, or hold it by a joint");
         if (xml_.attribute_or(at, "gravcomp", 0) != 0) note("compensation of gravity of bodies", name);
-        const RobotPose place = pose_of(at);
+        const RobotPose place = mjcf_pose(xml_, at, compiler_);
         const std::size_t body = add_link(at, name);
         names_.add(at, name, body);
         robot_.links[body].mass = mass_of_body(at);
@@ -235,52 +228,14 @@ class MjcfReader {
         const XMLElement* inertial = xml_.optional_child(at, "inertial");
         if (inertial && inertia_from_geom_ != "true") return mass_of(mjcf_inertial(xml_, *inertial, compiler_));
         if (inertia_from_geom_ == "false") return {};
+        if (groups_) xml_.fail(*groups_, "chooses the geoms that have mass", "give the bodies an <inertial>");
         std::vector<MassProperties<Wide>> parts;
         for (const XMLElement* one = at.FirstChildElement("geom"); one; one = one->NextSiblingElement("geom"))
-            if (const std::optional<MassProperties<Wide>> part = mass_of_geom(*one)) parts.push_back(*part);
+            if (const std::optional<MassProperties<Wide>> part = mjcf_geom_mass(xml_, *one, compiler_))
+                parts.push_back(*part);
         if (parts.empty()) return {};
         return composite(parts);
     }
-
-    std::optional<MassProperties<Wide>> mass_of_geom(const XMLElement& at) const {
-        const bool by_mass = at.Attribute("mass");
-        const double amount = by_mass ? xml_.attribute_or(at, "mass", 0) : xml_.attribute_or(at, "density", 1000);
-        const std::string type = at.Attribute("type") ? at.Attribute("type") : "sphere";
-        if (amount == 0 || type == "plane") return {};
-        if (!(amount > 0)) xml_.fail(at, "has less than no mass", "give a mass or a density >= 0");
-        const char* remedy = "give the body an <inertial>";
-        if (groups_) xml_.fail(*groups_, "chooses the geoms that have mass", remedy);
-        if (at.Attribute("shellinertia") || at.Attribute("mesh"))
-            xml_.fail(at, "has a mass that is not a primitive's", remedy);
-        RobotPose place = pose_of(at);
-        std::vector<double> size;
-        if (const char* text = at.Attribute("size")) size = xml_.numbers(at, "size", text, 1, 3);
-        for (const double length : size)
-            if (!(length >= 0)) xml_.fail(at, "has a negative size", "give half lengths in m, > 0");
-        Wide half_height = size.size() > 1 ? Wide(size[1]) : Wide(0);
-        const bool spans = at.Attribute("fromto");
-        if (spans) {
-            if (type != "capsule" && type != "cylinder")
-                xml_.fail(at, "is no capsule or cylinder and has fromto", remedy);
-            const std::vector<double> v = xml_.attribute(at, "fromto", 6);
-            const Vector3<Wide> a = cast<Wide>(three_of(v)), b = cast<Wide>(three_of(v, 3));
-            place = {Wide(0.5) * (a + b), turn_from_z(xml_, at, "fromto", a - b)};
-            half_height = square_root(dot(b - a, b - a)) / Wide(2);
-        }
-        const std::size_t needed = type == "sphere" || spans ? 1 : type == "capsule" || type == "cylinder" ? 2 : 3;
-        const bool known =
-            type == "sphere" || type == "capsule" || type == "cylinder" || type == "box" || type == "ellipsoid";
-        if (!known) xml_.fail(at, fmt::format("is a {}, whose inertia is not worked out", one_line(type, 40)), remedy);
-        if (size.size() < needed)
-            xml_.fail(at, fmt::format("has {} numbers in size", size.size()), fmt::format("give {}", needed));
-        for (std::size_t i = 0; i < needed; ++i)
-            if (!(size[i] > 0)) xml_.fail(at, "has no volume", "give half lengths in m, > 0, or mass=\"0\"");
-        return placed(geom_at_origin(type, size, half_height, Wide(amount), by_mass), place.position, place.turn);
-    }
-
-    // half the height of a capsule or cylinder may have more digits than binary64, which shapes are given in
-    static MassProperties<Wide> geom_at_origin(const std::string& type, const std::vector<double>& size,
-                                               const Wide& half_height, const Wide& amount, bool by_mass);
 
     const RobotXml& xml_;
     MjcfCompiler compiler_;
@@ -290,16 +245,6 @@ class MjcfReader {
     int unnamed_bodies_ = 0, unnamed_joints_ = 0;
     Robot robot_;
 };
-
-MassProperties<Wide> MjcfReader::geom_at_origin(const std::string& type, const std::vector<double>& size,
-                                                const Wide& half_height, const Wide& amount, bool by_mass) {
-    const Shape shape = type == "sphere"     ? Shape(SolidSphere{size[0]})
-                        : type == "capsule"  ? Shape(Capsule{size[0], double(half_height)})
-                        : type == "cylinder" ? Shape(Cylinder{size[0], double(half_height)})
-                        : type == "box"      ? Shape(Box{three_of(size)})
-                                             : Shape(Ellipsoid{three_of(size)});
-    return by_mass ? of_mass<Wide>(shape, amount) : of_density<Wide>(shape, amount);
-}
 
 }  // namespace
 

@@ -13,6 +13,13 @@ Robot urdf_robot(const RobotXml& xml, const XMLElement& root);
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root);
 Robot sdf_robot(const RobotXml& xml, const XMLElement& root);
 
+/// Where an MJCF element is in what it stands in.
+RobotPose mjcf_pose(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
+/// The mass properties of a geom, in its body's frame: none of one without mass. Throws InputError at what is no
+/// sphere, capsule, cylinder, box or ellipsoid.
+std::optional<MassProperties<Wide>> mjcf_geom_mass(const RobotXml& xml, const XMLElement& at,
+                                                   const MjcfCompiler& compiler);
+
 /// Mass properties in the link's frame.
 MassProperties<Wide> mass_of(const ImportedBody& inertial);
 

@@ -414,6 +414,7 @@ void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, co
         throw std::invalid_argument("an ensemble has at least one thread, one step and some time");
     if (settings.instructions > widest_instruction_set())
         throw std::invalid_argument("this processor has no such instructions");
+    if (is_mechanism(scene)) throw std::invalid_argument("an ensemble of bodies is of a scene of one body");
     if (rows.size() != bodies.size()) throw std::invalid_argument("an ensemble has as many rows as bodies");
     validate(scene, scene.name);
     const Plan plan = plan_of(scene);

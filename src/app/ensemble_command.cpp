@@ -13,7 +13,7 @@
 
 #include "app/commands.h"
 #include "app/lookup.h"
-#include "integrators/own/ensemble.h"
+#include "integrators/own/mechanism_ensemble.h"
 #include "motion/ensemble_table.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
@@ -52,6 +52,14 @@ void append_message(std::string& text, const std::string& message) {
     text += '"';
 }
 
+// A body's numbers at one time.
+void append_numbers(std::string& text, const Sample& s) {
+    for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append(text, value);
+    append(text, (1 / squared_norm(s.q)) * rotate(s.q, s.angular_velocity_B));
+    append(text, s.position_W);
+    append(text, s.velocity_W);
+}
+
 // A body's row at one time.
 void append_row(std::string& text, std::size_t number, const std::string* id, const EnsembleRow& row) {
     const Sample& s = row.end;
@@ -60,10 +68,7 @@ void append_row(std::string& text, std::size_t number, const std::string* id, co
     text.append(",").append(name_of(row.status));
     if (row.moved) {
         append(text, s.t);
-        for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append(text, value);
-        append(text, (1 / squared_norm(s.q)) * rotate(s.q, s.angular_velocity_B));
-        append(text, s.position_W);
-        append(text, s.velocity_W);
+        append_numbers(text, s);
     } else {
         text.append(14, ',');
     }
@@ -131,6 +136,81 @@ std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, co
     return text;
 }
 
+// The rows of a table of mechanisms in their order, each at all times, at each a line for each body. A run that ended
+// early has one more line, which says why.
+std::string csv_of(const std::vector<MechanismRow>& solved, const MechanismTable& table, const Scene& scene) {
+    std::string text = table.ids.empty() ? "row,status" : "row,id,status";
+    text += ",t,body,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,message\n";
+    const auto begin = [&](std::size_t number, const std::string& id, Status status) {
+        text += std::to_string(number);
+        if (!table.ids.empty()) text.append(",").append(id);
+        text.append(",").append(name_of(status));
+    };
+    const auto ended = [&](const std::string& message) {
+        text.append(15, ',');
+        append_message(text, message);
+        text += '\n';
+    };
+    auto refused = table.refused.begin();
+    for (std::size_t k = 0; k <= table.rows(); ++k) {
+        for (; refused != table.refused.end() && (k == table.rows() || refused->row < table.row_numbers[k]);
+             ++refused) {
+            begin(refused->row, "", Status::failed);
+            ended(refused->fault);
+        }
+        if (k == table.rows()) break;
+        const MechanismRow& row = solved[k];
+        const std::string id = table.ids.empty() ? "" : table.ids[k];
+        for (std::size_t i = 0; i < row.samples.size(); ++i) {
+            begin(table.row_numbers[k], id, Status::ok);
+            append(text, row.samples[i].t);
+            text.append(",").append(scene.bodies[i % scene.bodies.size()].name);
+            append_numbers(text, row.samples[i]);
+            append_message(text, "");
+            text += '\n';
+        }
+        if (row.status == Status::ok) continue;
+        begin(table.row_numbers[k], id, row.status);
+        ended(row.message);
+    }
+    return text;
+}
+
+std::string summary(const Scene& scene, const std::vector<MechanismRow>& rows, const MechanismTable& table,
+                    const EnsembleSettings& settings, double seconds) {
+    std::map<Status, std::size_t> count;
+    for (const MechanismRow& row : rows) ++count[row.status];
+    std::vector<std::string> words;
+    for (const auto& [status, number] : count) words.push_back(fmt::format("{} {}", number, name_of(status)));
+    std::string text = fmt::format(
+        "scene    {}: {} starts of {} bodies, {} s\ncost     {:.3f} s on {} thread{}, {:.4g} starts a second\n"
+        "status   {}\n",
+        one_line(scene.name, 100), rows.size(), scene.bodies.size(), scene.duration, seconds, settings.threads,
+        settings.threads == 1 ? "" : "s", static_cast<double>(rows.size()) / seconds, fmt::join(words, ", "));
+    const auto failed = std::ranges::find_if(rows, [](const MechanismRow& row) { return row.status != Status::ok; });
+    if (failed != rows.end())
+        text +=
+            fmt::format("first    row {}: {}: {}\n", table.row_numbers[static_cast<std::size_t>(failed - rows.begin())],
+                        name_of(failed->status), one_line(failed->message, 500));
+    constexpr std::size_t most_told = 100;
+    for (std::size_t i = 0; i < std::min(most_told, table.refused.size()); ++i)
+        text += fmt::format("refused  row {}: {}\n", table.refused[i].row, one_line(table.refused[i].fault, 500));
+    if (table.refused.size() > most_told)
+        text += fmt::format("refused  {} rows more; all stand in the table\n", table.refused.size() - most_told);
+    return text;
+}
+
+int mechanism_ensemble(const EnsembleOptions& options, const Scene& scene, const EnsembleSettings& settings) {
+    const MechanismTable table = read_mechanism_table(options.initial, scene);
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<MechanismRow> rows = solve_mechanism_ensemble(scene, table, options.samples, settings);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_output(options.output, csv_of(rows, table, scene));
+    std::fputs(summary(scene, rows, table, settings, seconds).c_str(), stderr);
+    const bool all_ok = std::ranges::all_of(rows, [](const MechanismRow& row) { return row.status == Status::ok; });
+    return all_ok && table.refused.empty() ? 0 : 1;
+}
+
 int ensemble_command(const EnsembleOptions& options) {
     if (options.tolerance) require_positive("--tolerance", *options.tolerance);
     if (options.duration) require_positive("--duration", *options.duration);
@@ -146,6 +226,7 @@ int ensemble_command(const EnsembleOptions& options) {
     settings.threads = static_cast<int>(
         options.threads.value_or(std::max<long>(1, static_cast<long>(std::thread::hardware_concurrency()))));
     settings.max_steps = options.max_steps, settings.seconds_limit = options.max_seconds;
+    if (is_mechanism(scene)) return mechanism_ensemble(options, scene, settings);
     const EnsembleTable table = read_ensemble(options.initial, scene, BadRows::pass_over);
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::vector<EnsembleRow>> solved;
@@ -168,14 +249,18 @@ int ensemble_command(const EnsembleOptions& options) {
 void add_ensemble(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "ensemble",
-        "Solves a scene for many bodies, each with its own inertia and start: a row (CSV) each. A row of the table "
+        "Solves a scene for many bodies, each with its own inertia and start, or a mechanism from many starts: a row "
+        "(CSV) each. A row of the table "
         "that is no body is told with its line, and stops no other; the exit code is 1 then.");
     const auto options = std::make_shared<EnsembleOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--initial", options->initial,
                      "CSV file, a body a line; columns among qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,ixx,iyy,izz,ixy,"
-                     "ixz,iyz,mass,id; the scene's values for those left out")
+                     "ixz,iyz,mass,id; the scene's values for those left out. Of a scene of several bodies a start a "
+                     "line; columns "
+                     "JOINT.angle, .rate, .displacement, .speed, .angle1, .angle2, .rate1, .rate2, .qw.., .wx.., "
+                     ".stiffness, .rest, .damping, BODY.mass, and of a free base BODY.qw.., .wx.., .px.., .vx..")
         ->required();
     command->add_option("--tolerance", options->tolerance, "Relative tolerance (default 1e-10)");
     command->add_option("--duration", options->duration, "T in s, in place of the scene's");

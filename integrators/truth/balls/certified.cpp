@@ -292,6 +292,10 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
             result.message = "no certified truth: a user's torque has none";
             return result;
         }
+    if (is_mechanism(scene)) {
+        result.message = "no certified truth: motions of several bodies are not enclosed; leave out --certified";
+        return result;
+    }
     if (!scene.planes.empty()) {
         result.message = "no certified truth: impacts on planes are not enclosed; leave out --certified";
         return result;

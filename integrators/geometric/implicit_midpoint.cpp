@@ -13,6 +13,7 @@
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
 #include "motion/dual.h"
+#include "motion/numbers.h"
 
 namespace polhode {
 namespace {
@@ -26,16 +27,16 @@ class ImplicitMidpoint {
 
   public:
     explicit ImplicitMidpoint(const Problem& problem) : problem_(&problem), system_(problem) {
-        system_.scales(scales_);
+        system_.scales(scales_.data());
         restart();
     }
     void restart() {
-        system_.initial(y_);
+        system_.initial(y_.data());
         forget();
         evaluations_ = 0, failed_ = false;
     }
     void enter(const Segment& segment) {
-        system_.enter(segment, y_);
+        system_.enter(segment, y_.data());
         forget();
     }
     void step(double t, double step) {
@@ -43,20 +44,21 @@ class ImplicitMidpoint {
         Column k = guess(t, h);
         if (stiff_ || !iterate(t, h, k)) {
             stiff_ = true;
-            k = slope(t, Column(Eigen::Map<const Column>(y_)));
+            k = slope(t, now());
             if (!newton(t, h, k)) {
                 failed_ = true, failed_at_ = t;
                 return;
             }
         }
         before_last_ = last_, last_ = k, steps_known_ = h == last_h_ ? steps_known_ + 1 : 1, last_h_ = h;
-        for (int i = 0; i < N; ++i) {
+        for (int i = 0; i < system_.size(); ++i) {
             CompensatedSumOf<S> sum{y_[i], lost_[i]};
             sum.add(h * k[i]);
             y_[i] = sum.value, lost_[i] = sum.lost;
         }
+        if (project_step(system_, y_.data())) forget();
     }
-    Sample sample(double t) const { return system_.motion(t, y_); }
+    auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
@@ -65,10 +67,10 @@ class ImplicitMidpoint {
   private:
     const Problem* problem_;
     SystemType system_;
-    alignas(32) S y_[N];
-    S lost_[N] = {};
-    double scales_[N] = {};
-    Column last_ = Column::Zero(), before_last_ = Column::Zero();  ///< k of the steps before
+    alignas(32) Numbers<N, S> y_{system_.size()};
+    Numbers<N, S> lost_ = y_;
+    Numbers<N> scales_{system_.size()};
+    Column last_ = Column::Zero(system_.size()), before_last_ = last_;  ///< k of the steps before
     S last_h_ = 0;
     int steps_known_ = 0;
     bool stiff_ = false;  ///< the iteration that needs no Jacobian does not contract
@@ -80,22 +82,23 @@ class ImplicitMidpoint {
         for (S& lost : lost_) lost = 0;
         steps_known_ = 0, last_h_ = 0, stiff_ = false;
     }
+    Column now() const { return Eigen::Map<const Column>(y_.data(), system_.size()); }
     Column slope(double t, const Column& z) {
-        alignas(32) S from[N], to[N];
-        Eigen::Map<Column>(from, N) = z;
-        system_.derivative(t, from, to);
+        alignas(32) Numbers<N, S> from(system_.size()), to = from;
+        Eigen::Map<Column>(from.data(), system_.size()) = z;
+        system_.derivative(t, from.data(), to.data());
         ++evaluations_;
-        return Eigen::Map<const Column>(to);
+        return Eigen::Map<const Column>(to.data(), system_.size());
     }
     // what the step before or the two before it let expect
     Column guess(double t, S h) {
         if (h == last_h_ && steps_known_ > 1) return 2 * last_ - before_last_;
-        return slope(t, Eigen::Map<const Column>(y_));
+        return slope(t, now());
     }
     // the change h dk, largest in units of the components' scales
     double size(S h, const Column& change) const {
         double worst = 0;
-        for (int i = 0; i < N; ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
+        for (int i = 0; i < system_.size(); ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
         return worst;
     }
     static constexpr double rounding = std::numeric_limits<S>::epsilon() / 4, near = 256 * rounding;
@@ -103,7 +106,7 @@ class ImplicitMidpoint {
     // k <- f(y + h k/2), to round-off: false where that does not contract well
     bool iterate(double t, S h, Column& k) {
         constexpr int most = 30;
-        const Column y = Eigen::Map<const Column>(y_);
+        const Column y = now();
         double before = INFINITY;
         for (int i = 0; i < most; ++i) {
             const Column next = slope(t + h / 2, y + (S(0.5) * h) * k);
@@ -118,13 +121,14 @@ class ImplicitMidpoint {
     // Newton's method for k - f(y + h k/2) = 0 with the Jacobian at the guess, formed anew where it contracts slowly
     bool newton(double t, S h, Column& k) {
         constexpr int most = 60;
-        const Column y = Eigen::Map<const Column>(y_);
+        const Column y = now();
         Eigen::PartialPivLU<Square> factors;
         const auto factorise = [&] {
             const Eigen::Matrix<double, N, 1> middle = (y + (S(0.5) * h) * k).template cast<double>();
-            Eigen::Matrix<double, N, N, Eigen::RowMajor> J;
+            const int n = system_.size();
+            Eigen::Matrix<double, N, N, Eigen::RowMajor> J(n, n);
             jacobian(system_, t + h / 2, middle.data(), J.data());
-            factors.compute(Square::Identity() - (S(0.5) * h) * J.template cast<S>());
+            factors.compute(Square::Identity(n, n) - (S(0.5) * h) * J.template cast<S>());
         };
         factorise();
         double before = INFINITY;
@@ -143,7 +147,7 @@ class ImplicitMidpoint {
 
 template <class S>
 Trajectory solve(const Problem& problem, const Settings& settings) {
-    return with_one_body_in<S>(
+    return with_system_in<S>(
         problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
 }
 
@@ -158,6 +162,7 @@ constexpr Method each[] = {
      .conserves = "|q|; energy, of a free body, in uniform gravity about a pivot and under springs; |L|, but not L, of "
                   "a free body; all to round-off",
      .control = Control::fixed_step,
+     .own_systems = true,
      .order = 2,
      .solve = solve<double>,
      .growth = midpoint_growth},

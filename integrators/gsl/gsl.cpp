@@ -6,7 +6,6 @@
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_version.h>
 
-#include <array>
 #include <exception>
 #include <memory>
 #include <new>
@@ -18,6 +17,7 @@
 #include "integrators/run/tolerance.h"
 #include "motion/dual.h"
 #include "motion/finite.h"
+#include "motion/numbers.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -35,7 +35,8 @@ struct Scheme {
 template <class SystemType>
 class GslSession {
   public:
-    static constexpr std::size_t dimension = SystemType::dimension;
+    /// What a state stands for: a sample, or one of each body.
+    using Motion = decltype(std::declval<const SystemType&>().motion(0, nullptr));
 
     /// Relative tolerance R, absolute tolerance R times each component's scale.
     /// Throws std::bad_alloc where there is no memory for it.
@@ -77,18 +78,24 @@ class GslSession {
         if (h_ >= left * (1 - 1e-14)) h_ = left * (1 + 1e-14);
         begin_ = t_;
         side_t_.reset();
-        return flag_of(advance(*driver_, t_, end_, h_, y_));
+        const int flag = flag_of(advance(*driver_, t_, end_, h_, y_));
+        // those of several steps would begin anew each time
+        if (flag >= 0 && order_ > 1 && project_step(system_, y_.data())) {
+            rejected_ += static_cast<long>(driver_->e->failed_steps);
+            gsl_odeiv2_evolve_reset(driver_->e), gsl_odeiv2_step_reset(driver_->s);
+        }
+        return flag;
     }
 
     double time() const { return t_; }
-    Sample sample() const { return system_.motion(t_, y_.data()); }
+    Motion sample() const { return system_.motion(t_, y_.data()); }
 
     /// The motion at a time within the last step, by steps of their own from the step's start.
-    std::optional<Sample> sample_inside(double at) {
+    std::optional<Motion> sample_inside(double at) {
         constexpr int most_steps = 1000;
         if (!side_t_) {
             // the library keeps the state at the start of the step
-            std::copy(driver_->e->y0, driver_->e->y0 + dimension, side_y_.begin());
+            std::copy(driver_->e->y0, driver_->e->y0 + size(), side_y_.begin());
             side_t_ = begin_, side_h_ = at - begin_;
             gsl_odeiv2_driver_reset(sideways_.get());
         }
@@ -119,7 +126,9 @@ class GslSession {
     SolverCounts counts() const { return {rejected_ + static_cast<long>(driver_->e->failed_steps), {}, {}}; }
 
   private:
-    using State = std::array<double, dimension>;
+    using State = Numbers<SystemType::dimension>;
+
+    std::size_t size() const { return static_cast<std::size_t>(system_.size()); }
 
     /// What the library hands through to the callbacks.
     struct Context {
@@ -144,21 +153,22 @@ class GslSession {
             self->thrown = std::current_exception();
             return GSL_EBADFUNC;
         }
-        self->not_finite = !all_finite({dy, dimension});
+        self->not_finite = !all_finite({dy, self->session->size()});
         return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
     }
     // the right-hand side does not depend on time: every load of a scene file is constant in it between events
     static int fill_jacobian(double t, const double* y, double* J, double* dfdt, void* context) {
         Context* self = static_cast<Context*>(context);
+        const std::size_t n = self->session->size();
         jacobian(self->session->system_, t, y, J);
-        std::fill(dfdt, dfdt + dimension, 0.0);
-        self->not_finite = !all_finite({J, dimension * dimension});
+        std::fill(dfdt, dfdt + n, 0.0);
+        self->not_finite = !all_finite({J, n * n});
         return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
     }
 
     Driver driver(Context& context, const gsl_odeiv2_step_type* type) {
         context.session = this;
-        context.system = {right_hand_side, fill_jacobian, dimension, &context};
+        context.system = {right_hand_side, fill_jacobian, size(), &context};
         Driver made(
             gsl_odeiv2_driver_alloc_scaled_new(&context.system, type, 1, tolerance_, tolerance_, 1, 0, scales_.data()));
         if (!made) throw std::bad_alloc();
@@ -176,17 +186,17 @@ class GslSession {
 
     // one explicit Euler step is exact over a few rounding errors of time
     int leap() {
-        State rate{};
+        State rate(system_.size());
         system_.derivative(t_, y_.data(), rate.data());
         ++main_.evaluations;
-        for (std::size_t i = 0; i < dimension; ++i) y_[i] += (end_ - t_) * rate[i];
+        for (std::size_t i = 0; i < size(); ++i) y_[i] += (end_ - t_) * rate[i];
         t_ = end_;
         return GSL_SUCCESS;
     }
 
     double first_step() {
-        State tolerated{};
-        for (std::size_t i = 0; i < dimension; ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(y_[i]));
+        State tolerated = scales_;
+        for (std::size_t i = 0; i < size(); ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(y_[i]));
         const auto rate = [&](double later, const State& y, State& dy) {
             system_.derivative(t_ + later, y.data(), dy.data());
             ++main_.evaluations;
@@ -199,7 +209,7 @@ class GslSession {
     SystemType system_;
     int order_;
     double tolerance_;
-    State scales_{}, y_{}, side_y_{};
+    State scales_{system_.size()}, y_ = scales_, side_y_ = scales_;
     double t_ = 0, begin_ = 0, end_ = 0, h_ = 0, side_h_ = 0;
     std::optional<double> side_t_;
     long steps_ = 0, rejected_ = 0;
@@ -216,7 +226,7 @@ const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
 template <const Scheme& scheme>
 Trajectory solve_by(const Problem& problem, const Settings& settings) {
     if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
-    return with_one_body(problem, [&]<class SystemType>() {
+    return with_system(problem, [&]<class SystemType>() {
         GslSession<SystemType> session(problem, scheme, *settings.tolerance);
         return SolverRun(problem, settings, session).solve();
     });
@@ -265,7 +275,8 @@ constexpr Method each[] = {
      .refuses = no_jacobian_of_user_torque},
 };
 
-constexpr auto list = sharing({.conserves = "nothing", .control = Control::tolerance, .library = gsl_library}, each);
+constexpr auto list =
+    sharing({.conserves = "nothing", .control = Control::tolerance, .own_systems = true, .library = gsl_library}, each);
 
 }  // namespace
 

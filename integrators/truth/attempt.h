@@ -50,6 +50,10 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
 template <unsigned working>
 Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
+/// The truth of several bodies by Taylor series, in joint coordinates and in maximal ones; the digits are as for one.
+template <unsigned working>
+Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
 /// Whether the motion has a closed form throughout: no events, principal axes as given.
 bool closed_form_serves(const Problem& problem);
 
@@ -63,6 +67,8 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
 
 extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_at_mechanism<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_at_mechanism<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<100>(const Problem&, const std::vector<double>&, double);
 

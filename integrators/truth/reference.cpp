@@ -38,7 +38,8 @@ constexpr int guard_digits = 2;
 // the series is the truth, so that no closed form is judged by itself.
 constexpr double most_radians_by_series = 2e5;
 bool is_long(const Problem& problem) {
-    return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
+    return !is_mechanism(problem.scene) &&
+           problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
            truth::closed_form_serves(problem);
 }
 
@@ -46,6 +47,9 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
     if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
     // the arithmetic carries at least six digits more than a step does
     const bool narrow = local_digits <= 44;
+    if (is_mechanism(problem.scene))
+        return narrow ? truth::attempt_at_mechanism<50>(problem, times, local_digits)
+                      : truth::attempt_at_mechanism<100>(problem, times, local_digits);
     if (is_strongly_damped(problem))
         return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
                       : truth::attempt_by_collocation<100>(problem, times, local_digits);
@@ -65,7 +69,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         fault = made.fault;
         if (!fault.empty()) break;
         // no digit agrees: what the motion hangs on may be lost in one of the two formulations
-        if (made.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
+        if (made.agreed_digits < 1 && attempts == 0 && !is_mechanism(scene) && truth::closed_form_serves(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
             if (other.fault.empty() && other.agreed_digits > made.agreed_digits) made = std::move(other);
         }
@@ -137,6 +141,7 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 
 std::string_view truth_method(const Problem& problem) {
     if (problem.needs.user_torque) return "none";
+    if (is_mechanism(problem.scene)) return "Taylor series";
     return is_long(problem) ? "closed form" : is_strongly_damped(problem) ? "collocation" : "Taylor series";
 }
 

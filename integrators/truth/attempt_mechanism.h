@@ -1,0 +1,81 @@
+// The attempt at the truth of several bodies, to be instantiated for each working precision in a file of its own.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "integrators/truth/attempt_taylor.h"
+#include "integrators/truth/maximal_form.h"
+#include "integrators/truth/tree_form.h"
+#include "motion/mechanism.h"
+
+namespace polhode::truth {
+
+/// What a formulation of a mechanism tells at a sample: the motions, and what is known beside them.
+template <class P>
+struct MechanismMoment {
+    Motions<P> motions;
+    std::vector<Reaction<P>> reactions;
+    std::vector<std::array<double, 2>> coordinates;  ///< of each joint, rad or m; where the formulation has them
+};
+
+/// A formulation that tells all of it.
+template <class P, class Form>
+class Telling : public Form {
+  public:
+    using Form::Form;
+
+    MechanismMoment<P> motion(const P* y) const {
+        MechanismMoment<P> moment{Form::motion(y), Form::reactions(y), {}};
+        if constexpr (requires { Form::joint_coordinates(y); })
+            for (const std::array<P, 2>& x : Form::joint_coordinates(y))
+                moment.coordinates.push_back({static_cast<double>(x[0]), static_cast<double>(x[1])});
+        return moment;
+    }
+};
+
+/// A run, with what stands beside its motions apart.
+template <class P>
+std::pair<Run<P, Motions<P>>, Beside<P>> taken_apart(Run<P, MechanismMoment<P>> run) {
+    std::pair<Run<P, Motions<P>>, Beside<P>> parts;
+    parts.first.fault = std::move(run.fault), parts.first.steps = run.steps;
+    for (MechanismMoment<P>& moment : run.motions) {
+        parts.first.motions.push_back(std::move(moment.motions));
+        parts.second.reactions.push_back(std::move(moment.reactions));
+        if (!moment.coordinates.empty()) parts.second.coordinates.push_back(std::move(moment.coordinates));
+    }
+    return parts;
+}
+
+template <unsigned working>
+Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
+    using P = Real<working>;
+    constexpr long max_steps = 400'000;
+    // as of one body: attempt_taylor.h
+    const TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, max_steps};
+    const TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits + 2, 0.93, max_steps};
+    const Scene& scene = problem.scene;
+    const std::vector<Leg> legs = itinerary(scene);
+    Telling<P, TreeForm<P>> tree(scene);
+    std::vector<P> start(static_cast<std::size_t>(tree.dimension()));
+    tree.initial(start.data());
+    const Motions<P> motions = tree.TreeForm<P>::motion(start.data());
+    const std::vector<std::array<P, 2>> coordinates = tree.joint_coordinates(start.data());
+    auto second = in_thread([&] {
+        Telling<P, MaximalForm<P>> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));
+        std::vector<Block> blocks = bodies.blocks(problem.scales);
+        return taken_apart(taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), problem.scales, coarse));
+    });
+    std::vector<Block> blocks = tree.blocks(mechanism_of(problem).scales());
+    const auto first =
+        taken_apart(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, fine));
+    const auto other = second.get();
+    return compared(problem, sample_times, first.first, other.first,
+                    fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps",
+                                working, TreeForm<P>::name, fine.order, first.first.steps, MaximalForm<P>::name,
+                                coarse.order, other.first.steps),
+                    static_cast<int>(working), first.second, other.second);
+}
+
+}  // namespace polhode::truth

@@ -1,0 +1,7 @@
+#include "integrators/truth/attempt_mechanism.h"
+
+namespace polhode::truth {
+
+template Attempt attempt_at_mechanism<50>(const Problem&, const std::vector<double>&, double);
+
+}  // namespace polhode::truth

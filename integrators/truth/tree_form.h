@@ -1,0 +1,73 @@
+// The first formulation of the truth of a mechanism: joint coordinates by the articulated-body recursion, the one
+// right-hand side of motion/tree.h.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "integrators/truth/motion.h"
+#include "motion/mechanism_motion_of.h"
+#include "motion/problem.h"
+#include "motion/tree.h"
+
+namespace polhode::truth {
+
+template <class P>
+class TreeForm {
+  public:
+    static constexpr const char* name = "joint coordinates";
+
+    /// The scene must outlive it.
+    explicit TreeForm(const Scene& scene) : scene_(&scene), tree_(scene, bodies_mass_properties<P>(scene)) {}
+
+    int dimension() const { return tree_.dimension(); }
+    const Tree<P>& tree() const { return tree_; }
+    void initial(P* y) const { tree_.initial(y); }
+    void enter(double begin, P* y) {
+        tree_.set_loads(*scene_, begin);
+        tree_.strike(*scene_, begin, y);
+    }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        tree_.derivative(y, dy);
+    }
+    /// The bodies' motions, with quaternions of unit length.
+    Motions<P> motion(const P* y) const {
+        Motions<P> all = tree_.motions(y);
+        for (Motion<P>& body : all) body.q = normalized(body.q);
+        return all;
+    }
+    std::vector<Reaction<P>> reactions(const P* y) const { return tree_.reactions(*scene_, y); }
+
+    /// `scales`: of the components of y, as MechanismModel::scales() has them.
+    std::vector<Block> blocks(const std::vector<double>& scales) const {
+        std::vector<Block> all;
+        for (const polhode::Link<P>& link : tree_.links().links) {
+            const auto note = [&](int first, int size) {
+                all.push_back({first, size, scales[static_cast<std::size_t>(first)]});
+            };
+            if (link.kind == LinkJoint::free) {
+                note(link.coordinate, 4), note(link.coordinate + 4, 3);
+                note(link.rate, 3), note(link.rate + 3, 3);
+            } else {
+                note(link.coordinate, link.coordinates()), note(link.rate, link.rates());
+            }
+        }
+        return all;
+    }
+    /// The coordinates of each joint at y: rad, with all their turns, or m.
+    std::vector<std::array<P, 2>> joint_coordinates(const P* y) const {
+        std::vector<std::array<P, 2>> all(scene_->joints.size(), std::array<P, 2>{P(0), P(0)});
+        for (const polhode::Link<P>& link : tree_.links().links)
+            if (link.joint >= 0 && link.coordinates() == 1)
+                all[static_cast<std::size_t>(link.joint)][static_cast<std::size_t>(link.axis)] =
+                    y[static_cast<std::size_t>(link.coordinate)];
+        return all;
+    }
+
+  private:
+    const Scene* scene_;
+    Tree<P> tree_;
+};
+
+}  // namespace polhode::truth

@@ -28,9 +28,9 @@ std::string mechanism_fault(const std::string& joints, const std::string& more =
     return "";
 }
 
-std::string fault_of_bodies(const std::string& bodies) {
+std::string fault_of_bodies(const std::string& list) {
     try {
-        parse_scene(R"({"name": "m", "duration": 1, "bodies": [)" + bodies + "]}", "file.json");
+        parse_scene(R"({"name": "m", "duration": 1, "bodies": [)" + list + "]}", "file.json");
     } catch (const InputError& error) {
         return error.what();
     }

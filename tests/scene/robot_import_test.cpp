@@ -248,8 +248,8 @@ TEST(RobotImport, ThreeFormatsSayTheSame) {
     }
 }
 
-std::string mjcf(const std::string& bodies, const std::string& more = "") {
-    return "<mujoco>" + more + "<worldbody>" + bodies + "</worldbody></mujoco>";
+std::string mjcf(const std::string& inside, const std::string& more = "") {
+    return "<mujoco>" + more + "<worldbody>" + inside + "</worldbody></mujoco>";
 }
 const std::string mjcf_inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 

@@ -1,4 +1,4 @@
-// The Taylor coefficients of a long tape in binary64, some three times as fast as by series/series.h: for systems of a
+// The Taylor coefficients of a long tape in binary64, some twice as fast as by series/series.h: for systems of a
 // size that only the running program knows, a mechanism's or the user's own.
 //
 // In the order k > 0 a node is linear in the coefficients of that order: with P a sum of products of lower orders

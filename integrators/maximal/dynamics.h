@@ -52,51 +52,13 @@ class Dynamics {
         return all;
     }
 
-    /// Adds what acts on each body: loads, and the joints' own springs, dampers and motors. `angles`: those that count
-    /// turns.
+    /// The accelerations that the rows' vanish by, the other way round, under all that acts on the bodies.
     template <class S>
-    void add_forces(const Loads<P>& loads, const std::vector<Placement<S>>& at, const S* angles,
-                    std::vector<Wrench<S>>& on) const {
-        loads.add(at, on);
-        for (std::size_t k = 0; k < mechanism_->links.size(); ++k)
-            for (const auto& [row, size] : own_forces(loads, k, at, angles)) {
-                on[mechanism_->links[k].to.body].add_to(row, size);
-                on[mechanism_->links[k].from.body].add_from(row, size);
-            }
-    }
-
-    /// What a joint's own spring, damper and motor do: rows with their sizes.
-    template <class S>
-    std::vector<std::pair<Row<S>, S>> own_forces(const Loads<P>& loads, std::size_t k,
-                                                 const std::vector<Placement<S>>& at, const S* angles) const {
-        const Link<P>& link = mechanism_->links[k];
-        std::vector<std::pair<Row<S>, S>> forces;
-        if (!link.has_spring() && !link.has_damper() && loads.motor(k) == P(0)) return forces;
-        const LinkView<P, S> seen = view(k, at);
-        if (link.kind == Kind::spherical) {
-            forces.emplace_back(seen.torque_row(seen.spherical_torque_B()), S(P(1)));
-            return forces;
-        }
-        const std::vector<Row<S>> rows = seen.coordinate_rows();
-        const std::array<S, 2> rates = seen.rates();
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            S size = S(loads.motor(k)) - link.damping[i] * rates[i];
-            if (!(link.stiffness[i] == P(0))) {
-                const S x = link.kind == Kind::prismatic ? seen.displacement() : angles[link.angles + i];
-                size = size - link.stiffness[i] * (x - S(link.rest[i]));
-            }
-            forces.emplace_back(rows[i], size);
-        }
-        return forces;
-    }
-
-    /// The multipliers that make every row's acceleration vanish under what acts on the bodies.
-    template <class S>
-    std::vector<S> multipliers(const std::vector<Placement<S>>& at, const Rows<S>& rows,
-                               const std::vector<Wrench<S>>& on) const {
-        std::vector<S> right(static_cast<std::size_t>(rows_count_), S(P(0)));
+    std::vector<S> decelerations(const std::vector<Placement<S>>& at, const Rows<S>& rows,
+                                 const std::vector<Wrench<S>>& on) const {
+        std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
         for (const int k : order_)
-            for (std::size_t i = 0; i < rows[k].size(); ++i) right[first_row_[k] + i] = -rows[k][i].bias;
+            for (std::size_t i = 0; i < rows[k].size(); ++i) result[first_row_[k] + i] = -rows[k][i].bias;
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (!mechanism_->movable(b)) continue;
             const HeldBody<P>& body = mechanism_->bodies[b];
@@ -104,9 +66,15 @@ class Dynamics {
             const Vector3<S> a = (P(1) / body.mass) * on[b].force_W;
             const Vector3<S> gyroscopic = cross(w, body.inertia * w);
             const Vector3<S> w_rate = body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W) - gyroscopic);
-            subtract_motion(b, rows, a, w_rate, right);
+            subtract_motion(b, rows, a, w_rate, result);
         }
-        return solved(rows, std::move(right));
+        return result;
+    }
+    /// The multipliers that make every row's acceleration vanish under what acts on the bodies.
+    template <class S>
+    std::vector<S> multipliers(const std::vector<Placement<S>>& at, const Rows<S>& rows,
+                               const std::vector<Wrench<S>>& on) const {
+        return solved(rows, decelerations(at, rows, on));
     }
 
     /// The impulses along the rows that take the velocities back onto the constraints, with momenta `on` added to each
@@ -135,11 +103,22 @@ class Dynamics {
             }
     }
 
-    /// What the velocities break the constraints by, a number for each row.
-    std::vector<P> slips(const std::vector<Placement<P>>& at, const Rows<P>& rows) const {
-        std::vector<P> result(static_cast<std::size_t>(rows_count_), P(0));
+    /// What the velocities break the constraints by, a number for each row, the other way round.
+    template <class S>
+    std::vector<S> slips(const std::vector<Placement<S>>& at, const Rows<S>& rows) const {
+        std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
         for (int b = 0; b < mechanism_->world(); ++b)
             if (mechanism_->movable(b)) subtract_motion(b, rows, at[b].velocity_W, at[b].angular_velocity_B, result);
+        return result;
+    }
+    /// What the positions break the constraints by, a number for each row.
+    template <class S>
+    std::vector<S> gaps(const std::vector<Placement<S>>& at) const {
+        std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
+        for (const int k : order_) {
+            const std::vector<S> all = view(k, at).gaps();
+            for (std::size_t i = 0; i < kept_[k].size(); ++i) result[first_row_[k] + i] = all[kept_[k][i]];
+        }
         return result;
     }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "integrators/maximal/rows.h"
@@ -129,5 +130,43 @@ class Loads {
         on[second].torque_B = on[second].torque_B - cross(arm2, at[second].body(pull));
     }
 };
+
+/// What a joint's own spring, damper and motor do: rows with their sizes. `angles`: those that count turns; the last
+/// placement is the world's.
+template <class P, class S>
+std::vector<std::pair<Row<S>, S>> own_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, std::size_t k,
+                                             const std::vector<Placement<S>>& at, const S* angles) {
+    const Link<P>& link = mechanism.links[k];
+    std::vector<std::pair<Row<S>, S>> forces;
+    if (!link.has_spring() && !link.has_damper() && loads.motor(k) == P(0)) return forces;
+    const LinkView<P, S> seen(link, at[link.from.body], at[link.to.body]);
+    if (link.kind == Kind::spherical) {
+        forces.emplace_back(seen.torque_row(seen.spherical_torque_B()), S(P(1)));
+        return forces;
+    }
+    const std::vector<Row<S>> rows = seen.coordinate_rows();
+    const std::array<S, 2> rates = seen.rates();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        S size = S(loads.motor(k)) - link.damping[i] * rates[i];
+        if (!(link.stiffness[i] == P(0))) {
+            const S x = link.kind == Kind::prismatic ? seen.displacement() : angles[link.angles + static_cast<int>(i)];
+            size = size - link.stiffness[i] * (x - S(link.rest[i]));
+        }
+        forces.emplace_back(rows[i], size);
+    }
+    return forces;
+}
+
+/// Adds what acts on each body: loads, and the joints' own springs, dampers and motors.
+template <class P, class S>
+void add_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, const std::vector<Placement<S>>& at,
+                const S* angles, std::vector<Wrench<S>>& on) {
+    loads.add(at, on);
+    for (std::size_t k = 0; k < mechanism.links.size(); ++k)
+        for (const auto& [row, size] : own_forces(mechanism, loads, k, at, angles)) {
+            on[mechanism.links[k].to.body].add_to(row, size);
+            on[mechanism.links[k].from.body].add_from(row, size);
+        }
+}
 
 }  // namespace polhode::maximal

@@ -81,6 +81,40 @@ class LinkView {
         return rows;
     }
 
+    /// What the positions break each of these by, m and rad: their rates are what the rows make of the velocities,
+    /// wherever the constraints hold.
+    std::vector<S> gaps() const {
+        std::vector<S> all;
+        const auto add_turn = [&] {
+            const Quaternion<S> base = from_.q * link_.orientation, turn = conjugate(base) * to_.q;
+            const Vector3<S> turn_W = rotate(base, (turn.w + turn.w) * vector_part(turn));
+            all.insert(all.end(), turn_W.component.begin(), turn_W.component.end());
+        };
+        if (link_.kind == Kind::prismatic) {
+            const Vector3<S> slid = slide_arm_B() - cast<S>(link_.from.arm_B);
+            for (const Vector3<P>& t : link_.across_from) all.push_back(dot(t, slid));
+            add_turn();
+            return all;
+        }
+        const Vector3<S> d = apart();
+        if (link_.kind == Kind::distance) {
+            all.push_back((P(1) / (link_.length + link_.length)) * (dot(d, d) - S(link_.length * link_.length)));
+            return all;
+        }
+        const Vector3<S> along = link_.closes ? from_.body(d) : d;
+        all.insert(all.end(), along.component.begin(), along.component.end());
+        if (link_.kind == Kind::fixed) add_turn();
+        if (link_.kind == Kind::revolute) {
+            // d(u . e)/dt = (e x u) . (w2 - w1), and the axis, u[0], u[1] are right-handed
+            const Vector3<S> e = to_.world(link_.axes_to[0]);
+            all.push_back(-dot(from_.world(link_.across_from[1]), e));
+            all.push_back(dot(from_.world(link_.across_from[0]), e));
+        } else if (link_.kind == Kind::universal) {
+            all.push_back(S(link_.between) - dot(from_.world(link_.axis_from), to_.world(link_.axes_to[1])));
+        }
+        return all;
+    }
+
     /// The directions of its coordinates' generalized forces: for a force Q_i on each that does work only by them.
     std::vector<Row<S>> coordinate_rows() const {
         std::vector<Row<S>> rows;

@@ -97,11 +97,23 @@ class System {
 
     template <class S>
     void derivative(const S* y, S* dy) const {
+        rates(y, dy);
+    }
+    /// The same; gives the multipliers.
+    template <class S>
+    std::vector<S> rates(const S* y, S* dy) const {
         const std::vector<Placement<S>> at = placements(y);
         const Rows<S> rows = dynamics_->constraints(at);
         std::vector<Wrench<S>> on(at.size());
-        dynamics_->add_forces(loads_, at, y + angles_, on);
-        dynamics_->add_held(rows, dynamics_->multipliers(at, rows, on), on);
+        add_forces(*mechanism_, loads_, at, y + angles_, on);
+        std::vector<S> lambda = dynamics_->multipliers(at, rows, on);
+        dynamics_->add_held(rows, lambda, on);
+        put_rates(at, on, dy);
+        return lambda;
+    }
+    /// The rates of a state whose bodies are at these places, under all that acts on them.
+    template <class S>
+    void put_rates(const std::vector<Placement<S>>& at, const std::vector<Wrench<S>>& on, S* dy) const {
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (place_[b] < 0) continue;
             const Vector3<S> h = (P(1) / P(2)) * at[b].angular_velocity_B;
@@ -129,8 +141,9 @@ class System {
     }
 
     /// What each joint and then each loop does to its child (its second body), in the scene's order, under the loads of
-    /// the piece last entered: the whole of it, its spring, damper and motor included.
-    std::vector<Reaction<P>> reactions(const P* y) const;
+    /// the piece last entered: the whole of it, its spring, damper and motor included. `lambda`: the multipliers, where
+    /// they are known from elsewhere.
+    std::vector<Reaction<P>> reactions(const P* y, const P* lambda = nullptr) const;
 
     /// How far the state is off.
     JointGap<P> gap(const P* y) const;
@@ -174,12 +187,13 @@ class System {
 };
 
 template <class P>
-std::vector<Reaction<P>> System<P>::reactions(const P* y) const {
+std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const {
     const std::vector<Placement<P>> at = placements(y);
     const Rows<P> rows = dynamics_->constraints(at);
     std::vector<Wrench<P>> on(at.size());
-    dynamics_->add_forces(loads_, at, y + angles_, on);
-    const std::vector<P> lambda = dynamics_->multipliers(at, rows, on);
+    add_forces(*mechanism_, loads_, at, y + angles_, on);
+    const std::vector<P> lambda =
+        given ? std::vector<P>(given, given + dynamics_->rows()) : dynamics_->multipliers(at, rows, on);
     dynamics_->add_held(rows, lambda, on);
 
     const std::size_t count = mechanism_->links.size();
@@ -191,7 +205,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y) const {
             reaction.torque_W = reaction.torque_W + size * row.torque_W;
         };
         for (std::size_t i = 0; i < rows[k].size(); ++i) add(rows[k][i], lambda[dynamics_->first_row(k) + i]);
-        for (const auto& [row, size] : dynamics_->own_forces(loads_, k, at, y + angles_)) add(row, size);
+        for (const auto& [row, size] : own_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
     }
     // what rests in the world: its joint balances all that acts on it, from the leaves on
     std::vector<std::size_t> resting;

@@ -1,0 +1,57 @@
+// IDA on mechanisms in maximal coordinates.
+#include "integrators/sundials/ida_session.h"
+#include "integrators/sundials/sundials_run.h"
+
+namespace polhode {
+namespace {
+
+Trajectory solve_by_ida(const Problem& problem, const Settings& settings, maximal::Index index) {
+    IdaSession session(problem, index, *settings.tolerance);
+    return run_sundials(problem, settings, session);
+}
+
+std::string no_mechanism(const Problem& problem) {
+    if (!is_mechanism(problem.scene)) return "it solves scenes of several bodies, written with multipliers";
+    for (const Load& load : problem.scene.loads)
+        if (std::holds_alternative<UserTorque>(load)) return "a torque of the user's own has no Jacobian";
+    return "";
+}
+
+constexpr Method each[] = {
+    {.name = "ida_index1",
+     .documentation =
+         "IDA's backward differentiation formulas of order 1 to 5 on a mechanism in maximal coordinates: attitude, "
+         "position and both momenta of every body are differential unknowns, the joints' forces and torques algebraic "
+         "ones, and the constraints hold on accelerations (index 1). Nothing pulls positions back, so joints drift "
+         "apart as errors add up. Newton's method with the exact Jacobian and a sparse LU factorisation. Relative "
+         "tolerance R, absolute tolerance R times the component's scale; the multipliers are left out of the error "
+         "test. Of a loop's constraints those that are redundant at the start are dropped.",
+     .conserves = "nothing",
+     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::one); }},
+    {.name = "ida_index2",
+     .documentation =
+         "As `ida_index1`, in the stabilised form of index 2: the constraints hold on positions and on velocities, "
+         "with "
+         "a second set of multipliers that moves positions, and quaternions keep their length by a third. Joints stay "
+         "closed to the tolerance of the nonlinear solver.",
+     .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
+               "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
+     .conserves = "joints closed, |q| = 1, to the tolerance",
+     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::two); }},
+};
+
+constexpr auto list =
+    sharing({.source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear "
+                       "and differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396",
+             .control = Control::tolerance,
+             .own_systems = true,
+             .family = Family::multistep,
+             .library = sundials_library,
+             .refuses = no_mechanism},
+            each);
+
+}  // namespace
+
+extern const std::span<const Method> ida_methods{list};
+
+}  // namespace polhode

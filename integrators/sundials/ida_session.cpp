@@ -1,0 +1,226 @@
+#include "integrators/sundials/ida_session.h"
+
+#include <numbers>
+
+namespace polhode {
+namespace {
+
+// of the multipliers' own size: they are governed by the differential variables, left out of the error test, and need
+// not converge further
+constexpr double multiplier_share = 1e-3;
+
+}  // namespace
+
+std::vector<std::array<double, 2>> starting_coordinates(const Scene& scene,
+                                                        const std::vector<BodyMotion<double>>& start) {
+    std::vector<std::array<double, 2>> all;
+    const auto attitude = [&](const std::string& name) {
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+            if (scene.bodies[b].name == name) return start[b].q;
+        return Quaternion<double>{};
+    };
+    for (const Joint& joint : scene.joints) {
+        all.push_back(joint.coordinate);
+        if (!joint.dependent || joint.type != JointType::revolute) continue;
+        const Quaternion<double> base = attitude(joint.parent) * normalized(joint.parent_orientation);
+        const Quaternion<double> turn = conjugate(base) * attitude(joint.child);
+        const Vector3<double>& axis = joint.axes[0];
+        const double angle = 2 * std::atan2(dot(vector_part(turn), axis) / length(axis), turn.w);
+        constexpr double round = 2 * std::numbers::pi;
+        all.back()[0] = angle + round * std::nearbyint((joint.coordinate[0] - angle) / round);
+    }
+    return all;
+}
+
+IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tolerance)
+    : problem_(&problem),
+      start_(mechanism_initial_motions(problem.scene)),
+      system_(problem.scene, start_, starting_coordinates(problem.scene, start_), maximal::LoopRows::independent),
+      equations_(system_, index),
+      n_(equations_.unknowns()),
+      // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+      tolerance_(std::max(tolerance, 1e-100)),
+      state_(owned(N_VNew_Serial(n_, context_))),
+      rate_of_state_(owned(N_VNew_Serial(n_, context_))),
+      absolute_(owned(N_VNew_Serial(n_, context_))),
+      kind_(owned(N_VNew_Serial(n_, context_))),
+      inside_(owned(N_VNew_Serial(n_, context_))),
+      matrix_(owned(SparseMatrix::make(n_, context_))),
+      linear_(owned(SparseSolver::make(context_))),
+      memory_(IDACreate(context_)) {
+    if (!memory_) throw std::bad_alloc();
+    void* memory = memory_.get();
+    N_VConst(0, state_.get()), N_VConst(0, rate_of_state_.get());
+    N_VConst(1, kind_.get());
+    double* kind = N_VGetArrayPointer(kind_.get());
+    std::fill(kind + equations_.differential(), kind + n_, 0.0);
+    system_.initial(y());
+    set_tolerances();
+    demand(IDASetErrHandlerFn(memory, note_message, this));
+    demand(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
+    demand(IDASVtolerances(memory, tolerance_, absolute_.get()));
+    demand(IDASetUserData(memory, this));
+    demand(IDASetId(memory, kind_.get()));
+    demand(IDASetSuppressAlg(memory, SUNTRUE));
+    demand(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+    demand(IDASetJacFn(memory, fill_jacobian));
+}
+
+void IdaSession::set_tolerances() {
+    double* absolute = N_VGetArrayPointer(absolute_.get());
+    const Scales& scales = problem_->scales;
+    const maximal::Mechanism<double>& mechanism = system_.mechanism();
+    double mass = 0;
+    for (int b = 0; b < mechanism.world(); ++b) {
+        const int first = system_.place(b);
+        if (first < 0) continue;
+        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        mass += body.mass;
+        std::fill_n(absolute + first, 4, tolerance_);
+        std::fill_n(absolute + first + 4, 3, tolerance_ * scales.position);
+        std::fill_n(absolute + first + 7, 3, tolerance_ * body.least_moment() * scales.angular_velocity);
+        std::fill_n(absolute + first + 10, 3, tolerance_ * body.mass * scales.velocity);
+    }
+    std::fill(absolute + system_.angles(), absolute + equations_.differential(), tolerance_);
+    // lambda: forces; mu: momenta; nu: rates
+    double acceleration = scales.velocity * scales.angular_velocity;
+    for (const Load& load : problem_->scene.loads)
+        if (const auto* gravity = std::get_if<Gravity>(&load)) acceleration += length(gravity->acceleration_W);
+    std::fill(absolute + equations_.lambda(), absolute + equations_.mu(), multiplier_share * mass * acceleration);
+    std::fill(absolute + equations_.mu(), absolute + n_, multiplier_share * mass * scales.velocity);
+    const int bodies = system_.angles() / maximal::System<double>::body_size;
+    if (equations_.mu() < n_)
+        std::fill(absolute + n_ - bodies, absolute + n_, multiplier_share * scales.angular_velocity);
+}
+
+void IdaSession::restart() {
+    N_VConst(0, state_.get()), N_VConst(0, rate_of_state_.get());
+    system_.initial(y());
+    evaluations_ = steps_ = rejected_steps_ = newton_failures_ = 0;
+    running_ = false;
+    not_finite_at_.reset();
+}
+
+int IdaSession::enter(const Segment& segment) {
+    close();
+    t_ = segment.begin, end_ = segment.end;
+    system_.enter(segment.begin, y());
+    make_consistent();
+    if (!(end_ > t_)) return IDA_SUCCESS;
+    running_ = true;
+    if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), rate_of_state_.get()); flag != IDA_SUCCESS)
+        return flag;
+    return IDASetStopTime(memory_.get(), end_);
+}
+
+int IdaSession::step() {
+    double reached = t_;
+    const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
+    if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
+        // a segment of a rounding error's length, which no solver can start on: an explicit Euler step is exact there
+        const double* rate = N_VGetArrayPointer(rate_of_state_.get());
+        for (int i = 0; i < equations_.differential(); ++i) y()[i] += (end_ - t_) * rate[i];
+        t_ = end_;
+        message_.clear();
+        ++steps_;
+        return IDA_TSTOP_RETURN;
+    }
+    t_ = flag == IDA_TSTOP_RETURN ? end_ : reached;
+    return flag;
+}
+
+SolverFailure IdaSession::failure(int flag) {
+    const std::unique_ptr<char, decltype(&std::free)> name(IDAGetReturnFlagName(flag), &std::free);
+    const std::string said = message_.empty() ? fmt::format("IDA returned {}", name.get()) : "IDA: " + message_;
+    if (not_finite_at_)
+        return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}{}", moment(*not_finite_at_),
+                                              said, last_state(sample()))};
+    const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
+    return {out_of_reach ? Status::tolerance_not_met : Status::failed, said};
+}
+
+Moment IdaSession::moment_at(double t, const double* z) const {
+    Moment moment{samples_of(t, system_.motions(z)), {}};
+    if (problem_->reactions) moment.reactions = system_.reactions(z, z + equations_.lambda());
+    return moment;
+}
+
+// lambda from the accelerations; mu and nu vanish, and so do the rates of all three as far as IDA needs them
+void IdaSession::make_consistent() {
+    double *z = y(), *rate = N_VGetArrayPointer(rate_of_state_.get());
+    std::fill(z + equations_.differential(), z + n_, 0.0);
+    std::fill(rate, rate + n_, 0.0);
+    const std::vector<double> lambda = system_.rates(z, rate);
+    std::copy(lambda.begin(), lambda.end(), z + equations_.lambda());
+    ++evaluations_;
+}
+
+void IdaSession::close() {
+    if (!running_) return;
+    running_ = false;
+    long steps = 0, rejected = 0, failures = 0;
+    IDAGetNumSteps(memory_.get(), &steps);
+    IDAGetNumErrTestFails(memory_.get(), &rejected);
+    IDAGetNumNonlinSolvConvFails(memory_.get(), &failures);
+    steps_ += steps, rejected_steps_ += rejected, newton_failures_ += failures;
+}
+
+// 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side
+int IdaSession::judged(double t, const double* numbers, std::size_t count) {
+    if (all_finite({numbers, count})) return 0;
+    not_finite_at_ = t;
+    return -1;
+}
+
+int IdaSession::residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session) {
+    IdaSession* self = static_cast<IdaSession*>(session);
+    if (self->not_finite_at_) return -1;
+    const double* dz = N_VGetArrayPointer(rate);
+    double* F = N_VGetArrayPointer(result);
+    ++self->evaluations_;
+    self->equations_.evaluate(N_VGetArrayPointer(state), F);
+    for (int i = 0; i < self->equations_.differential(); ++i) F[i] -= dz[i];
+    return self->judged(t, F, static_cast<std::size_t>(self->n_));
+}
+
+// dF/dz + c dF/dz': the unknowns of one colour at a time
+int IdaSession::fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
+                              N_Vector, N_Vector, N_Vector) {
+    IdaSession* self = static_cast<IdaSession*>(session);
+    using Equations = maximal::ConstrainedEquations<double>;
+    using Number = Dual<Equations::most_in_group>;
+    const Equations& equations = self->equations_;
+    const double* z = N_VGetArrayPointer(state);
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<double> values;
+    std::vector<Number> at(z, z + self->n_), result(self->n_);
+    for (int color = 0; color < equations.colors(); ++color) {
+        const auto seed = [&](double slope) {
+            for (const maximal::Group& group : equations.groups())
+                for (std::size_t i = 0; group.color == color && i < group.unknowns.size(); ++i)
+                    at[group.unknowns[i]].slope[i] = slope;
+        };
+        seed(1);
+        equations.evaluate(at.data(), result.data());
+        seed(0);
+        for (const maximal::Group& group : equations.groups()) {
+            if (group.color != color) continue;
+            for (std::size_t i = 0; i < group.unknowns.size(); ++i)
+                for (const int other : group.met_by)
+                    for (const int row : equations.groups()[other].unknowns) {
+                        values.push_back(result[row].slope[i]);
+                        entries.emplace_back(row, group.unknowns[i], values.back());
+                    }
+        }
+    }
+    for (int i = 0; i < equations.differential(); ++i) entries.emplace_back(i, i, -c);
+    SparseMatrix::entries(J).setFromTriplets(entries.begin(), entries.end());
+    return self->judged(t, values.data(), values.size());
+}
+
+// codes above zero are warnings
+void IdaSession::note_message(int code, const char*, const char*, char* text, void* session) {
+    if (code <= 0) static_cast<IdaSession*>(session)->message_ = text;
+}
+
+}  // namespace polhode

@@ -1,0 +1,109 @@
+// IDA set up on a mechanism in maximal coordinates.
+#pragma once
+
+#include <fmt/format.h>
+#include <ida/ida.h>
+#include <ida/ida_ls.h>
+#include <nvector/nvector_serial.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "integrators/maximal/constrained.h"
+#include "integrators/run/solver_run.h"
+#include "integrators/run/watch.h"
+#include "integrators/sundials/sparse_solver.h"
+#include "integrators/sundials/sundials_handles.h"
+#include "motion/dual.h"
+#include "motion/finite.h"
+#include "motion/mechanism.h"
+
+namespace polhode {
+
+/// Where the joints' coordinates begin: the scene's, and of a joint that is moved until the loops close the one nearest
+/// to it.
+std::vector<std::array<double, 2>> starting_coordinates(const Scene& scene,
+                                                        const std::vector<BodyMotion<double>>& start);
+
+/// Not to be moved: the library points into it.
+class IdaSession {
+  public:
+    /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc where there is no
+    /// memory for it. The problem, of a mechanism, must outlive it.
+    IdaSession(const Problem& problem, maximal::Index index, double tolerance);
+    IdaSession(const IdaSession&) = delete;
+    IdaSession& operator=(const IdaSession&) = delete;
+
+    /// Back to t = 0, all counts to zero.
+    void restart();
+    /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
+    int enter(const Segment& segment);
+    /// One internal step, cut at the segment's end; IDA's flag.
+    int step();
+    double time() const { return t_; }
+    /// The motion at time(), with the reactions that the multipliers say.
+    Moment sample() { return moment_at(t_, y()); }
+    Moment sample_of(double t, const double* z) const { return moment_at(t, z); }
+    /// The motion at a time within the last step.
+    std::optional<Moment> sample_inside(double t) {
+        IDAGetDky(memory_.get(), t, 0, inside_.get());
+        return moment_at(t, N_VGetArrayPointer(inside_.get()));
+    }
+    int inside_flag() const { return IDA_SUCCESS; }
+    SolverFailure failure(int flag);
+    long steps() {
+        close();
+        return steps_;
+    }
+    long rhs_evaluations() const { return evaluations_; }
+    SolverCounts counts() {
+        close();
+        return {rejected_steps_, newton_failures_, {}};
+    }
+
+  private:
+    struct FreeMemory {
+        void operator()(void* memory) const { IDAFree(&memory); }
+    };
+
+    const Problem* problem_;
+    std::vector<BodyMotion<double>> start_;
+    maximal::System<double> system_;
+    maximal::ConstrainedEquations<double> equations_;
+    int n_;
+    double tolerance_;
+    SundialsContext context_;  // before all that lives in it
+    SundialsOwner<N_Vector> state_, rate_of_state_, absolute_, kind_, inside_;
+    SundialsOwner<SUNMatrix> matrix_;
+    SundialsOwner<SUNLinearSolver> linear_;
+    std::unique_ptr<void, FreeMemory> memory_;
+    double t_ = 0, end_ = 0;
+    long evaluations_ = 0, steps_ = 0, rejected_steps_ = 0, newton_failures_ = 0;
+    bool running_ = false;
+    std::optional<double> not_finite_at_;
+    std::string message_;
+
+    double* y() { return N_VGetArrayPointer(state_.get()); }
+    Moment moment_at(double t, const double* z) const;
+    void set_tolerances();
+    void make_consistent();
+    void close();
+    int judged(double t, const double* numbers, std::size_t count);
+    static void demand(int flag) {
+        if (flag != 0) throw std::bad_alloc();
+    }
+    static int residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session);
+    static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
+                             N_Vector, N_Vector, N_Vector);
+    static void note_message(int code, const char*, const char*, char* text, void* session);
+};
+
+}  // namespace polhode

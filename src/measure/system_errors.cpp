@@ -1,5 +1,6 @@
 // The errors of several bodies.
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "measure/errors.h"
@@ -62,7 +63,9 @@ ErrorSeries system_error_series(const Scene& scene, const Trajectory& trajectory
     const bool reacts = joints > 0 && reference.reactions.size() == reference.moments() * joints &&
                         trajectory.reactions.size() == moments * joints;
     // what is not a number is the largest of all
-    const auto larger = [](const Wide& error, const Wide& worst) { return !(error <= worst) && worst == worst; };
+    const auto larger = [](const Wide& error, const Wide& worst) {
+        return !(error <= worst) && !std::isnan(double(worst));
+    };
 
     PerMeasure<Wide> scale;
     for (std::size_t m = 0; m < all.size(); ++m) {

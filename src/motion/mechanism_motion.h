@@ -118,17 +118,17 @@ class MechanismMeasure {
         Vector3<P> arm;
     };
     struct Link {
-        JointType type;
+        JointType type = JointType::revolute;
         Point parent, child;
         Quaternion<P> q0;
         std::array<Vector3<P>, 2> axes;  // unit
         P between = P(0);                // axes[0] . axes[1]
-        std::array<P, 2> stiffness, rest;
+        std::array<P, 2> stiffness{P(0), P(0)}, rest{P(0), P(0)};
         Quaternion<P> rest_orientation;
         bool springy = false;
     };
     struct Closure {
-        LoopType type;
+        LoopType type = LoopType::spherical;
         Point first, second;
         Vector3<P> first_axis, second_axis;
         P length = P(0);
@@ -143,14 +143,14 @@ class MechanismMeasure {
         Window window;
     };
     struct Twist {
-        int body;
-        P stiffness;
+        int body = -1;
+        P stiffness = P(0);
         Quaternion<P> rest;  // conjugate
         Window window;
     };
     struct Strut {
         Point first, second;
-        P stiffness, rest_length;
+        P stiffness = P(0), rest_length = P(0);
         Window window;
     };
     using Motions = std::span<const BodyMotion<P>>;

@@ -253,7 +253,7 @@ JointViolations<P> MechanismMeasure<P>::violations(Motions motions) const {
     if (motions.size() != bodies_.size()) throw std::invalid_argument("a motion for each body is needed");
     JointViolations<P> worst;
     // what is not a number is the worst of all
-    const auto larger = [](const P& a, const P& b) { return !(a <= b) && b == b; };
+    const auto larger = [](const P& a, const P& b) { return !(a <= b) && !std::isnan(static_cast<double>(b)); };
     const auto note = [&](std::size_t joint, const P& gap, const P& turn) {
         if (larger(gap, worst.gap)) worst.gap = gap, worst.gap_joint = joint;
         if (larger(turn, worst.turn)) worst.turn = turn, worst.turn_joint = joint;

@@ -9,6 +9,7 @@
 #include "check/judge.h"
 #include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
+#include "motion/mechanism_motion.h"
 #include "scene/body_hull.h"
 #include "scene/scene_file.h"
 #include "text/content_hash.h"
@@ -64,6 +65,38 @@ class Way {
         s.rest_length = scaled(s.rest_length, 1);
     }
 
+    // forces along a joint's coordinate: of a slide in kg m/s^2, else in kg m^2/s^2
+    double generalized(const Joint& joint, double force) const {
+        return scaled(force, joint.type == JointType::prismatic ? 1 : 2);
+    }
+    void operator()(Joint& j) const {
+        const bool slides = j.type == JointType::prismatic;
+        j.parent_point = vector(j.parent_point, 1), j.child_point = vector(j.child_point, 1);
+        j.parent_orientation = attitude(j.parent_orientation), j.orientation = attitude(j.orientation);
+        j.rest_orientation = attitude(j.rest_orientation);
+        j.angular_velocity = pseudovector(j.angular_velocity, 0);
+        for (std::size_t i = 0; i < 2; ++i) {
+            j.axes[i] = slides ? vector(j.axes[i], 0) : pseudovector(j.axes[i], 0);
+            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scaled(*x, slides ? 0 : 2);
+            for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scaled(*x, slides ? 1 : 0);
+        }
+    }
+    void operator()(Loop& l) const {
+        l.first_point = vector(l.first_point, 1), l.second_point = vector(l.second_point, 1);
+        l.first_axis = pseudovector(l.first_axis, 0), l.second_axis = pseudovector(l.second_axis, 0);
+        l.length = scaled(l.length, 1);
+    }
+    void operator()(Body& body) const {
+        body.source = nullptr;
+        body.center_of_mass = vector(body.center_of_mass, 1);
+        body.inertia_B = tensor(body.inertia_B, 2);
+    }
+    void operator()(Initial& start) const {
+        start.orientation = attitude(start.orientation);
+        start.angular_velocity = pseudovector(start.angular_velocity, 0);
+        start.position_W = vector(start.position_W, 1), start.velocity_W = vector(start.velocity_W, 1);
+    }
+
   private:
     Axes axes_;
     double unit_;
@@ -81,18 +114,31 @@ SupportPiece<double> piece_to(const Way& way, SupportPiece<double> piece) {
 double measured_float32_floor(const Scene& scene, const Reference& truth) {
     Scene rounded_scene = scene;
     const auto narrow = [](double& x) { x = static_cast<double>(static_cast<float>(x)); };
-    Initial& start = rounded_scene.initial;
-    for (double* x : {&start.orientation.w, &start.orientation.x, &start.orientation.y, &start.orientation.z})
-        narrow(*x);
-    start.orientation = normalized(start.orientation);
-    for (Vector3<double>* v : {&start.angular_velocity, &start.position_W, &start.velocity_W})
-        for (double& x : v->component) narrow(x);
+    // what is rounded closes no loops
+    if (!scene.loops.empty()) return std::numbers::pi;
+    const auto narrow_attitude = [&](Quaternion<double>& q) {
+        for (double* x : {&q.w, &q.x, &q.y, &q.z}) narrow(*x);
+        q = normalized(q);
+    };
+    const auto narrow_start = [&](Initial& start) {
+        narrow_attitude(start.orientation);
+        for (Vector3<double>* v : {&start.angular_velocity, &start.position_W, &start.velocity_W})
+            for (double& x : v->component) narrow(x);
+    };
+    narrow_start(rounded_scene.initial);
+    for (NamedBody& body : rounded_scene.bodies) narrow_start(body.initial);
+    for (Joint& joint : rounded_scene.joints) {
+        narrow_attitude(joint.orientation);
+        for (double& x : joint.angular_velocity.component) narrow(x);
+        for (std::size_t i = 0; i < 2; ++i) narrow(joint.coordinate[i]), narrow(joint.rate[i]);
+    }
     std::vector<double> times;
-    for (const ReferenceSample& s : truth.samples) times.push_back(s.t);
+    const std::size_t bodies = static_cast<std::size_t>(truth.bodies);
+    for (std::size_t k = 0; k < truth.samples.size(); k += bodies) times.push_back(truth.samples[k].t);
     const Reference other = reference(rounded_scene, times);
     if (!other.available) return std::numbers::pi;
     double largest = 0;
-    for (std::size_t k = 0; k < times.size(); ++k)
+    for (std::size_t k = 0; k < truth.samples.size(); ++k)
         largest = std::max(largest, rotation_angle_between(truth.samples[k].rounded().q, other.samples[k].rounded().q));
     return largest;
 }
@@ -112,6 +158,7 @@ void find_floors(const Scene& scene, const Reference& truth, Golden& g) {
 PerMeasure<double> sizes_of(const Scene& scene, const Reference& truth) {
     TrajectoryFile file;
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
+    file.bodies = body_names(scene);
     for (const ReferenceSample& s : truth.samples) file.rows.push_back({s.t, s.rounded().q, {}, {}, {}});
     return judge(scene, file, truth, JudgedIn::binary64).size;
 }
@@ -139,15 +186,17 @@ void set_tolerances(const Scene& scene, const PerMeasure<double>& sizes, const C
 Scene scene_to(const Convention& convention, const Scene& scene) {
     const Way way(convention);
     Scene there = scene;
-    there.body.source = nullptr;
-    there.body.center_of_mass = way.vector(scene.body.center_of_mass, 1);
-    there.body.inertia_B = way.tensor(scene.body.inertia_B, 2);
+    way(there.body);
     if (scene.pivot) there.pivot = way.vector(*scene.pivot, 1);
-    Initial& start = there.initial;
-    start.orientation = way.attitude(start.orientation);
-    start.angular_velocity = way.pseudovector(start.angular_velocity, 0);
-    start.position_W = way.vector(start.position_W, 1), start.velocity_W = way.vector(start.velocity_W, 1);
-    for (Load& load : there.loads) std::visit(way, load);
+    way(there.initial);
+    for (NamedBody& body : there.bodies) way(body.body), way(body.initial);
+    for (Joint& joint : there.joints) way(joint);
+    for (Loop& loop : there.loops) way(loop);
+    for (Load& load : there.loads) {
+        std::visit(way, load);
+        if (auto* motor = std::get_if<Motor>(&load))
+            motor->force = way.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
+    }
     for (Plane& plane : there.planes) {
         // the offset belongs to the unit normal
         const double size = length(plane.normal_W);
@@ -179,8 +228,18 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
             {s.t, way.attitude(s.rounded().q),
              way.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
              way.vector(rounded(s.position_W), 1), way.vector(rounded(s.velocity_W), 1)});
+        if (is_mechanism(scene)) continue;
         g.energy.push_back(way.scaled(s.energy.high, 2));
         g.momentum.push_back(way.pseudovector(rounded(s.angular_momentum_W), 2));
+    }
+    g.motion.bodies = body_names(scene);
+    for (const ReferenceSystem& system : truth.system) {
+        g.energy.push_back(way.scaled(system.energy.high, 2));
+        g.momentum.push_back(way.pseudovector(rounded(system.angular_momentum_W), 2));
+    }
+    for (const Reaction<Pair>& reaction : truth.reactions) {
+        g.forces.push_back(way.vector(rounded(reaction.force_W), 1));
+        g.torques.push_back(way.pseudovector(rounded(reaction.torque_W), 2));
     }
     const PerMeasure<double> sizes = sizes_of(scene, truth);
     if (sizes["energy"] > 0) g.energy_scale = way.scaled(sizes["energy"], 2);

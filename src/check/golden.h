@@ -25,9 +25,13 @@ struct Golden {
     Convention convention;
     Scene scene;                              ///< its numbers in the convention's axes and units of length
     std::vector<SupportPiece<double>> shape;  ///< whose convex hull is the body's, from its origin; likewise
-    TrajectoryFile motion;                  ///< the first row is the start; w in rad/s, or degrees/s by the convention
+    /// The first row is the start, of several bodies the first of each; w in rad/s, or degrees/s by the convention.
+    TrajectoryFile motion;
     std::vector<double> energy;             ///< kinetic and potential, at each row, kg m^2/s^2 by the unit of length
     std::vector<Vector3<double>> momentum;  ///< angular, about the pivot or the centre of mass, world axes, kg m^2/s
+    /// Of several bodies, at each time those of joints, then of loops, where the truth tells them: kg m/s^2, kg
+    /// m^2/s^2.
+    std::vector<Vector3<double>> forces, torques;
     double energy_scale = 1, momentum_scale = 1;  ///< what their errors are relative to; 1 where they are absolute
     double bound = 0;                             ///< of the numbers, rounding to binary64 included: rad, and relative
     std::vector<GoldenTolerance> tolerances;      ///< of all blocks, the attitude (rad) first

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "check/golden.h"
+#include "check/golden_code.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -17,45 +15,11 @@
 namespace polhode {
 namespace {
 
-using nlohmann::ordered_json;
-
-// A number as it is written: 0 in place of what would underflow elsewhere, and as short as a float's where it is one.
-struct Numbers {
-    bool floats = false;
-
-    double operator()(double x) const {
-        if (std::abs(x) < 1e-300) return 0;
-        const double written = floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
-        if (!std::isfinite(written))
-            throw std::invalid_argument(fmt::format("{} is beyond {}; choose {}", shortest_decimal(x),
-                                                    floats ? "binary32" : "binary64",
-                                                    floats ? "no --floats or other units" : "other units"));
-        return written;
-    }
-    ordered_json operator()(const Vector3<double>& v) const { return {(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}; }
-    ordered_json operator()(const Matrix3<double>& m) const { return {(*this)(m[0]), (*this)(m[1]), (*this)(m[2])}; }
-    ordered_json operator()(const Quaternion<double>& q, bool scalar_last) const {
-        const Numbers& n = *this;
-        if (scalar_last) return {n(q.x), n(q.y), n(q.z), n(q.w)};
-        return {n(q.w), n(q.x), n(q.y), n(q.z)};
-    }
-    ordered_json all_of(ordered_json document) const {
-        if (document.is_number()) return (*this)(document.get<double>());
-        if (document.is_structured())
-            for (ordered_json& part : document) part = all_of(std::move(part));
-        return document;
-    }
-};
-
-bool scalar_last(const Golden& g) { return g.convention.quaternion == QuaternionColumns::scalar_last; }
-
-std::string axes_of(const Golden& g) {
-    const std::string words = name_of(g.convention);
-    return words.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : words;
-}
+using namespace golden_code;
 
 // What the motion is of: the body, its shape, what it meets and what acts on it.
 ordered_json surroundings(const Golden& g, const Numbers& number) {
+    if (is_mechanism(g.scene)) return system_surroundings(g, number);
     ordered_json all;
     const Body& body = g.scene.body;
     all["body"] = {{"mass", number(body.mass)},
@@ -84,10 +48,14 @@ std::string csv(const Golden& g, const Numbers& number) {
     std::string text = fmt::format("# {}: {}\n# {}; bound {:.2e} (rad, and relative); tolerance {} rad ({})\n",
                                    one_line(g.scene.name, 100), one_line(g.truth, 500), axes_of(g), g.bound,
                                    shortest_decimal(g.tolerances.front().value), g.tolerances.front().from);
-    text += scalar_last(g) ? "t,qx,qy,qz,qw" : "t,qw,qx,qy,qz";
+    const std::vector<std::string>& bodies = g.motion.bodies;
+    text += bodies.empty() ? "t" : "t,body";
+    text += scalar_last(g) ? ",qx,qy,qz,qw" : ",qw,qx,qy,qz";
     text += ",wx,wy,wz,px,py,pz,vx,vy,vz\n";
+    std::size_t k = 0;
     for (const TrajectoryRow& row : g.motion.rows) {
         text += shortest_decimal(row.t);
+        if (!bodies.empty()) text.append(",").append(bodies[k++ % bodies.size()]);
         for (const ordered_json& block : {number(row.q, scalar_last(g)), number(row.angular_velocity_W),
                                           number(row.position_W), number(row.velocity_W)})
             for (const double x : block) text += "," + shortest_decimal(x);
@@ -113,16 +81,25 @@ std::string json(const Golden& g, const Numbers& number) {
     all.update(surroundings(g, number));
     all["columns"] = {"t", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
     if (scalar_last(g)) std::rotate(all["columns"].begin() + 1, all["columns"].begin() + 2, all["columns"].begin() + 5);
+    const std::vector<std::string>& bodies = g.motion.bodies;
+    if (!bodies.empty()) all["columns"].insert(all["columns"].begin() + 1, "body");
     all["energy"] = number.all_of(g.energy), all["momentum"] = ordered_json::array();
     for (const Vector3<double>& momentum : g.momentum) all["momentum"].push_back(number(momentum));
+    if (!g.forces.empty()) {
+        all["reaction_forces"] = ordered_json::array(), all["reaction_torques"] = ordered_json::array();
+        for (const Vector3<double>& force : g.forces) all["reaction_forces"].push_back(number(force));
+        for (const Vector3<double>& torque : g.torques) all["reaction_torques"].push_back(number(torque));
+    }
     // a line a key, and a line a sample
     std::string text;
     for (const auto& [key, value] : all.items())
         text += fmt::format("{}{}: {}", text.empty() ? "{" : ",\n ", ordered_json(key).dump(),
                             value.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
     text += ",\n \"samples\": [";
+    std::size_t k = 0;
     for (const TrajectoryRow& row : g.motion.rows) {
         ordered_json sample{number(row.t)};
+        if (!bodies.empty()) sample.push_back(bodies[k++ % bodies.size()]);
         for (const ordered_json& block : {number(row.q, scalar_last(g)), number(row.angular_velocity_W),
                                           number(row.position_W), number(row.velocity_W)})
             sample.insert(sample.end(), block.begin(), block.end());
@@ -130,39 +107,6 @@ std::string json(const Golden& g, const Numbers& number) {
     }
     return text + "\n]}\n";
 }
-
-// a name for code: "9 lives!" becomes 9_lives
-std::string identifier(const std::string& name) {
-    std::string result;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool plain = byte < 0x80 && std::isalnum(byte) != 0;
-        // one _ for what cannot stand there, and never two: such names are C++'s own
-        if (plain)
-            result += c;
-        else if (!result.empty() && result.back() != '_')
-            result += '_';
-    }
-    while (!result.empty() && result.back() == '_') result.pop_back();
-    return result.empty() ? "scene" : result;
-}
-
-// fit for a comment, which may neither end in it nor begin again, and keeps no trigraphs
-std::string comment(const std::string& text, std::size_t limit = 1000) {
-    std::string safe = one_line(text, limit);
-    for (std::size_t i = 0; i + 1 < safe.size(); ++i)
-        if ((safe[i] == '*' && safe[i + 1] == '/') || (safe[i] == '/' && safe[i + 1] == '*') ||
-            (safe[i] == '?' && safe[i + 1] == '?'))
-            safe.insert(i + 1, 1, ' ');
-    return safe;
-}
-
-// A constant of the code: a whole number, or a number, a list or a table of them.
-struct Field {
-    std::string name;
-    ordered_json value;
-    std::string remark;  // its unit
-};
 
 std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     std::vector<Field> all;
@@ -201,17 +145,24 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         }
     };
     const ordered_json around = surroundings(g, number);
-    add("samples", g.motion.rows.size(), "");
-    add("has_pivot", g.scene.pivot ? 1 : 0, "");
-    add_members("", around["body"], "");
-    add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
-        m + ", held at the world's origin where has_pivot");
-    for (const char* list : {"shape", "planes", "loads"})
-        for (std::size_t i = 0; i < around[list].size(); ++i) {
-            const ordered_json& one = around[list][i];
-            const std::string type = one.value("type", std::string(list) == "planes" ? "plane" : "shape");
-            add_members(fmt::format("{}_{}_", type, i), one, type);
-        }
+    const auto add_one_body = [&] {
+        add("has_pivot", g.scene.pivot ? 1 : 0, "");
+        add_members("", around["body"], "");
+        add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
+            m + ", held at the world's origin where has_pivot");
+        for (const char* list : {"shape", "planes", "loads"})
+            for (std::size_t i = 0; i < around[list].size(); ++i) {
+                const ordered_json& one = around[list][i];
+                const std::string type = one.value("type", std::string(list) == "planes" ? "plane" : "shape");
+                add_members(fmt::format("{}_{}_", type, i), one, type);
+            }
+    };
+    const bool several = is_mechanism(g.scene);
+    add("samples", g.motion.rows.size() / g.motion.bodies_at_once(), "");
+    if (several)
+        for (Field& field : system_fields(g, around, m)) all.push_back(std::move(field));
+    else
+        add_one_body();
     add("bound", g.bound, "rad for q, relative to the largest length for the others");
     for (const GoldenTolerance& t : g.tolerances) {
         const std::string& block = t.block;
@@ -225,19 +176,33 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     add("float32_floor", number(g.float32_floor), "rad: what rounding the start to binary32 alone leads to");
     ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, momentum = t;
     for (const TrajectoryRow& row : g.motion.rows) {
-        t.push_back(number(row.t)), q.push_back(number(row.q, scalar_last(g)));
+        if (t.empty() || t.back() != number(row.t)) t.push_back(number(row.t));
+        q.push_back(number(row.q, scalar_last(g)));
         w.push_back(number(row.angular_velocity_W)), p.push_back(number(row.position_W));
         v.push_back(number(row.velocity_W));
     }
     for (const Vector3<double>& L : g.momentum) momentum.push_back(number(L));
     add("t", t, "s");
-    add("q", q, scalar_last(g) ? "x, y, z, w" : "w, x, y, z");
+    const std::string rows = several ? ", row sample * bodies + body" : "";
+    add("q", q, (scalar_last(g) ? "x, y, z, w" : "w, x, y, z") + rows);
     add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
     add("p", p, m), add("v", v, m + "/s");
     const std::string per = "what errors are relative to";
     add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
     add("energy_scale", number(g.energy_scale), per);
-    add("momentum", momentum, "kg " + m + "^2/s, angular, about the pivot or the centre of mass, world axes");
+    add("momentum", momentum,
+        "kg " + m +
+            (several ? "^2/s, angular, of all, about the world's origin or, where no joint ties them to the world, "
+                       "their centre of mass, world axes"
+                     : "^2/s, angular, about the pivot or the centre of mass, world axes"));
+    if (!g.forces.empty()) {
+        ordered_json forces = ordered_json::array(), torques = forces;
+        for (const Vector3<double>& force : g.forces) forces.push_back(number(force));
+        for (const Vector3<double>& torque : g.torques) torques.push_back(number(torque));
+        const std::string row = ", by the parent on the child, world axes, row sample * (joints + loops) + joint";
+        add("reaction_force", forces, "kg " + m + "/s^2" + row);
+        add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
+    }
     add("momentum_scale", number(g.momentum_scale), per);
     return all;
 }
@@ -245,7 +210,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
 // What the three languages have in common, for people.
 std::vector<std::string> preface(const Golden& g) {
     const double unit = g.convention.length_unit;
-    return {
+    std::vector<std::string> lines{
         fmt::format("{}: {}", comment(g.scene.name), comment(g.scene.about)),
         fmt::format("Truth: {}; scene {}.", comment(g.truth), g.scene_hash),
         fmt::format("{} units{}. Axes: {}. q (order {}) maps body to world; w is in {} axes;",
@@ -257,58 +222,16 @@ std::vector<std::string> preface(const Golden& g) {
         "loads act, steps to each t and asks compare whether the engine's state is within the tolerances: blocks that",
         "the engine has not are null. Energy and momentum are held to a part of their largest over the run. Loads,",
         "planes and the pieces whose convex hull is the body's shape are numbered, and in these axes too."};
-}
-
-// One language's way to write a constant.
-struct Language {
-    GoldenFormat format;
-    bool floats;
-
-    const char* real() const { return floats ? "float" : "double"; }
-    std::string literal(const ordered_json& x) const {
-        if (x.is_number_integer() || x.is_number_unsigned()) return x.dump();
-        std::string text = shortest_decimal(x.get<double>());
-        if (text.find_first_of(".e") == text.npos) text += ".0";
-        return floats ? text + "f" : text;
-    }
-    // rows of a table stand on lines of their own
-    std::string list(const ordered_json& x) const {
-        if (!x.is_array()) return literal(x);
-        const bool lines = x.size() > 3 && x.front().is_array();
-        // an array of arrays of std::array has its own braces
-        std::string text = format == GoldenFormat::cpp && x.front().is_array() ? "{{" : "{";
-        for (std::size_t i = 0; i < x.size(); ++i)
-            text += (i == 0 ? "" : ",") + std::string(lines ? "\n    " : i == 0 ? "" : " ") + list(x[i]);
-        return text + (lines ? "\n" : "") + (format == GoldenFormat::cpp && x.front().is_array() ? "}}" : "}");
-    }
-    std::string constant(const std::string& prefix, const Field& f) const {
-        const bool whole = f.value.is_number_integer() || f.value.is_number_unsigned();
-        const bool array = f.value.is_array(), table = array && f.value.front().is_array();
-        const std::string type = whole ? "int" : real();
-        const std::string remark = f.remark.empty() ? "" : fmt::format(" /* {} */", comment(f.remark));
-        if (format == GoldenFormat::csharp)
-            return fmt::format("    public {} {}{} {} = {};{}\n", array ? "static readonly" : "const", type,
-                               table   ? "[,]"
-                               : array ? "[]"
-                                       : "",
-                               f.name, list(f.value), remark);
-        if (format == GoldenFormat::c) {
-            if (whole) return fmt::format("enum {{ {}{} = {} }};{}\n", prefix, f.name, list(f.value), remark);
-            return fmt::format("static const {} {}{}{}{} = {};{}\n", type, prefix, f.name,
-                               array ? fmt::format("[{}]", f.value.size()) : "",
-                               table ? fmt::format("[{}]", f.value.front().size()) : "", list(f.value), remark);
-        }
-        std::string holder = type;
-        if (table) holder = fmt::format("std::array<{}, {}>", type, f.value.front().size());
-        if (array) holder = fmt::format("std::array<{}, {}>", holder, f.value.size());
-        return fmt::format("inline constexpr {} {} = {};{}\n", holder, f.name, list(f.value), remark);
-    }
-};
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
-        text.replace(at, what.size(), by);
-    return text;
+    if (!is_mechanism(g.scene)) return lines;
+    lines.resize(lines.size() - 4);
+    for (const char* line :
+         {"A test sets the bodies up from mass, center_of_mass and inertia, joins them by the joints and loops, starts",
+          "each at q[body], w[body], p[body], v[body], lets the loads act, steps to each t and asks compare of each "
+          "body",
+          "whether the engine's state is within the tolerances: blocks that the engine has not are null. Energy and",
+          "momentum are the whole system's, held to a part of their largest over the run."})
+        lines.emplace_back(line);
+    return lines;
 }
 
 // The comparison: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
@@ -436,6 +359,7 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
     std::string compare = csharp ? compare_csharp : compare_c;
     if (format == GoldenFormat::cpp)
         compare = names_of_cpp + replaced(compare, "static inline", "inline") + compare_cpp;
+    if (is_mechanism(g.scene)) compare = compare_of_system(std::move(compare));
     // the name last: it may hold any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},

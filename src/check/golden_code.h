@@ -1,0 +1,149 @@
+// What golden data is written with: numbers, names, comments and the constants of three languages.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "check/golden.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode::golden_code {
+
+using nlohmann::ordered_json;
+
+// A number as it is written: 0 in place of what would underflow elsewhere, and as short as a float's where it is one.
+struct Numbers {
+    bool floats = false;
+
+    double operator()(double x) const {
+        if (std::abs(x) < 1e-300) return 0;
+        const double written = floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
+        if (!std::isfinite(written))
+            throw std::invalid_argument(fmt::format("{} is beyond {}; choose {}", shortest_decimal(x),
+                                                    floats ? "binary32" : "binary64",
+                                                    floats ? "no --floats or other units" : "other units"));
+        return written;
+    }
+    ordered_json operator()(const Vector3<double>& v) const { return {(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}; }
+    ordered_json operator()(const Matrix3<double>& m) const { return {(*this)(m[0]), (*this)(m[1]), (*this)(m[2])}; }
+    ordered_json operator()(const Quaternion<double>& q, bool scalar_last) const {
+        const Numbers& n = *this;
+        if (scalar_last) return {n(q.x), n(q.y), n(q.z), n(q.w)};
+        return {n(q.w), n(q.x), n(q.y), n(q.z)};
+    }
+    ordered_json all_of(ordered_json document) const {
+        if (document.is_number()) return (*this)(document.get<double>());
+        if (document.is_structured())
+            for (ordered_json& part : document) part = all_of(std::move(part));
+        return document;
+    }
+};
+
+inline bool scalar_last(const Golden& g) { return g.convention.quaternion == QuaternionColumns::scalar_last; }
+
+inline std::string axes_of(const Golden& g) {
+    const std::string words = name_of(g.convention);
+    return words.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : words;
+}
+
+// a name for code: "9 lives!" becomes 9_lives
+inline std::string identifier(const std::string& name) {
+    std::string result;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain = byte < 0x80 && std::isalnum(byte) != 0;
+        // one _ for what cannot stand there, and never two: such names are C++'s own
+        if (plain)
+            result += c;
+        else if (!result.empty() && result.back() != '_')
+            result += '_';
+    }
+    while (!result.empty() && result.back() == '_') result.pop_back();
+    return result.empty() ? "scene" : result;
+}
+
+// fit for a comment, which may neither end in it nor begin again, and keeps no trigraphs
+inline std::string comment(const std::string& text, std::size_t limit = 1000) {
+    std::string safe = one_line(text, limit);
+    for (std::size_t i = 0; i + 1 < safe.size(); ++i)
+        if ((safe[i] == '*' && safe[i + 1] == '/') || (safe[i] == '/' && safe[i + 1] == '*') ||
+            (safe[i] == '?' && safe[i + 1] == '?'))
+            safe.insert(i + 1, 1, ' ');
+    return safe;
+}
+
+// A constant of the code: a whole number, or a number, a list or a table of them.
+struct Field {
+    std::string name;
+    ordered_json value;
+    std::string remark;  // its unit
+};
+
+// One language's way to write a constant.
+struct Language {
+    GoldenFormat format;
+    bool floats;
+
+    const char* real() const { return floats ? "float" : "double"; }
+    std::string literal(const ordered_json& x) const {
+        if (x.is_number_integer() || x.is_number_unsigned()) return x.dump();
+        std::string text = shortest_decimal(x.get<double>());
+        if (text.find_first_of(".e") == text.npos) text += ".0";
+        return floats ? text + "f" : text;
+    }
+    // rows of a table stand on lines of their own
+    std::string list(const ordered_json& x) const {
+        if (!x.is_array()) return literal(x);
+        const bool lines = x.size() > 3 && x.front().is_array();
+        // an array of arrays of std::array has its own braces
+        std::string text = format == GoldenFormat::cpp && x.front().is_array() ? "{{" : "{";
+        for (std::size_t i = 0; i < x.size(); ++i)
+            text += (i == 0 ? "" : ",") + std::string(lines ? "\n    " : i == 0 ? "" : " ") + list(x[i]);
+        return text + (lines ? "\n" : "") + (format == GoldenFormat::cpp && x.front().is_array() ? "}}" : "}");
+    }
+    std::string constant(const std::string& prefix, const Field& f) const {
+        const bool whole = f.value.is_number_integer() || f.value.is_number_unsigned();
+        const bool array = f.value.is_array(), table = array && f.value.front().is_array();
+        const std::string type = whole ? "int" : real();
+        const std::string remark = f.remark.empty() ? "" : fmt::format(" /* {} */", comment(f.remark));
+        if (format == GoldenFormat::csharp)
+            return fmt::format("    public {} {}{} {} = {};{}\n", array ? "static readonly" : "const", type,
+                               table   ? "[,]"
+                               : array ? "[]"
+                                       : "",
+                               f.name, list(f.value), remark);
+        if (format == GoldenFormat::c) {
+            if (whole) return fmt::format("enum {{ {}{} = {} }};{}\n", prefix, f.name, list(f.value), remark);
+            return fmt::format("static const {} {}{}{}{} = {};{}\n", type, prefix, f.name,
+                               array ? fmt::format("[{}]", f.value.size()) : "",
+                               table ? fmt::format("[{}]", f.value.front().size()) : "", list(f.value), remark);
+        }
+        std::string holder = type;
+        if (table) holder = fmt::format("std::array<{}, {}>", type, f.value.front().size());
+        if (array) holder = fmt::format("std::array<{}, {}>", holder, f.value.size());
+        return fmt::format("inline constexpr {} {} = {};{}\n", holder, f.name, list(f.value), remark);
+    }
+};
+
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+/// The parts of a document of several bodies: bodies, joints, loops and loads, as scene files have them.
+ordered_json system_surroundings(const Golden& golden, const Numbers& number);
+/// The constants of those parts; bodies and joints by their numbers. `m`: the unit of length.
+std::vector<Field> system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m);
+/// The comparison of one body made that of one of several.
+std::string compare_of_system(std::string text);
+
+}  // namespace polhode::golden_code

@@ -1,0 +1,172 @@
+// Golden data of several bodies as text: what differs from that of one.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "check/golden_code.h"
+#include "motion/mechanism_motion.h"
+#include "scene/scene_file.h"
+
+namespace polhode::golden_code {
+namespace {
+
+// Where a joint's or a body's quaternions stand in the scene's JSON.
+void put_scalars_last(ordered_json& document) {
+    for (auto& [key, value] : document.items()) {
+        const bool quaternion =
+            key == "orientation" || key == "parent_orientation" || key == "rest_orientation" || key == "rest";
+        if (quaternion && value.is_array() && value.size() == 4)
+            std::rotate(value.begin(), value.begin() + 1, value.end());
+        else if (value.is_structured())
+            put_scalars_last(value);
+    }
+}
+
+// Names made fit for code, no two alike.
+class Identifiers {
+  public:
+    std::string operator()(const std::string& name) {
+        std::string made = identifier(name);
+        for (int n = 2; !taken_.insert(made).second; ++n) made = fmt::format("{}_{}", identifier(name), n);
+        return made;
+    }
+
+  private:
+    std::set<std::string> taken_;
+};
+
+int place_in(const std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::ranges::find(names, name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+}  // namespace
+
+ordered_json system_surroundings(const Golden& g, const Numbers& number) {
+    ordered_json written = number.all_of(ordered_json::parse(write_scene(g.scene))), all;
+    if (scalar_last(g)) put_scalars_last(written);
+    all["bodies"] = ordered_json::array();
+    for (std::size_t b = 0; b < g.scene.bodies.size(); ++b) {
+        const NamedBody& body = g.scene.bodies[b];
+        ordered_json one{{"name", body.name},
+                         {"body",
+                          {{"mass", number(body.body.mass)},
+                           {"center_of_mass", number(body.body.center_of_mass)},
+                           {"inertia", number(body.body.inertia_B)}}}};
+        if (written["bodies"][b].contains("initial")) one["initial"] = written["bodies"][b]["initial"];
+        all["bodies"].push_back(std::move(one));
+    }
+    for (const char* list : {"joints", "loops", "loads"}) all[list] = written.value(list, ordered_json::array());
+    return all;
+}
+
+std::vector<Field> system_fields(const Golden& g, const ordered_json& around, const std::string& m) {
+    std::vector<Field> all;
+    const auto add = [&](std::string name, ordered_json value, std::string remark) {
+        all.push_back({std::move(name), std::move(value), std::move(remark)});
+    };
+    const std::vector<std::string> bodies = body_names(g.scene), joints = joint_names(g.scene);
+    Identifiers body_identifiers, joint_identifiers;
+    add("bodies", bodies.size(), "");
+    for (std::size_t b = 0; b < bodies.size(); ++b) add("body_" + body_identifiers(bodies[b]), b, bodies[b]);
+    ordered_json mass = ordered_json::array(), center = mass, inertia = mass;
+    for (const ordered_json& one : around["bodies"]) {
+        const ordered_json& body = one["body"];
+        mass.push_back(body["mass"]), center.push_back(body["center_of_mass"]);
+        ordered_json tensor = ordered_json::array();
+        for (const ordered_json& row : body["inertia"])
+            for (const ordered_json& x : row) tensor.push_back(x);
+        inertia.push_back(tensor);
+    }
+    add("mass", mass, "kg, of each body");
+    add("center_of_mass", center, m + ", from the body's origin, body axes");
+    add("inertia", inertia, "kg " + m + "^2, about the centre of mass, body axes: three rows of a matrix");
+    add("joints", around["joints"].size(), "");
+    add("loops", around["loops"].size(), "");
+
+    const std::map<std::string, std::string> units{{"parent_point", m + ", parent's axes from its origin"},
+                                                   {"child_point", m + ", child's axes from its origin"},
+                                                   {"first_point", m + ", that body's axes from its origin"},
+                                                   {"second_point", m + ", that body's axes from its origin"},
+                                                   {"parent_orientation", "child axes at zero to parent axes"},
+                                                   {"axis", "child's axes"},
+                                                   {"axes", "middle frame's, then child's axes"},
+                                                   {"angle", "rad"},
+                                                   {"angles", "rad"},
+                                                   {"rate", "rad/s"},
+                                                   {"rates", "rad/s"},
+                                                   {"displacement", m},
+                                                   {"speed", m + "/s"},
+                                                   {"length", m},
+                                                   {"rest_length", m},
+                                                   {"point", m},
+                                                   {"from", "s"},
+                                                   {"until", "s"},
+                                                   {"at", "s"}};
+    // one member of a joint, a loop or a load; bodies and joints by their numbers
+    const auto add_member = [&](const auto& self, const std::string& prefix, const std::string& key,
+                                const ordered_json& value) -> void {
+        if (key == "name" || key == "dependent") return;
+        if (value.is_object()) {
+            for (const auto& [inner, number] : value.items()) self(self, prefix + "initial_", inner, number);
+        } else if (value.is_string()) {
+            const std::string word = value;
+            if (key == "type") {
+                const std::vector<std::string> types{"revolute",  "prismatic", "spherical",
+                                                     "universal", "fixed",     "distance"};
+                if (const int type = place_in(types, word); type >= 0)
+                    add(prefix + "type", type,
+                        word + ": 0 revolute, 1 prismatic, 2 spherical, 3 universal, 4 fixed, 5 distance");
+            } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
+                add(prefix + key + "_is_body", word == "body" ? 1 : 0, "else the world's");
+            } else if (key == "joint") {
+                add(prefix + key, place_in(joints, word), word);
+            } else {
+                add(prefix + key, place_in(bodies, word), word + ": number of the body, -1 of the world");
+            }
+        } else if (!(value.is_array() && value.empty())) {
+            add(prefix + key, value, units.contains(key) ? units.at(key) : "");
+        }
+    };
+    for (const char* list : {"joints", "loops"})
+        for (const ordered_json& one : around[list]) {
+            const std::string prefix = (list[0] == 'j' ? "joint_" : "loop_") + joint_identifiers(one["name"]) + "_";
+            add(prefix + "number", place_in(joints, one["name"]), one["name"]);
+            for (const auto& [key, value] : one.items()) add_member(add_member, prefix, key, value);
+        }
+    for (std::size_t i = 0; i < around["loads"].size(); ++i) {
+        const ordered_json& load = around["loads"][i];
+        const std::string prefix = fmt::format("{}_{}_", load.value("type", std::string("load")), i);
+        for (const auto& [key, value] : load.items())
+            if (key != "type") add_member(add_member, prefix, key, value);
+    }
+    return all;
+}
+
+std::string compare_of_system(std::string text) {
+    static constexpr std::pair<const char*, const char*> changes[] = {
+        // C and C++
+        {"How many blocks of the engine's state at sample k are", "How many blocks of a body's state at sample k are"},
+        {"compare(size_t k, const REAL", "compare(size_t k, size_t body, const REAL"},
+        {"NAME_q[k]", "NAME_q[k * NAME_bodies + body]"},
+        {"NAME_w[k]", "NAME_w[k * NAME_bodies + body]"},
+        {"NAME_p[k]", "NAME_p[k * NAME_bodies + body]"},
+        {"NAME_v[k]", "NAME_v[k * NAME_bodies + body]"},
+        {"compare(k, own_q", "compare(k, body, own_q"},
+        // C#
+        {"Which blocks of the engine's state at sample k", "Which blocks of a body's state at sample k"},
+        {"compare(int k, REAL[]", "compare(int k, int body, REAL[]"},
+        {"System.Func<REAL[], REAL[,], double> distance = (own, expected)",
+         "int row = k * bodies + body;\n        System.Func<REAL[], REAL[,], int, double> distance = (own, expected, "
+         "at)"},
+        {"expected[k, i]", "expected[at, i]"},
+        {"q[k, ", "q[row, "},
+        {"distance(own_w, w)", "distance(own_w, w, row)"},
+        {"distance(own_p, p)", "distance(own_p, p, row)"},
+        {"distance(own_v, v)", "distance(own_v, v, row)"},
+        {"distance(own_momentum, momentum)", "distance(own_momentum, momentum, k)"}};
+    for (const auto& [what, by] : changes) text = replaced(std::move(text), what, by);
+    return text;
+}
+
+}  // namespace polhode::golden_code

@@ -47,14 +47,14 @@ struct RobotJoint {
 };
 
 /// What a file has and a scene has no place for: "limits" -> the names of the joints that have them, ..
-using LeftOut = std::map<std::string, std::vector<std::string>>;
+using RobotLeftOut = std::map<std::string, std::vector<std::string>>;
 
 struct Robot {
     std::vector<RobotLink> links;
     std::vector<RobotJoint> joints;  ///< trees; a link without one is a root
     bool roots_are_free = false;     ///< where nobody says: free bodies or held where they are
     std::vector<RobotPose> places;   ///< of each link in the world, where the file says; of roots alone
-    LeftOut left_out;
+    RobotLeftOut left_out;
 };
 
 /// The robot in a file's text, the format told by the root element; `path` is named in errors. Throws InputError.

@@ -45,7 +45,7 @@ Vector3<Wide> urdf_axis(const RobotXml& xml, const XMLElement& joint) {
     return axis;
 }
 
-void urdf_left_out(const XMLElement& joint, const std::string& name, LeftOut& left_out) {
+void urdf_left_out(const XMLElement& joint, const std::string& name, RobotLeftOut& left_out) {
     if (const XMLElement* limit = joint.FirstChildElement("limit"); limit) left_out["limits of joints"].push_back(name);
     if (joint.FirstChildElement("mimic")) left_out["mimicry of joints"].push_back(name);
     if (const XMLElement* dynamics = joint.FirstChildElement("dynamics");

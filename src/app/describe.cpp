@@ -23,7 +23,7 @@
 namespace polhode {
 namespace {
 
-const char* text(Control control) {
+const char* control_text(Control control) {
     switch (control) {
         case Control::none:
             return "neither a step nor a tolerance";
@@ -158,7 +158,7 @@ std::string describe_method(const Method& method) {
     const auto line = [&](const char* name, std::string_view value) {
         if (!value.empty()) description += fmt::format("  {:<10}  {}\n", name, value);
     };
-    line("control", text(method.control));
+    line("control", control_text(method.control));
     line("order", method.order > 0 ? std::to_string(method.order) : "variable, or none");
     if (!method.described_as.empty()) line("described as", method.described_as);
     line("conserves", method.conserves);

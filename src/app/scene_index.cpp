@@ -97,10 +97,10 @@ Table mechanism_rows_of(const std::vector<std::string>& names) {
         const Scene scene = find_scene(name);
         const Problem problem = pose(scene);
         const Tree<double>& tree = mechanism_of(problem).tree();
-        const long rows = long(tree.loop_rows()), independent = long(tree.independent_loop_rows());
+        const long equations = long(tree.loop_rows()), independent = long(tree.independent_loop_rows());
         table.rows.push_back({name, scene.about, short_number(scene.duration), long(scene.bodies.size()),
                               types_of(scene.joints), types_of(scene.loops), long(tree.links().rates) - independent,
-                              rows, rows - independent, loads_of(scene), long(problem.needs.dimension),
+                              equations, equations - independent, loads_of(scene), long(problem.needs.dimension),
                               std::string(truth_method(problem)), scene.source});
     }
     return table;

@@ -140,6 +140,8 @@ int solve_command(const SolveOptions& options) {
     settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
     settings.tolerance = options.tolerance;
     if (settings.step) require_positive("the step", *settings.step);
+    if (options.full && is_mechanism(scene))
+        throw UsageError("--full: a scene of several bodies is posed in joint coordinates alone; leave it out");
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();
@@ -196,7 +198,8 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--reactions", options->reactions,
                         "File (CSV) for the forces and torques of joints and loops, of a scene of several bodies: "
                         "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
-    command->add_flag("--full", options->full, "Integrate all 13 variables and leave nothing out");
+    command->add_flag("--full", options->full,
+                      "Integrate all 13 variables and leave nothing out, of a scene of one body");
     command->callback([options, &exit_code] { exit_code = solve_command(*options); });
 }
 

@@ -1,0 +1,118 @@
+// Conditioning of mechanisms, where the variational equation has a closed form.
+#include "integrators/analysis/conditioning_of_mechanism.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+#include "integrators/method.h"
+#include "motion/mechanism.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+// a point mass of 1 kg, 0.5 m from the hinge, with 0.25 kg m^2 about its centre: I = 0.5, m g l = 5
+Scene pendulum(const std::string& joint, const std::string& more = "") {
+    return parse_scene(R"({"name": "p", "duration": 2,
+        "bodies": [{"name": "bob", "body": {"mass": 1, "inertia": [0.25, 0.25, 0.25], "center_of_mass": [0, 0, -0.5]}}],
+        "joints": [{"name": "pin", "parent": "world", "child": "bob", )" +
+                           joint + "}], " + more + R"("loads": [{"type": "gravity", "acceleration": [0, 0, -10]}]})",
+                       "p");
+}
+
+double norm(double a, double b, double c, double d) {
+    Eigen::Matrix2d m;
+    m << a, b, c, d;
+    return m.jacobiSvd().singularValues()[0];
+}
+
+Conditioning conditioning_at(const Scene& scene, const std::vector<double>& times) {
+    return conditioning(pose(scene), times);
+}
+
+// theta'' = l^2 theta upright: (cosh, sinh / l; l sinh, cosh), rates in units of their scale
+TEST(ConditioningOfMechanism, OfAPendulumUprightGrowsAsItsLinearSolution) {
+    const Scene scene = pendulum(R"("type": "revolute", "axis": [0, 1, 0], "initial": {"angle": 3.141592653589793})");
+    const double s = mechanism_of(pose(scene)).scales()[1], l = std::sqrt(10.0);
+    const std::vector<double> times{0, 0.5, 1, 2};
+    const Conditioning kappa = conditioning_at(scene, times);
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        const double c = std::cosh(l * times[k]), f = std::sinh(l * times[k]);
+        EXPECT_NEAR(kappa.state[k] / norm(c, s * f / l, l * f / s, c), 1, 1e-5) << times[k];
+        EXPECT_NEAR(kappa.attitude[k] / std::hypot(c, s * f / l), 1, 1e-5) << times[k];
+    }
+}
+
+TEST(ConditioningOfMechanism, OfAPendulumAtRestStaysSmall) {
+    const Scene scene = pendulum(R"("type": "revolute", "axis": [0, 1, 0])");
+    const double s = mechanism_of(pose(scene)).scales()[1], l = std::sqrt(10.0);
+    const Conditioning kappa = conditioning_at(scene, {0.3, 2});
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double c = std::cos(l * kappa.times[k]), f = std::sin(l * kappa.times[k]);
+        EXPECT_NEAR(kappa.state[k] / norm(c, s * f / l, -l * f / s, c), 1, 1e-5);
+    }
+}
+
+// a ball joint at one point and a loop at another are a hinge: of what they let move, not of what they hold
+TEST(ConditioningOfMechanism, LoopsLeaveTheChangesThatTheyAllow) {
+    const Scene hinge = pendulum(R"("type": "revolute", "axis": [0, 1, 0], "initial": {"angle": 3.141592653589793})");
+    const Scene loop =
+        pendulum(R"("type": "spherical", "initial": {"orientation": [0, 0, 1, 0]})",
+                 R"("loops": [{"name": "second", "type": "spherical", "first": "world", "first_point": [0, 1, 0],
+            "second": "bob", "second_point": [0, 1, 0]}], )");
+    const Conditioning one = conditioning_at(hinge, {1}), other = conditioning_at(loop, {1});
+    ASSERT_TRUE(other.available) << other.message;
+    EXPECT_NE(other.message.find(" 2 directions"), std::string::npos) << other.message;
+    EXPECT_NEAR(other.attitude[0] / one.attitude[0], 1, 1e-3);
+}
+
+// An impulse jumps through its own derivative: two bodies in a row, kicked, against differences of the motion itself.
+TEST(ConditioningOfMechanism, PassesImpulses) {
+    const auto scene = [](double angle) {
+        return parse_scene(fmt::format(R"({{"name": "two", "duration": 1,
+            "bodies": [{{"name": "a", "body": {{"mass": 1, "inertia": [0.1, 0.1, 0.1], "center_of_mass": [0, 0, -0.5]}}}},
+                       {{"name": "b", "body": {{"mass": 1, "inertia": [0.1, 0.1, 0.1], "center_of_mass": [0, 0, -0.5]}}}}],
+            "joints": [{{"name": "s", "type": "revolute", "parent": "world", "child": "a", "axis": [0, 1, 0],
+                         "initial": {{"angle": {:.17g}, "rate": 1}}}},
+                       {{"name": "e", "type": "revolute", "parent": "a", "parent_point": [0, 0, -1], "child": "b",
+                         "axis": [0, 1, 0], "initial": {{"angle": 0.5}}}}],
+            "loads": [{{"type": "gravity", "acceleration": [0, 0, -10]}},
+                      {{"type": "impulse", "body": "b", "vector": [3, 0, 0], "frame": "body", "point": [0, 0, -1],
+                        "at": 0.5}}]}})",
+                                       angle),
+                           "two");
+    };
+    const double h = 1e-5;
+    const auto end = [&](double angle) {
+        Settings settings;
+        settings.samples = 1, settings.tolerance = 1e-13;
+        return solve(pose(scene(angle)), *find_method("taylor"), settings).samples;
+    };
+    const std::vector<Sample> ahead = end(0.4 + h), behind = end(0.4 - h);
+    double grown = 0;
+    for (std::size_t b = 2; b < 4; ++b) {
+        const Quaternion<double> r = conjugate(behind[b].q) * ahead[b].q;
+        grown = std::max(grown, 2 * std::hypot(r.x, r.y, r.z) / (2 * h));
+    }
+    const Conditioning kappa = conditioning_at(scene(0.4), {1});
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    // of one direction kappa is no less, and the angle is no small part of what it hangs on
+    EXPECT_GE(kappa.attitude[0], grown * (1 - 1e-4));
+    EXPECT_LE(kappa.attitude[0], 30 * grown);
+}
+
+TEST(ConditioningOfMechanism, OfALongChainFollowsSomeDirections) {
+    const Conditioning kappa = conditioning_at(find_scene("mechanisms/chain_100"), {0.01});
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    EXPECT_NE(kappa.message.find("16 directions of many"), std::string::npos) << kappa.message;
+    EXPECT_GT(kappa.state[0], 0.5);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -47,6 +47,7 @@ class ConstrainedEquations {
     int differential() const { return lambda_; }
     int lambda() const { return lambda_; }
     int mu() const { return mu_; }
+    int nu() const { return nu_; }
     const std::vector<Group>& groups() const { return groups_; }
     int colors() const { return colors_; }
 

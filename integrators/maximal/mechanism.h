@@ -32,6 +32,8 @@ struct HeldBody {
         for (int i = 0; i < 3; ++i) square += dot(inverse_inertia[i], inverse_inertia[i]);
         return P(1) / square_root(square);
     }
+    /// How far its mass is from its centre, m: the root of tr I / (2 m), the mean square of the distance.
+    P reach() const { return square_root(P((inertia[0][0] + inertia[1][1] + inertia[2][2]) / (P(2) * mass))); }
 };
 
 /// Where a joint or a loop takes hold of a body.

@@ -70,27 +70,27 @@ void IdaSession::set_tolerances() {
     double* absolute = N_VGetArrayPointer(absolute_.get());
     const Scales& scales = problem_->scales;
     const maximal::Mechanism<double>& mechanism = system_.mechanism();
-    double mass = 0;
+    double mass = 0, speed = scales.velocity;
     for (int b = 0; b < mechanism.world(); ++b) {
         const int first = system_.place(b);
         if (first < 0) continue;
         const maximal::HeldBody<double>& body = mechanism.bodies[b];
-        mass += body.mass;
+        // centres that stay where they are have no scale of their own
+        const double reach = body.reach(), velocity = std::max(scales.velocity, scales.angular_velocity * reach);
+        mass += body.mass, speed = std::max(speed, velocity);
         std::fill_n(absolute + first, 4, tolerance_);
-        std::fill_n(absolute + first + 4, 3, tolerance_ * scales.position);
+        std::fill_n(absolute + first + 4, 3, tolerance_ * std::max(scales.position, reach));
         std::fill_n(absolute + first + 7, 3, tolerance_ * body.least_moment() * scales.angular_velocity);
-        std::fill_n(absolute + first + 10, 3, tolerance_ * body.mass * scales.velocity);
+        std::fill_n(absolute + first + 10, 3, tolerance_ * body.mass * velocity);
     }
     std::fill(absolute + system_.angles(), absolute + equations_.differential(), tolerance_);
     // lambda: forces; mu: momenta; nu: rates
-    double acceleration = scales.velocity * scales.angular_velocity;
+    double acceleration = speed * scales.angular_velocity;
     for (const Load& load : problem_->scene.loads)
         if (const auto* gravity = std::get_if<Gravity>(&load)) acceleration += length(gravity->acceleration_W);
     std::fill(absolute + equations_.lambda(), absolute + equations_.mu(), multiplier_share * mass * acceleration);
-    std::fill(absolute + equations_.mu(), absolute + n_, multiplier_share * mass * scales.velocity);
-    const int bodies = system_.angles() / maximal::System<double>::body_size;
-    if (equations_.mu() < n_)
-        std::fill(absolute + n_ - bodies, absolute + n_, multiplier_share * scales.angular_velocity);
+    std::fill(absolute + equations_.mu(), absolute + equations_.nu(), multiplier_share * mass * speed);
+    std::fill(absolute + equations_.nu(), absolute + n_, multiplier_share * scales.angular_velocity);
 }
 
 void IdaSession::restart() {

@@ -32,10 +32,13 @@ class MaximalForm : public maximal::System<P> {
             // the error of w is that of L over the smallest moment
             const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
             const double mass = static_cast<double>(mechanism.bodies[b].mass);
+            // centres that stay where they are have no scale of their own
+            const double reach = static_cast<double>(mechanism.bodies[b].reach());
+            const double velocity = std::max(scales.velocity, scales.angular_velocity * reach);
             all.push_back({first, 4, 1});
-            all.push_back({first + 4, 3, scales.position});
+            all.push_back({first + 4, 3, std::max(scales.position, reach)});
             all.push_back({first + 7, 3, moment * scales.angular_velocity});
-            all.push_back({first + 10, 3, mass * scales.velocity});
+            all.push_back({first + 10, 3, mass * velocity});
         }
         for (int i = this->angles(); i < this->dimension(); ++i) all.push_back({i, 1, 1});
         return all;

@@ -1,0 +1,232 @@
+// What acts on the bodies of a mechanism in maximal coordinates: loads, and the joints' own springs, dampers and
+// motors, as forces and torques about the centres of mass in world axes.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "integrators/multibody/moving_bodies.h"
+
+namespace polhode::multibody {
+
+/// A force and a torque about the centre of mass, or momenta; world axes.
+template <class S>
+struct WorldWrench {
+    Vector3<S> force, torque;
+
+    void add_force_at(const Vector3<S>& arm, const Vector3<S>& f) {
+        force = force + f, torque = torque + cross(arm, f);
+    }
+};
+
+/// The loads that act during one piece of the motion, each number rounded once.
+template <class S>
+class Acting {
+  public:
+    Acting() = default;
+    /// Those that act from `begin` (s) on.
+    Acting(const maximal::Mechanism<double>& mechanism, double begin) {
+        motors_.assign(mechanism.links.size(), S(0));
+        for (const Load& load : mechanism.scene().loads) {
+            const Window window = window_of(load);
+            if (std::holds_alternative<Impulse>(load) || !(window.from <= begin && begin < window.until)) continue;
+            take(mechanism, load);
+        }
+    }
+
+    /// The sum of the motors on a joint.
+    S motor(std::size_t link) const { return motors_.empty() ? S(0) : motors_[link]; }
+
+    /// Adds what acts on each body.
+    void add(const std::vector<MovingBody<S>>& bodies, std::vector<WorldWrench<S>>& on) const {
+        if (has_gravity_)
+            for (std::size_t b = 0; b < on.size(); ++b) on[b].force = on[b].force + bodies[b].mass * gravity_;
+        for (const auto& load : torques_) {
+            Vector3<S>& sum = on[load.body].torque;
+            sum = sum + (load.in_body ? bodies[load.body].R * load.vector : load.vector);
+        }
+        for (const AtPoint& load : forces_) at_point(load, bodies, on);
+        for (const auto& drag : drags_) {
+            const MovingBody<S>& body = bodies[drag.body];
+            const Vector3<S> w = transposed(body.R) * body.w;
+            on[drag.body].torque =
+                on[drag.body].torque -
+                body.R * Vector3<S>(drag.rotational[0] * w[0], drag.rotational[1] * w[1], drag.rotational[2] * w[2]);
+            on[drag.body].force = on[drag.body].force - drag.translational * body.v;
+        }
+        for (const auto& spring : springs_) {
+            // q q_rest* turns the rest attitude into the present one, about an axis in the world
+            const Quaternion<S> turn = bodies[spring.body].q * conjugate(spring.rest);
+            on[spring.body].torque = on[spring.body].torque - (S(2) * spring.stiffness * turn.w) * vector_part(turn);
+        }
+        for (const auto& tie : ties_) {
+            const MovingBody<S>&one = bodies[tie.first], &two = bodies[tie.second];
+            const Vector3<S> r1 = one.R * tie.arm_first, r2 = two.R * tie.arm_second, d = (two.x + r2) - (one.x + r1);
+            S scale = tie.stiffness;
+            if (tie.rest_length != S(0)) scale = scale - tie.stiffness * tie.rest_length / length(d);
+            const Vector3<S> pull = scale * d;
+            on[tie.first].add_force_at(r1, pull);
+            on[tie.second].add_force_at(r2, -pull);
+        }
+    }
+
+    /// Adds the momenta of the impulses at that very time, each body as if alone; whether there are any.
+    static bool add_impulses(const maximal::Mechanism<double>& mechanism, double time,
+                             const std::vector<MovingBody<S>>& bodies, std::vector<WorldWrench<S>>& on) {
+        bool any = false;
+        for (const Load& load : mechanism.scene().loads)
+            if (const auto* impulse = std::get_if<Impulse>(&load); impulse && impulse->at == time)
+                at_point(point_load(mechanism, *impulse), bodies, on), any = true;
+        return any;
+    }
+
+  private:
+    struct Turning {
+        std::size_t body;
+        Vector3<S> vector;
+        bool in_body;
+    };
+    struct AtPoint {
+        std::size_t body;
+        Vector3<S> vector;
+        bool in_body;
+        Vector3<S> point;  ///< from the centre of mass, body axes; or in the world
+        bool point_in_body;
+    };
+    struct Dragging {
+        std::size_t body;
+        Vector3<S> rotational;
+        S translational;
+    };
+    struct Springing {
+        std::size_t body;
+        S stiffness;
+        Quaternion<S> rest;
+    };
+    struct Tie {
+        std::size_t first, second;
+        Vector3<S> arm_first, arm_second;
+        S stiffness, rest_length;
+    };
+    bool has_gravity_ = false;
+    Vector3<S> gravity_;
+    std::vector<Turning> torques_;
+    std::vector<AtPoint> forces_;
+    std::vector<Dragging> drags_;
+    std::vector<Springing> springs_;
+    std::vector<Tie> ties_;
+    std::vector<S> motors_;
+
+    static std::size_t number(const maximal::Mechanism<double>& mechanism, const std::string& name) {
+        return static_cast<std::size_t>(mechanism.number_of(name));
+    }
+    template <class AnyPointLoad>
+    static AtPoint point_load(const maximal::Mechanism<double>& mechanism, const AnyPointLoad& load) {
+        const std::size_t body = number(mechanism, load.body);
+        const bool in_body = load.point_frame == Frame::body;
+        const Vector3<double> point = in_body ? mechanism.arm(static_cast<int>(body), load.point) : load.point;
+        return {body, cast<S>(load.vector), load.frame == Frame::body, cast<S>(point), in_body};
+    }
+    static void at_point(const AtPoint& load, const std::vector<MovingBody<S>>& bodies,
+                         std::vector<WorldWrench<S>>& on) {
+        const MovingBody<S>& body = bodies[load.body];
+        const Vector3<S> arm = load.point_in_body ? body.R * load.point : load.point - body.x;
+        on[load.body].add_force_at(arm, load.in_body ? body.R * load.vector : load.vector);
+    }
+    void take(const maximal::Mechanism<double>& mechanism, const Load& load) {
+        if (const auto* gravity = std::get_if<Gravity>(&load)) {
+            has_gravity_ = true, gravity_ = gravity_ + cast<S>(gravity->acceleration_W);
+        } else if (const auto* torque = std::get_if<Torque>(&load)) {
+            torques_.push_back(
+                {number(mechanism, torque->body), cast<S>(torque->vector), torque->frame == Frame::body});
+        } else if (const auto* force = std::get_if<Force>(&load)) {
+            forces_.push_back(point_load(mechanism, *force));
+        } else if (const auto* drag = std::get_if<Drag>(&load)) {
+            drags_.push_back({number(mechanism, drag->body), cast<S>(drag->rotational), S(drag->translational)});
+        } else if (const auto* spring = std::get_if<Spring>(&load)) {
+            springs_.push_back(
+                {number(mechanism, spring->body), S(spring->stiffness), cast<S>(normalized(spring->rest_orientation))});
+        } else if (const auto* motor = std::get_if<Motor>(&load)) {
+            for (std::size_t k = 0; k < mechanism.links.size(); ++k)
+                if (!mechanism.links[k].closes && mechanism.links[k].name == motor->joint)
+                    motors_[k] += S(motor->force);
+        } else if (const auto* tie = std::get_if<PointSpring>(&load)) {
+            const std::size_t first = number(mechanism, tie->first), second = number(mechanism, tie->second);
+            ties_.push_back({first, second, cast<S>(mechanism.arm(static_cast<int>(first), tie->first_point)),
+                             cast<S>(mechanism.arm(static_cast<int>(second), tie->second_point)), S(tie->stiffness),
+                             S(tie->rest_length)});
+        }
+    }
+};
+
+/// The angle equal to `angle` up to whole turns that is nearest to `before`.
+template <class S>
+S nearest_turn(S angle, S before) {
+    constexpr S turn = 2 * std::numbers::pi_v<S>;
+    return angle + turn * std::round((before - angle) / turn);
+}
+
+/// The coordinates of a joint of one or two, as the bodies stand: rad, near those before; m.
+template <class S>
+void follow_coordinates(const PairView<S>& at, std::array<S, 2>& coordinate) {
+    const HeldPair<S>& pair = at.pair;
+    if (pair.kind == maximal::Kind::prismatic) {
+        coordinate[0] = dot(at.first_axis(), at.apart());
+    } else if (pair.kind == maximal::Kind::revolute) {
+        const Quaternion<S> J = at.joint();
+        coordinate[0] = nearest_turn<S>(2 * std::atan2(dot(vector_part(J), pair.axes_to[0]), J.w), coordinate[0]);
+    } else if (pair.kind == maximal::Kind::universal) {
+        // the turn about the first axis takes the second from where it is at zero; and the other way round
+        const auto angle = [](const Vector3<S>& axis, const Vector3<S>& rest, const Vector3<S>& now) {
+            return std::atan2(dot(cross(axis, rest), now), dot(rest, now) - dot(axis, rest) * dot(axis, now));
+        };
+        const Quaternion<S> J = at.joint();
+        const Vector3<S>&first = pair.axes_to[0], &second = pair.axes_to[1];
+        coordinate[0] = nearest_turn<S>(angle(first, second, rotate(J, second)), coordinate[0]);
+        coordinate[1] = nearest_turn<S>(-angle(second, first, rotate_back(J, first)), coordinate[1]);
+    }
+}
+
+/// Adds what a joint's own spring, damper and motor do to its two bodies. `coordinate`: those of joints with a spring.
+template <class S>
+void add_own_forces(const PairView<S>& at, S motor, const std::array<S, 2>& coordinate, WorldWrench<S>& on_from,
+                    WorldWrench<S>& on_to) {
+    const HeldPair<S>& pair = at.pair;
+    const auto twist = [&](const Vector3<S>& torque) {
+        on_to.torque = on_to.torque + torque, on_from.torque = on_from.torque - torque;
+    };
+    const auto size = [&](std::size_t i, S rate) {
+        return -pair.stiffness[i] * (coordinate[i] - pair.rest[i]) - pair.damping[i] * rate;
+    };
+    const Vector3<S> relative = at.to.w - at.from.w;
+    if (pair.kind == maximal::Kind::spherical) {
+        Vector3<S> torque;
+        if (pair.has_spring) {
+            const Quaternion<S> r = conjugate(pair.rest_orientation) * at.joint();
+            torque = at.to.R * Vector3<S>((S(-2) * pair.stiffness[0] * r.w) * vector_part(r));
+        }
+        twist(torque - pair.damping[0] * relative);
+    } else if (pair.kind == maximal::Kind::revolute) {
+        const Vector3<S> axis = at.axis_to(0);
+        twist((motor + size(0, dot(axis, relative))) * axis);
+    } else if (pair.kind == maximal::Kind::universal) {
+        // w2 - w1 = e1 x' + e2 y';  t . e1 = Q1, t . e2 = Q2
+        const Vector3<S> e1 = at.first_axis(), e2 = at.axis_to(1);
+        const S c = dot(e1, e2), scale = 1 / (1 - c * c), along1 = dot(e1, relative), along2 = dot(e2, relative);
+        const S Q1 = size(0, scale * (along1 - c * along2)), Q2 = size(1, scale * (along2 - c * along1));
+        twist(scale * ((Q1 - c * Q2) * e1 + (Q2 - c * Q1) * e2));
+    } else if (pair.kind == maximal::Kind::prismatic) {
+        // both feel it at the child's point
+        const Vector3<S> axis = at.first_axis(), arm_to = at.arm_to(), arm_from = at.to.x + arm_to - at.from.x;
+        const S rate = dot(axis, at.to.velocity_at(arm_to) - at.from.velocity_at(arm_from));
+        const Vector3<S> force = (motor + size(0, rate)) * axis;
+        on_to.add_force_at(arm_to, force);
+        on_from.add_force_at(arm_from, -force);
+    }
+}
+
+}  // namespace polhode::multibody

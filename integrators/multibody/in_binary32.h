@@ -1,0 +1,18 @@
+// The family of methods for mechanisms beside its twins in binary32.
+#pragma once
+
+#include "integrators/multibody/refusals.h"
+#include "integrators/run/binary32.h"
+
+namespace polhode::multibody {
+
+/// with_binary32() for scenes of several bodies.
+template <const auto& methods, auto... solves>
+constexpr auto with_binary32_twins() {
+    auto all = with_binary32<methods, beyond_binary32, solves...>();
+    // a mechanism is posed as a system of its own
+    for (Method& method : all) method.own_systems = true;
+    return all;
+}
+
+}  // namespace polhode::multibody

@@ -1,0 +1,122 @@
+// Sequential impulses: E. Catto 2005, Iterative Dynamics with Temporal Coherence, Game Developers Conference.
+#pragma once
+
+#include <array>
+#include <type_traits>
+#include <vector>
+
+#include "integrators/multibody/maximal_state.h"
+#include "integrators/multibody/velocity_rows.h"
+
+namespace polhode::multibody {
+
+/// How a solver of impulses goes about it.
+struct ImpulseOptions {
+    int iterations = 10;
+    bool warm_start = true;       ///< begins with the impulses of the step before, by the steps' ratio
+    bool split = false;           ///< mends positions by velocities of their own, which are forgotten
+    bool gyroscopic_term = true;  ///< w x I w in one Newton step; else left out
+    bool blocks = false;          ///< a joint's axes together, then its points together; else row by row
+};
+
+/// Semi-implicit Euler in maximal coordinates, the constraints' impulses by Gauss and Seidel's iteration row by row:
+///   v += h F / m,  w += h I^-1 tau,
+///   over and over for each row:  d = -(J v + (beta/h) C) / (J M^-1 J^T),  (v, w) += M^-1 J^T d,  lambda += d
+///   x += h v,  q = exp(h w) q
+/// with J and C as the bodies stand at the step's begin, beta = 0.2.
+template <class S, ImpulseOptions options>
+class SequentialImpulses : public MaximalState<S> {
+    using Base = MaximalState<S>;
+    using Base::bodies_, Base::steps_;
+
+  public:
+    explicit SequentialImpulses(const Problem& problem) : Base(problem) { impulses_.resize(this->pairs().size()); }
+    void restart() {
+        Base::restart();
+        for (auto& impulse : impulses_) impulse = {};
+        step_before_ = 0;
+    }
+    void step(double, double step) {
+        const S h = S(step), beta = S(0.2), mend = beta / h;
+        constexpr GyroscopicTerm term =
+            options.gyroscopic_term ? GyroscopicTerm::one_newton_step : GyroscopicTerm::none;
+        this->template accelerate<term>(h);
+        rows_.clear();
+        for (const HeldPair<S>& pair : this->pairs()) rows_.emplace_back(this->view(pair));
+        if constexpr (!options.blocks) find_masses();
+        const S ratio = step_before_ > 0 ? h / step_before_ : S(0);
+        step_before_ = h;
+        for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+            S& impulse = impulses_[k][i];
+            impulse = options.warm_start ? ratio * impulse : S(0);
+            if (options.warm_start) row.push(impulse, a, b);
+        });
+        if constexpr (options.blocks) {
+            const Softness<S> rigid{mend, S(1), S(0)};
+            for (int iteration = 0; iteration < options.iterations; ++iteration)
+                for (std::size_t k = 0; k < rows_.size(); ++k) {
+                    const HeldPair<S>& pair = this->pairs()[k];
+                    rows_[k].solve(rigid, impulses_[k], bodies_[pair.from], bodies_[pair.to]);
+                }
+        }
+        for (int iteration = 0; !options.blocks && iteration < options.iterations; ++iteration)
+            for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+                const S bias = options.split ? S(0) : mend * row.error;
+                const S change = -masses_[k][i] * (row.velocity(a, b) + bias);
+                impulses_[k][i] += change;
+                row.push(change, a, b);
+            });
+        if constexpr (options.split) {
+            go_on_with_corrections(h, mend);
+        } else {
+            for (MovingBody<S>& body : bodies_) move(body, h, body.v, body.w);
+        }
+        ++steps_;
+    }
+
+  private:
+    using Rows = std::conditional_t<options.blocks, BlockedPair<S>, PairRows<S>>;
+    std::vector<Rows> rows_;
+    std::vector<std::array<S, 6>> masses_, impulses_;
+    S step_before_ = S(0);
+
+    static const PairRows<S>& plain_rows(const PairRows<S>& rows) { return rows; }
+    static const PairRows<S>& plain_rows(const BlockedPair<S>& pair) { return pair.rows; }
+    template <class Do>
+    void for_rows(Do&& act) {
+        for (std::size_t k = 0; k < rows_.size(); ++k) {
+            const HeldPair<S>& pair = this->pairs()[k];
+            MovingBody<S>&a = bodies_[pair.from], &b = bodies_[pair.to];
+            const PairRows<S>& rows = plain_rows(rows_[k]);
+            for (std::size_t i = 0; i < rows.count; ++i) act(k, i, rows.row[i], a, b);
+        }
+    }
+    void find_masses() {
+        masses_.resize(rows_.size());
+        for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+            masses_[k][i] = 1 / coupling(row, row, a, b);
+        });
+    }
+    static void move(MovingBody<S>& body, S h, const Vector3<S>& v, const Vector3<S>& w) {
+        if (!body.movable) return;
+        body.x = body.x + h * v;
+        body.turn(h * w);
+        body.turned();
+    }
+    // the same iteration for the corrections' velocities, which begin at rest
+    void go_on_with_corrections(S h, S mend) {
+        const std::vector<MovingBody<S>> real = bodies_;
+        for (MovingBody<S>& body : bodies_) body.v = body.w = {};
+        for (int iteration = 0; iteration < options.iterations; ++iteration)
+            for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+                row.push(-masses_[k][i] * (row.velocity(a, b) + mend * row.error), a, b);
+            });
+        for (std::size_t b = 0; b < bodies_.size(); ++b) {
+            MovingBody<S>& body = bodies_[b];
+            move(body, h, real[b].v + body.v, real[b].w + body.w);
+            body.v = real[b].v, body.w = real[b].w;
+        }
+    }
+};
+
+}  // namespace polhode::multibody

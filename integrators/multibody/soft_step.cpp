@@ -1,0 +1,114 @@
+// Soft constraints with substeps: E. Catto 2011, Soft Constraints, Game Developers Conference; 2024, Solver2D, and
+// Box2D v3.1 (src/solver.c, src/world.c, src/types.c), whose numbers these are.
+#include <algorithm>
+#include <numbers>
+#include <span>
+
+#include "integrators/multibody/in_binary32.h"
+#include "integrators/multibody/maximal_state.h"
+#include "integrators/multibody/velocity_rows.h"
+
+namespace polhode {
+namespace {
+
+/// h = step / substeps; in each substep, with w_n = 2 pi f, f = min(60 Hz, 1/(8 h)), zeta = 2:
+///   v += h F / m,  w += h I^-1 tau;  the impulses of the substep before
+///   solve: each block of a joint once,  d = -s K^-1 (J v + b C) - (1 - s) lambda,
+///     a_1 = 2 zeta + h w_n,  b = w_n / a_1,  s = h w_n a_1 / (1 + h w_n a_1)
+///   x += h v,  q = exp(h w) q
+///   relax: each block once,  d = -K^-1 J v
+/// A block holds a point (or a distance, a rail) or axes; K = J M^-1 J^T of it.
+template <class S, int substeps>
+class SoftStep : public multibody::MaximalState<S> {
+    using Base = multibody::MaximalState<S>;
+    using Base::bodies_, Base::steps_;
+    using Softness = multibody::Softness<S>;
+
+  public:
+    explicit SoftStep(const Problem& problem) : Base(problem) { impulses_.resize(this->pairs().size()); }
+    void restart() {
+        Base::restart();
+        for (auto& impulse : impulses_) impulse = {};
+    }
+    void step(double, double step) {
+        const S h = S(step) / substeps;
+        constexpr S damping_ratio = 2, hertz = 60;
+        const S w_n = 2 * std::numbers::pi_v<S> * std::min(hertz, S(0.125) / h);
+        const S a1 = 2 * damping_ratio + h * w_n, a2 = h * w_n * a1;
+        const Softness soft{w_n / a1, a2 / (1 + a2), 1 / (1 + a2)}, rigid{};
+        for (int i = 0; i < substeps; ++i) {
+            this->template accelerate<GyroscopicTerm::one_newton_step>(h);
+            find_rows();
+            for (std::size_t k = 0; k < rows_.size(); ++k) {
+                const auto& pair = this->pairs()[k];
+                const auto& rows = rows_[k].rows;
+                for (std::size_t r = 0; r < rows.count; ++r)
+                    rows.row[r].push(impulses_[k][r], bodies_[pair.from], bodies_[pair.to]);
+            }
+            go_round(soft);
+            for (auto& body : bodies_) {
+                if (!body.movable) continue;
+                body.x = body.x + h * body.v;
+                body.turn(h * body.w);
+                body.turned();
+            }
+            find_rows();
+            go_round(rigid);
+            ++steps_;
+        }
+    }
+
+  private:
+    std::vector<std::array<S, 6>> impulses_;
+    std::vector<multibody::BlockedPair<S>> rows_;
+
+    void find_rows() {
+        rows_.clear();
+        for (const auto& pair : this->pairs()) rows_.emplace_back(this->view(pair));
+    }
+    void go_round(const Softness& softness) {
+        for (std::size_t k = 0; k < rows_.size(); ++k) {
+            const auto& pair = this->pairs()[k];
+            rows_[k].solve(softness, impulses_[k], bodies_[pair.from], bodies_[pair.to]);
+        }
+    }
+};
+
+template <class S, int substeps>
+Trajectory solve_softly(const Problem& problem, const Settings& settings) {
+    return march<SoftStep<S, substeps>>(problem, settings);
+}
+
+constexpr Method each_softly[] = {
+    {.name = "soft_step_4",
+     .documentation =
+         "Soft constraints with 4 substeps, as Box2D v3.1 solves joints: in each substep every joint's rows are pulled "
+         "once like a spring of 60 Hz (at most 1/8 a substep) and damping ratio 2, then positions move, and once more "
+         "without the pull (relaxing), so that no energy of the pull stays; the impulses of the substep before are the "
+         "first guess. Points and axes are solved as blocks. In space each body has its gyroscopic term, in one Newton "
+         "step. Joints' springs, dampers and motors are forces at the substep's begin. While positions move the pull "
+         "alone holds the joints: they open by a / w_n^2, a the acceleration that they hold and w_n = 2 pi 60 Hz, "
+         "whatever the step; only over times below 1 / (h w_n^2) less. Order 1 there.",
+     .solve = solve_softly<double, 4>},
+    {.name = "soft_step_16",
+     .documentation = "`soft_step_4` with 16 substeps a step.",
+     .solve = solve_softly<double, 16>},
+};
+
+constexpr auto softly = sharing({.source = "E. Catto 2011, Soft Constraints, Game Developers Conference; Box2D v3.1, "
+                                           "b2MakeSoft and the stages of b2Solve, jointHertz 60, jointDampingRatio 2",
+                                 .conserves = "|q|; linear momentum of a mechanism that nothing ties to the world",
+                                 .control = Control::fixed_step,
+                                 .own_systems = true,
+                                 .order = 1,
+                                 .family = Family::engine_update,
+                                 .refuses = multibody::needs_a_mechanism},
+                                each_softly);
+
+constexpr auto all_softly = multibody::with_binary32_twins<softly, solve_softly<float, 4>, solve_softly<float, 16>>();
+
+}  // namespace
+
+extern const std::span<const Method> soft_step_methods{all_softly};
+
+}  // namespace polhode

@@ -1,0 +1,149 @@
+// What joints and loops ask of velocities: scalar rows J v = f . (v_to - v_from) + t_to . w_to + t_from . w_from = 0,
+// and by how much the positions are off, C with dC/dt = J v.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "integrators/multibody/moving_bodies.h"
+
+namespace polhode::multibody {
+
+template <class S>
+struct VelocityRow {
+    Vector3<S> force, to, from;  ///< f, t_to, t_from: world axes, about the centres of mass
+    S error = S(0);              ///< C, m or rad
+
+    S velocity(const MovingBody<S>& a, const MovingBody<S>& b) const {
+        return dot(force, b.v - a.v) + dot(to, b.w) + dot(from, a.w);
+    }
+    /// Changes the velocities by an impulse along the row.
+    void push(S impulse, MovingBody<S>& a, MovingBody<S>& b) const {
+        a.v = a.v - (impulse * a.inverse_mass) * force;
+        a.w = a.w + impulse * (a.inverse_I_W * from);
+        b.v = b.v + (impulse * b.inverse_mass) * force;
+        b.w = b.w + impulse * (b.inverse_I_W * to);
+    }
+};
+
+/// J M^-1 J^T of two rows of one pair.
+template <class S>
+S coupling(const VelocityRow<S>& one, const VelocityRow<S>& other, const MovingBody<S>& a, const MovingBody<S>& b) {
+    return (a.inverse_mass + b.inverse_mass) * dot(one.force, other.force) + dot(one.to, b.inverse_I_W * other.to) +
+           dot(one.from, a.inverse_I_W * other.from);
+}
+
+/// The rows of a pair: those that hold points, then those that hold axes.
+template <class S>
+struct PairRows {
+    std::array<VelocityRow<S>, 6> row;
+    std::size_t count = 0, points = 0;
+
+    /// As the bodies stand.
+    explicit PairRows(const PairView<S>& at) {
+        using maximal::Kind;
+        const HeldPair<S>& pair = at.pair;
+        const Vector3<S> arm_to = at.arm_to(), arm_from = at.arm_from(), apart = at.apart();
+        const auto hold = [&](const Vector3<S>& f, const Vector3<S>& arm, S error) {
+            row[count++] = {f, cross(arm_to, f), cross(f, arm), error};
+        };
+        const auto hold_turn = [&](const Vector3<S>& t, S error) { row[count++] = {{}, t, -t, error}; };
+        if (pair.kind == Kind::prismatic) {
+            // across the axis; both feel it at the child's point
+            const Vector3<S> arm = arm_from + apart;
+            for (const Vector3<S>& across : pair.across_from) {
+                const Vector3<S> f = at.from.R * across;
+                hold(f, arm, dot(f, apart));
+            }
+        } else if (pair.kind == Kind::distance) {
+            const S distance = length(apart);
+            const Vector3<S> f = (1 / distance) * apart;
+            hold(f, arm_from, distance - pair.length);
+        } else {
+            for (std::size_t i = 0; i < 3; ++i) {
+                Vector3<S> f;
+                f[i] = 1;
+                hold(f, arm_from, apart[i]);
+            }
+        }
+        points = count;
+        if (pair.kind == Kind::prismatic || pair.kind == Kind::fixed) {
+            const Vector3<S> twist = at.twist();
+            for (std::size_t i = 0; i < 3; ++i) {
+                Vector3<S> t;
+                t[i] = 1;
+                hold_turn(t, twist[i]);
+            }
+        } else if (pair.kind == Kind::revolute) {
+            // u1, u2 across the parent's axis e, e x u1 = u2; the child's axis a near e: d(u1 . a)/dt = (w2 - w1) . u2
+            const Vector3<S> a = at.axis_to(0), u1 = at.from.R * pair.across_from[0],
+                             u2 = at.from.R * pair.across_from[1];
+            hold_turn(u1, -dot(u2, a));
+            hold_turn(u2, dot(u1, a));
+        } else if (pair.kind == Kind::universal) {
+            // d(e1 . e2)/dt = -(e1 x e2) . (w2 - w1)
+            const Vector3<S> e1 = at.first_axis(), e2 = at.axis_to(1);
+            hold_turn(cross(e1, e2), pair.between - dot(e1, e2));
+        }
+    }
+};
+
+/// How stiffly a block is held: 1, 0 and no bias of a rigid one.
+template <class S>
+struct Softness {
+    S bias_rate = S(0);      ///< 1/s: what of C is asked back
+    S mass_scale = S(1);     ///< how much of what is missing is given at once
+    S impulse_scale = S(0);  ///< how much of what was given is taken back
+};
+
+/// Up to three rows of a pair that are solved together: K^-1, K = J M^-1 J^T.
+template <class S>
+struct RowBlock {
+    std::size_t first = 0, count = 0;
+    Matrix3<S> inverse;
+
+    RowBlock() = default;
+    RowBlock(const PairRows<S>& rows, std::size_t begin, std::size_t end, const MovingBody<S>& a,
+             const MovingBody<S>& b)
+        : first(begin), count(end - begin) {
+        // rows past the last stand apart
+        Matrix3<S> K = diagonal(Vector3<S>(1, 1, 1));
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t j = 0; j < count; ++j) K[i][j] = coupling(rows.row[begin + i], rows.row[begin + j], a, b);
+        inverse = polhode::inverse(K);
+    }
+    /// d = -s K^-1 (J v + bias C) - (1 - s) lambda, added to lambda and to the velocities.
+    void solve(const PairRows<S>& rows, const Softness<S>& softness, std::array<S, 6>& impulses, MovingBody<S>& a,
+               MovingBody<S>& b) const {
+        if (count == 0) return;
+        Vector3<S> off;
+        for (std::size_t i = 0; i < count; ++i) {
+            const VelocityRow<S>& row = rows.row[first + i];
+            off[i] = row.velocity(a, b) + softness.bias_rate * row.error;
+        }
+        const Vector3<S> wanted = inverse * off;
+        for (std::size_t i = 0; i < count; ++i) {
+            S& impulse = impulses[first + i];
+            const S change = -softness.mass_scale * wanted[i] - softness.impulse_scale * impulse;
+            impulse += change;
+            rows.row[first + i].push(change, a, b);
+        }
+    }
+};
+
+/// A pair's rows with its two blocks.
+template <class S>
+struct BlockedPair {
+    PairRows<S> rows;
+    RowBlock<S> points, axes;
+
+    BlockedPair(const PairView<S>& at)
+        : rows(at), points(rows, 0, rows.points, at.from, at.to), axes(rows, rows.points, rows.count, at.from, at.to) {}
+    /// Axes first, as Box2D's joints solve angles before points.
+    void solve(const Softness<S>& softness, std::array<S, 6>& impulses, MovingBody<S>& a, MovingBody<S>& b) const {
+        axes.solve(rows, softness, impulses, a, b);
+        points.solve(rows, softness, impulses, a, b);
+    }
+};
+
+}  // namespace polhode::multibody

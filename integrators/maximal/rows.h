@@ -88,7 +88,7 @@ class LinkView {
         const auto add_turn = [&] {
             const Quaternion<S> base = from_.q * link_.orientation, turn = conjugate(base) * to_.q;
             const Vector3<S> turn_W = rotate(base, (turn.w + turn.w) * vector_part(turn));
-            all.insert(all.end(), turn_W.component.begin(), turn_W.component.end());
+            for (const S& x : turn_W.component) all.push_back(x);
         };
         if (link_.kind == Kind::prismatic) {
             const Vector3<S> slid = slide_arm_B() - cast<S>(link_.from.arm_B);
@@ -102,7 +102,7 @@ class LinkView {
             return all;
         }
         const Vector3<S> along = link_.closes ? from_.body(d) : d;
-        all.insert(all.end(), along.component.begin(), along.component.end());
+        for (const S& x : along.component) all.push_back(x);
         if (link_.kind == Kind::fixed) add_turn();
         if (link_.kind == Kind::revolute) {
             // d(u . e)/dt = (e x u) . (w2 - w1), and the axis, u[0], u[1] are right-handed

@@ -1,0 +1,404 @@
+// The commands on scenes of several bodies.
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/program_fixture.h"
+#include "motion/trajectory_csv.h"
+
+namespace polhode {
+namespace {
+
+// Two bars on hinges along y, each 1 kg and 1 m long.
+constexpr const char* chain = R"({"name": "chain", "duration": 1,
+    "bodies": [{"name": "upper", "body": {"mass": 1, "inertia": [0.125, 0.125, 0.0625], "center_of_mass": [0, 0, -0.5]}},
+               {"name": "lower", "body": {"mass": 2, "inertia": [0.125, 0.125, 0.0625], "center_of_mass": [0, 0, -0.5]}}],
+    "joints": [{"name": "shoulder", "type": "revolute", "parent": "world", "child": "upper", "axis": [0, 1, 0]SHOULDER},
+               {"name": "elbow", "type": "revolute", "parent": "upper", "parent_point": [0, 0, -1], "child": "lower",
+                "axis": [0, 1, 0]ELBOW}],
+    "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})";
+
+std::string chain_with(const std::string& shoulder, const std::string& elbow) {
+    std::string text = chain;
+    text.replace(text.find("SHOULDER"), 8, shoulder);
+    return text.replace(text.find("ELBOW"), 5, elbow);
+}
+
+using Row = std::map<std::string, std::string>;
+
+// A CSV file's lines by the names of their columns.
+std::vector<Row> rows_of(const std::string& text) {
+    std::vector<Row> rows;
+    std::vector<std::string> names;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        if (line.starts_with('#')) continue;
+        std::vector<std::string> cells;
+        for (std::size_t at = 0;;) {
+            const std::size_t comma = line.find(',', at);
+            cells.push_back(line.substr(at, comma - at));
+            if (comma == line.npos) break;
+            at = comma + 1;
+        }
+        if (names.empty()) {
+            names = cells;
+            continue;
+        }
+        EXPECT_EQ(cells.size(), names.size()) << line;
+        Row& row = rows.emplace_back();
+        for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
+    }
+    return rows;
+}
+
+double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
+
+class Mechanisms : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        inputs = directory.string() + ".in";
+        fs::create_directory(inputs);
+        ::setenv("POLHODE_CACHE", (inputs / "cache").c_str(), 1);
+        resting = write("resting.json", chain_with("", ""));
+        swinging = write("swinging.json",
+                         chain_with(R"(, "initial": {"angle": 1.25, "rate": 0.5})", R"(, "initial": {"angle": -0.5})"));
+        one = write("one.json", R"({"name": "one", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]}})");
+    }
+    void TearDown() override {
+        ::unsetenv("POLHODE_CACHE");
+        fs::remove_all(inputs);
+        Program::TearDown();
+    }
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(inputs / name) << text;
+        return (inputs / name).string();
+    }
+    std::string written(const std::string& name) const { return read(directory / name); }
+    int shell(const std::string& command) const {
+        return std::system(("cd '" + directory.string() + "' && " + command).c_str());  // NOLINT(cert-env33-c)
+    }
+
+    fs::path inputs;
+    std::string resting, swinging, one;
+};
+
+TEST_F(Mechanisms, SolveWritesALineForEachBody) {
+    const Outcome outcome = run({"solve", swinging, "--samples", "4"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(outcome.out.starts_with("t,body,qw,"));
+    const std::vector<Row> rows = rows_of(outcome.out);
+    ASSERT_EQ(rows.size(), 10u);
+    for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k].at("body"), k % 2 == 0 ? "upper" : "lower");
+    // at first 1.25 rad from hanging: the upper's centre at half a length
+    EXPECT_NEAR(number(rows[0], "px"), -0.5 * std::sin(1.25), 1e-15);
+    EXPECT_NEAR(number(rows[0], "pz"), -0.5 * std::cos(1.25), 1e-15);
+    EXPECT_NE(outcome.err.find("joint_gap_max"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("joint_turn_max"), std::string::npos) << outcome.err;
+}
+
+// Hanging at rest each joint holds what hangs on it, all numbers exact.
+TEST_F(Mechanisms, ReactionsAtRestAreWeights) {
+    for (const char* command : {"solve", "truth"}) {
+        const Outcome outcome =
+            run({command, resting, "--samples", "2", "--reactions", "r.csv", "--output", "trajectory.csv"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::string text = written("r.csv");
+        EXPECT_TRUE(text.starts_with("t,joint,fx,fy,fz,tx,ty,tz\n")) << text;
+        const std::vector<Row> rows = rows_of(text);
+        ASSERT_EQ(rows.size(), 6u) << command;
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            EXPECT_EQ(rows[k].at("joint"), k % 2 == 0 ? "shoulder" : "elbow");
+            EXPECT_EQ(number(rows[k], "t"), 0.5 * static_cast<double>(k / 2));
+            EXPECT_NEAR(number(rows[k], "fz"), (k % 2 == 0 ? 3 : 2) * 9.75, 1e-13);
+            for (const char* zero : {"fx", "fy", "tx", "ty", "tz"}) EXPECT_NEAR(number(rows[k], zero), 0, 1e-13);
+        }
+    }
+}
+
+// Newton's law of all: the shoulder's force is what the momentum gains beside the weight.
+TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
+    ASSERT_EQ(run({"truth", swinging, "--samples", "2000", "--reactions", "r.csv", "--output", "t.csv"}).exit_code, 0);
+    const std::vector<Row> motion = rows_of(written("t.csv")), reactions = rows_of(written("r.csv"));
+    ASSERT_EQ(motion.size(), 4002u);
+    ASSERT_EQ(reactions.size(), 4002u);
+    const auto momentum = [&](std::size_t k, const char* v) {
+        return number(motion[2 * k], v) + 2 * number(motion[2 * k + 1], v);
+    };
+    for (std::size_t k = 100; k < 2000; k += 300)
+        for (const auto& [v, f] : {std::pair("vx", "fx"), std::pair("vy", "fy"), std::pair("vz", "fz")}) {
+            const double rate = (momentum(k + 1, v) - momentum(k - 1, v)) / (2 * 5e-4);
+            EXPECT_NEAR(number(reactions[2 * k], f), rate + (f[1] == 'z' ? 3 * 9.75 : 0), 1e-3) << k << f;
+        }
+    // solve tells the same
+    ASSERT_EQ(run({"solve", swinging, "--samples", "2000", "--reactions", "s.csv", "--output", "s"}).exit_code, 0);
+    const std::vector<Row> solved = rows_of(written("s.csv"));
+    ASSERT_EQ(solved.size(), reactions.size());
+    for (std::size_t k = 0; k < solved.size(); k += 97)
+        for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-10);
+}
+
+TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
+    for (const char* command : {"solve", "truth"}) {
+        expect_refused({command, one, "--reactions", "r.csv"}, "--reactions: the scene is of one body");
+        expect_refused({command, resting, "--reactions", "r.csv", "--output", "r.csv"}, "name one file");
+        expect_refused({command, resting, "--reactions", "no/such/place.csv"}, "no/such/place.csv");
+    }
+    const std::string free_body = write(
+        "free.json",
+        R"({"name": "free", "duration": 1, "bodies": [{"name": "a", "body": {"mass": 1, "inertia": [1, 1, 1]}}], "joints": []})");
+    expect_refused({"solve", free_body, "--reactions", "r.csv"}, "neither joints nor loops");
+}
+
+TEST_F(Mechanisms, MethodsOfOneBodySaySo) {
+    const Outcome outcome = run({"solve", resting, "--method", "splitting4"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("unsupported: splitting4 takes one body"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
+    expect_refused({"describe", resting, "--picture", "p.svg"}, "is a scene of several bodies");
+    expect_refused({"solve", resting, "--full"}, "--full: a scene of several bodies");
+    expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"}, "--reactions: there are no proven ones");
+    const std::string experiment =
+        write("e.json", R"({"name": "e", "about": "", "kind": "conservation", "methods": ["taylor"], "scenes": [")" +
+                            resting + R"("], "settings": {"evaluations_per_revolution": [100]}})");
+    expect_refused({"run", experiment, "--dry-run"}, "experiments of kind conservation measure one");
+}
+
+TEST_F(Mechanisms, DescribeDrawsTheTree) {
+    const Outcome outcome = run({"describe", swinging});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string& text = outcome.out;
+    for (const char* part :
+         {"  world\n    shoulder: revolute about (0, 1, 0) -> upper, 1 kg; at 1.25 rad, 0.5 rad/s\n"
+          "      elbow: revolute about (0, 1, 0) -> lower, 2 kg; at -0.5 rad, 0 rad/s\n",
+          "degrees of freedom          2\n", "mechanism, 4 variables", "the third dimension         all stay in planes",
+          "p and v of the base", "22 variables", "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
+        EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_EQ(text.find("angular momentum"), std::string::npos) << text;
+}
+
+TEST_F(Mechanisms, DescribeTellsWhatIsKept) {
+    // a hinge along gravity through the origin keeps L about it, a damper in it does not; nor does one keep energy
+    const auto table = [&](const std::string& more) {
+        const std::string scene = write("table.json", R"({"name": "table", "duration": 1,
+            "bodies": [{"name": "disc", "body": {"mass": 2, "inertia": [1, 1, 1.5]}},
+                       {"name": "bead", "body": {"mass": 1, "inertia": [0.5, 0.5, 0.5]}}],
+            "joints": [{"name": "post", "type": "revolute", "parent": "world", "child": "disc", "axis": [0, 0, 1],
+                        "initial": {"rate": 2})" + more + R"(},
+                       {"name": "slot", "type": "prismatic", "parent": "disc", "child": "bead", "axis": [1, 0, 0],
+                        "initial": {"displacement": 1}}],
+            "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
+        const Outcome outcome = run({"describe", scene});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    const std::string kept = table("");
+    // L = (1.5 + 0.5 + 1 1^2) 2 about the post, E = 3 2^2 / 2
+    EXPECT_NE(kept.find("angular momentum along u    6; L . u about the world's origin"), std::string::npos) << kept;
+    EXPECT_NE(kept.find("energy                      6; E"), std::string::npos) << kept;
+    const std::string lost = table(R"(, "damping": 0.5)");
+    EXPECT_NE(lost.find("none known"), std::string::npos) << lost;
+    EXPECT_NE(lost.find("damping 0.5"), std::string::npos) << lost;
+}
+
+TEST_F(Mechanisms, DescribeCountsWhatLoopsTake) {
+    const Outcome outcome = run({"describe", "mechanisms/four_bar"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("5 conditions, of which 2 independent at the start and 3 redundant"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("mobility                    1, the tree's 3 less 2"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Mechanisms, CheckPassesWhatSolveWrites) {
+    ASSERT_EQ(run({"solve", swinging, "--samples", "10", "--output", "t.csv"}).exit_code, 0);
+    const Outcome outcome = run({"check", swinging, "t.csv", "--max-attitude", "1e-10"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+}
+
+TEST_F(Mechanisms, EnsembleSolvesEachStart) {
+    const std::string table = write("starts.csv",
+                                    "id,shoulder.angle,shoulder.rate,elbow.angle,lower.mass\na,1.25,0.5,-0.5,2\n"
+                                    "b,x,0,0,1\nc,0,0,0,-1\nd,0.25,0,0,3\n");
+    const Outcome outcome = run({"ensemble", swinging, "--initial", table, "--samples", "2"});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    const std::vector<Row> rows = rows_of(outcome.out);
+    ASSERT_EQ(rows.size(), 10u) << outcome.out;
+    // the first is the scene itself
+    const Outcome alone = run({"solve", swinging, "--samples", "2"});
+    const std::vector<Row> solved = rows_of(alone.out);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(rows[i].at("row") + rows[i].at("id") + rows[i].at("status"), "1aok");
+        EXPECT_EQ(rows[i].at("body"), solved[2 + i].at("body"));
+        for (const char* column : {"t", "qw", "qy", "wy", "px", "pz", "vx", "vz"})
+            EXPECT_NEAR(number(rows[i], column), number(solved[2 + i], column), 1e-12) << column;
+    }
+    EXPECT_EQ(rows[4].at("row") + rows[4].at("status"), "2failed");
+    EXPECT_NE(rows[4].at("message").find("line 3"), std::string::npos) << rows[4].at("message");
+    EXPECT_EQ(rows[5].at("row") + rows[5].at("status"), "3failed");
+    // another mass, as in a scene that has it
+    std::string text = chain_with(R"(, "initial": {"angle": 0.25})", R"(, "initial": {"angle": 0})");
+    text.replace(text.find("\"mass\": 2"), 9, "\"mass\": 3");
+    const std::vector<Row> heavy = rows_of(run({"solve", write("heavy.json", text), "--samples", "1"}).out);
+    EXPECT_EQ(rows[9].at("row") + rows[9].at("id") + rows[9].at("body"), "4dlower");
+    for (const char* column : {"qw", "qy", "wy", "px", "pz"})
+        EXPECT_NEAR(number(rows[9], column), number(heavy[3], column), 1e-9) << column;
+    // the same for any number of threads
+    EXPECT_EQ(run({"ensemble", swinging, "--initial", table, "--samples", "2", "--threads", "3"}).out, outcome.out);
+}
+
+TEST_F(Mechanisms, EnsembleRefusesOtherColumns) {
+    expect_refused({"ensemble", swinging, "--initial", write("t.csv", "wx,wy,wz\n1,2,3\n")}, "t.csv");
+    expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.speed\n1\n")}, "shoulder.speed");
+    expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.angle\n")}, "has a header and no row");
+}
+
+TEST_F(Mechanisms, EnsembleTellsWhichLoopsDoNotClose) {
+    const Outcome outcome = run({"ensemble", "mechanisms/four_bar", "--initial",
+                                 write("t.csv", "main_bearing.angle\n0\n0.5\n"), "--duration", "0.5"});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    const std::vector<Row> rows = rows_of(outcome.out);
+    ASSERT_EQ(rows.size(), 4u) << outcome.out;
+    EXPECT_EQ(rows[2].at("status"), "ok");
+    EXPECT_EQ(rows[3].at("status"), "failed");
+    EXPECT_NE(rows[3].at("message"), "");
+}
+
+// Every kind of joint, each with what acts in it.
+constexpr const char* all_joints = R"({"name": "all joints", "about": "every kind", "duration": 0.5,
+    "bodies": [{"name": "a", "body": {"mass": 1, "inertia": [[0.5, 0.05, 0], [0.05, 0.5, 0], [0, 0, 0.625]], "center_of_mass": [0, 0.25, -0.5]}},
+               {"name": "b", "body": {"mass": 2, "inertia": [0.5, 0.75, 0.625], "center_of_mass": [0.25, 0, -0.5]}},
+               {"name": "c", "body": {"mass": 1, "inertia": [0.5, 0.75, 0.625], "center_of_mass": [0, 0, -0.25]}},
+               {"name": "d", "body": {"mass": 1, "inertia": [0.5, 0.75, 0.625], "center_of_mass": [0, 0.25, 0]}}],
+    "joints": [{"name": "hinge", "type": "revolute", "parent": "world", "child": "a", "axis": [0, 0.6, 0.8],
+                "parent_point": [0.5, 0.25, 0], "stiffness": 2, "rest": 0.25, "damping": 0.125,
+                "initial": {"angle": 0.5, "rate": 1}},
+               {"name": "slide", "type": "prismatic", "parent": "a", "child": "b", "axis": [0.6, 0, 0.8],
+                "parent_point": [0, 0, -1], "stiffness": 20, "rest": 0.125, "damping": 0.5,
+                "initial": {"displacement": 0.25, "speed": -0.5}},
+               {"name": "ball", "type": "spherical", "parent": "b", "child": "c", "parent_point": [0, 0.25, -1],
+                "stiffness": 3, "damping": 0.25, "rest": [0.8, 0, 0.6, 0],
+                "initial": {"orientation": [0.8, 0.6, 0, 0], "angular_velocity": [0.25, 0.5, 1]}},
+               {"name": "cross", "type": "universal", "parent": "c", "child": "d", "parent_point": [0, 0, -0.5],
+                "parent_orientation": [0.6, 0, 0, 0.8], "axes": [[1, 0, 0], [0, 1, 0]], "stiffness": [2, 3],
+                "rest": [0.5, 0], "damping": [0.125, 0.25], "initial": {"angles": [0.25, -0.5], "rates": [1, 0.5]}}],
+    "loads": [{"type": "gravity", "acceleration": [0, 0.5, -9.75]},
+              {"type": "motor", "joint": "hinge", "torque": 0.75}, {"type": "motor", "joint": "slide", "force": 1.5},
+              {"type": "torque", "body": "b", "vector": [0.5, 0.25, 1], "frame": "body"},
+              {"type": "force", "body": "d", "vector": [0, 0.5, 1], "frame": "world", "point": [0.25, 0, 0.5]},
+              {"type": "drag", "body": "c", "rotational": [0.125, 0.25, 0.5], "translational": 0.25},
+              {"type": "spring", "body": "d", "stiffness": 1.5, "rest_orientation": [0.8, 0, 0, 0.6]},
+              {"type": "point_spring", "first": "a", "first_point": [0, 0.5, 0], "second": "world",
+               "second_point": [1, 0, 0.5], "stiffness": 5, "rest_length": 0.25}]})";
+
+// What is exported is a scene of its own, in whatever axes and unit of length: solved as it stands, it moves as the
+// samples say.
+TEST_F(Mechanisms, TheExportedSceneMovesAsExported) {
+    const std::string scene = write("all.json", all_joints);
+    for (const char* words : {"y-up", "unity", "unreal", "left-handed,inches"}) {
+        const Outcome outcome = run({"export", scene, "--samples", "3", "--format", "json", "--convention", words});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const nlohmann::json data = nlohmann::json::parse(outcome.out);
+        ASSERT_EQ(data["samples"].size(), 16u);
+        ASSERT_EQ(data["energy"].size(), 4u);
+        ASSERT_EQ(data["reaction_forces"].size(), 16u);
+        nlohmann::json given{{"name", "given"},
+                             {"duration", 0.5},
+                             {"bodies", data["bodies"]},
+                             {"joints", data["joints"]},
+                             {"loads", data["loads"]}};
+        // scene files have the scalar first
+        const bool last = data["columns"][5] == "qw";
+        ASSERT_EQ(data["columns"][1], "body");
+        if (last)
+            for (nlohmann::json* list : {&given["joints"], &given["loads"]})
+                for (nlohmann::json& entry : *list) {
+                    const auto turn = [](nlohmann::json& q) {
+                        if (q.is_array() && q.size() == 4) std::rotate(q.begin(), q.begin() + 3, q.end());
+                    };
+                    for (const char* key : {"parent_orientation", "rest", "rest_orientation"})
+                        if (entry.contains(key)) turn(entry[key]);
+                    if (entry.contains("initial") && entry["initial"].contains("orientation"))
+                        turn(entry["initial"]["orientation"]);
+                }
+        const std::string again = write("given.json", given.dump());
+        const Outcome truth = run({"truth", again, "--samples", "3"});
+        ASSERT_EQ(truth.exit_code, 0) << truth.err << given.dump();
+        const std::vector<Row> rows = rows_of(truth.out);
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            // the attitude up to its sign
+            double same = 0;
+            for (std::size_t i = 2; i < 6; ++i) {
+                const std::string column = data["columns"][i];
+                same += number(rows[k], column) * data["samples"][k][i].get<double>();
+            }
+            EXPECT_NEAR(std::abs(same), 1, 1e-12) << words << k;
+            for (std::size_t i = 9; i < 15; ++i) {
+                const std::string column = data["columns"][i];
+                const double expected = data["samples"][k][i];
+                EXPECT_NEAR(number(rows[k], column), expected, 1e-11 * std::max(1.0, std::abs(expected)))
+                    << words << k << column;
+            }
+        }
+    }
+}
+
+TEST_F(Mechanisms, ExportedCsvPasses) {
+    ASSERT_EQ(run({"export", swinging, "--samples", "9", "--output", "golden.csv"}).exit_code, 0);
+    EXPECT_TRUE(rows_of(written("golden.csv"))[1].at("body") == "lower");
+    const Outcome outcome = run({"check", swinging, "golden.csv", "--max-attitude", "1e-14"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+}
+
+// The headers compile without a warning; a body's own sample passes, another's does not.
+TEST_F(Mechanisms, HeadersCompileAndCompare) {
+    const std::string scene = write("all.json", all_joints);
+    for (const auto& [format, file] : {std::pair("c", "golden.h"), std::pair("cpp", "golden.hpp")})
+        ASSERT_EQ(run({"export", scene, "--samples", "3", "--format", format, "--output", file}).exit_code, 0);
+    std::ofstream(directory / "main.c") << R"(
+#include "golden.h"
+#define P(x) polhode_all_joints_##x
+int main(void) {
+    char message[1000];
+    int k, body, failed = 0;
+    for (k = 0; k < P(samples); ++k)
+        for (body = 0; body < P(bodies); ++body) {
+            const int row = k * P(bodies) + body;
+            failed += P(compare)((size_t)k, (size_t)body, P(q)[row], P(w)[row], P(p)[row], P(v)[row], &P(energy)[k],
+                                 P(momentum)[k], message, sizeof message);
+        }
+    if (failed != 0) return 1;
+    if (P(compare)(1, P(body_a), P(q)[P(body_d)], 0, P(p)[P(body_d)], 0, 0, 0, message, sizeof message) != 2) return 2;
+    if (P(bodies) != 4 || P(joints) != 4 || P(joint_slide_parent) != P(body_a) || P(joint_hinge_parent) != -1) return 3;
+    if (P(mass)[P(body_b)] != 2 || P(joint_slide_initial_displacement) != 0.25 || P(motor_1_joint) != 0) return 4;
+    if (P(joint_cross_axes)[1][1] != 1 || P(inertia)[0][1] != 0.05) return 5;
+    return sizeof P(reaction_force) / sizeof P(reaction_force)[0] == 16 ? 0 : 6;
+}
+)";
+    std::ofstream(directory / "main.cpp") << R"(
+#include "golden.hpp"
+int main() {
+    namespace g = polhode_all_joints;
+    for (std::size_t k = 0; k < g::samples; ++k)
+        for (std::size_t body = 0; body < g::bodies; ++body) {
+            const std::size_t row = k * g::bodies + body;
+            if (!g::compare(k, body, g::q[row].data(), g::w[row].data(), g::p[row].data()).empty()) return 1;
+        }
+    return g::compare(1, g::body_a, g::q[g::body_d].data()).empty() ? 2 : 0;
+}
+)";
+    EXPECT_EQ(shell("cc -std=c99 -Wall -Wextra -Werror -pedantic main.c -lm -o in_c && ./in_c"), 0)
+        << read(directory / "golden.h");
+    EXPECT_EQ(shell("c++ -std=c++17 -Wall -Wextra -Werror -pedantic main.cpp -o in_cpp && ./in_cpp"), 0)
+        << read(directory / "golden.hpp");
+    const Outcome sharp = run({"export", scene, "--samples", "3", "--format", "cs"});
+    ASSERT_EQ(sharp.exit_code, 0) << sharp.err;
+    EXPECT_NE(sharp.out.find("compare(int k, int body, double[] own_q"), std::string::npos);
+    EXPECT_EQ(sharp.out.find("q[k, "), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -140,7 +140,7 @@ SolverFailure IdaSession::failure(int flag) {
 }
 
 Moment IdaSession::moment_at(double t, const double* z) const {
-    Moment moment{samples_of(t, system_.motions(z)), {}};
+    Moment moment{samples_of_bodies(t, system_.motions(z)), {}};
     if (problem_->reactions) moment.reactions = system_.reactions(z, z + equations_.lambda());
     return moment;
 }

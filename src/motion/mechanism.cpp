@@ -24,7 +24,7 @@ std::vector<MassProperties<Wide>> wide_mass_properties(const Scene& scene) {
     return all;
 }
 
-std::vector<Sample> samples_of(double t, const std::vector<BodyMotion<double>>& motions) {
+std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<double>>& motions) {
     std::vector<Sample> samples;
     for (const BodyMotion<double>& m : motions)
         samples.push_back({t, m.q, m.angular_velocity_B, m.position_W, m.velocity_W});
@@ -51,7 +51,7 @@ MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
     scout();
 }
 
-std::vector<Sample> MechanismModel::motion(const double* y) const { return samples_of(0, tree_.motions(y)); }
+std::vector<Sample> MechanismModel::motion(const double* y) const { return samples_of_bodies(0, tree_.motions(y)); }
 
 void MechanismModel::enter(double t, double* y) {
     Tree<Wide> exact(*exact_);

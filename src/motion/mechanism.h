@@ -67,6 +67,6 @@ const MechanismModel& mechanism_of(const Problem& problem);
 std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene);
 
 /// A sample of each body.
-std::vector<Sample> samples_of(double t, const std::vector<BodyMotion<double>>& motions);
+std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<double>>& motions);
 
 }  // namespace polhode

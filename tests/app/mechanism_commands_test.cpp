@@ -26,11 +26,11 @@ std::string chain_with(const std::string& shoulder, const std::string& elbow) {
     return text.replace(text.find("ELBOW"), 5, elbow);
 }
 
-using Row = std::map<std::string, std::string>;
+using CsvRow = std::map<std::string, std::string>;
 
 // A CSV file's lines by the names of their columns.
-std::vector<Row> rows_of(const std::string& text) {
-    std::vector<Row> rows;
+std::vector<CsvRow> rows_of(const std::string& text) {
+    std::vector<CsvRow> rows;
     std::vector<std::string> names;
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) {
@@ -47,13 +47,13 @@ std::vector<Row> rows_of(const std::string& text) {
             continue;
         }
         EXPECT_EQ(cells.size(), names.size()) << line;
-        Row& row = rows.emplace_back();
+        CsvRow& row = rows.emplace_back();
         for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
     }
     return rows;
 }
 
-double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
+double number(const CsvRow& row, const std::string& column) { return std::stod(row.at(column)); }
 
 class Mechanisms : public Program {
   protected:
@@ -89,7 +89,7 @@ TEST_F(Mechanisms, SolveWritesALineForEachBody) {
     const Outcome outcome = run({"solve", swinging, "--samples", "4"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(outcome.out.starts_with("t,body,qw,"));
-    const std::vector<Row> rows = rows_of(outcome.out);
+    const std::vector<CsvRow> rows = rows_of(outcome.out);
     ASSERT_EQ(rows.size(), 10u);
     for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k].at("body"), k % 2 == 0 ? "upper" : "lower");
     // at first 1.25 rad from hanging: the upper's centre at half a length
@@ -107,7 +107,7 @@ TEST_F(Mechanisms, ReactionsAtRestAreWeights) {
         ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
         const std::string text = written("r.csv");
         EXPECT_TRUE(text.starts_with("t,joint,fx,fy,fz,tx,ty,tz\n")) << text;
-        const std::vector<Row> rows = rows_of(text);
+        const std::vector<CsvRow> rows = rows_of(text);
         ASSERT_EQ(rows.size(), 6u) << command;
         for (std::size_t k = 0; k < rows.size(); ++k) {
             EXPECT_EQ(rows[k].at("joint"), k % 2 == 0 ? "shoulder" : "elbow");
@@ -121,7 +121,7 @@ TEST_F(Mechanisms, ReactionsAtRestAreWeights) {
 // Newton's law of all: the shoulder's force is what the momentum gains beside the weight.
 TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
     ASSERT_EQ(run({"truth", swinging, "--samples", "2000", "--reactions", "r.csv", "--output", "t.csv"}).exit_code, 0);
-    const std::vector<Row> motion = rows_of(written("t.csv")), reactions = rows_of(written("r.csv"));
+    const std::vector<CsvRow> motion = rows_of(written("t.csv")), reactions = rows_of(written("r.csv"));
     ASSERT_EQ(motion.size(), 4002u);
     ASSERT_EQ(reactions.size(), 4002u);
     const auto momentum = [&](std::size_t k, const char* v) {
@@ -134,7 +134,7 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
         }
     // solve tells the same
     ASSERT_EQ(run({"solve", swinging, "--samples", "2000", "--reactions", "s.csv", "--output", "s"}).exit_code, 0);
-    const std::vector<Row> solved = rows_of(written("s.csv"));
+    const std::vector<CsvRow> solved = rows_of(written("s.csv"));
     ASSERT_EQ(solved.size(), reactions.size());
     for (std::size_t k = 0; k < solved.size(); k += 97)
         for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-10);
@@ -225,11 +225,11 @@ TEST_F(Mechanisms, EnsembleSolvesEachStart) {
                                     "b,x,0,0,1\nc,0,0,0,-1\nd,0.25,0,0,3\n");
     const Outcome outcome = run({"ensemble", swinging, "--initial", table, "--samples", "2"});
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    const std::vector<Row> rows = rows_of(outcome.out);
+    const std::vector<CsvRow> rows = rows_of(outcome.out);
     ASSERT_EQ(rows.size(), 10u) << outcome.out;
     // the first is the scene itself
     const Outcome alone = run({"solve", swinging, "--samples", "2"});
-    const std::vector<Row> solved = rows_of(alone.out);
+    const std::vector<CsvRow> solved = rows_of(alone.out);
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(rows[i].at("row") + rows[i].at("id") + rows[i].at("status"), "1aok");
         EXPECT_EQ(rows[i].at("body"), solved[2 + i].at("body"));
@@ -242,7 +242,7 @@ TEST_F(Mechanisms, EnsembleSolvesEachStart) {
     // another mass, as in a scene that has it
     std::string text = chain_with(R"(, "initial": {"angle": 0.25})", R"(, "initial": {"angle": 0})");
     text.replace(text.find("\"mass\": 2"), 9, "\"mass\": 3");
-    const std::vector<Row> heavy = rows_of(run({"solve", write("heavy.json", text), "--samples", "1"}).out);
+    const std::vector<CsvRow> heavy = rows_of(run({"solve", write("heavy.json", text), "--samples", "1"}).out);
     EXPECT_EQ(rows[9].at("row") + rows[9].at("id") + rows[9].at("body"), "4dlower");
     for (const char* column : {"qw", "qy", "wy", "px", "pz"})
         EXPECT_NEAR(number(rows[9], column), number(heavy[3], column), 1e-9) << column;
@@ -260,7 +260,7 @@ TEST_F(Mechanisms, EnsembleTellsWhichLoopsDoNotClose) {
     const Outcome outcome = run({"ensemble", "mechanisms/four_bar", "--initial",
                                  write("t.csv", "main_bearing.angle\n0\n0.5\n"), "--duration", "0.5"});
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    const std::vector<Row> rows = rows_of(outcome.out);
+    const std::vector<CsvRow> rows = rows_of(outcome.out);
     ASSERT_EQ(rows.size(), 4u) << outcome.out;
     EXPECT_EQ(rows[2].at("status"), "ok");
     EXPECT_EQ(rows[3].at("status"), "failed");
@@ -327,7 +327,7 @@ TEST_F(Mechanisms, TheExportedSceneMovesAsExported) {
         const std::string again = write("given.json", given.dump());
         const Outcome truth = run({"truth", again, "--samples", "3"});
         ASSERT_EQ(truth.exit_code, 0) << truth.err << given.dump();
-        const std::vector<Row> rows = rows_of(truth.out);
+        const std::vector<CsvRow> rows = rows_of(truth.out);
         for (std::size_t k = 0; k < rows.size(); ++k) {
             // the attitude up to its sign
             double same = 0;

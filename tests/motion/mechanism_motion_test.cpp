@@ -12,14 +12,14 @@ namespace polhode {
 namespace {
 
 // between -2 and 2
-double moderate() { return *rc::gen::inRange(-2000, 2001) / 1000.0; }
-Vector3<double> moderate_vector() { return {moderate(), moderate(), moderate()}; }
+double middling() { return *rc::gen::inRange(-2000, 2001) / 1000.0; }
+Vector3<double> moderate_vector() { return {middling(), middling(), middling()}; }
 Quaternion<double> moderate_orientation() {
-    const Quaternion<double> q{moderate(), moderate(), moderate(), moderate()};
+    const Quaternion<double> q{middling(), middling(), middling(), middling()};
     return squared_norm(q) < 1e-3 ? Quaternion<double>{} : normalized(q);
 }
 // an axis that is no axis of the frame
-Vector3<double> moderate_axis() { return {1 + std::abs(moderate()), moderate(), moderate()}; }
+Vector3<double> moderate_axis() { return {1 + std::abs(middling()), middling(), middling()}; }
 Quaternion<Wide> wide_unit(const Quaternion<double>& q) { return normalized(cast<Wide>(q)); }
 
 // exp(axis angle)
@@ -33,8 +33,8 @@ Quaternion<Wide> turn_by(const Vector3<double>& axis, Wide angle) {
 
 Body moderate_body() {
     Body body;
-    body.mass = 2.5 + moderate();
-    body.inertia_B = diagonal(Vector3<double>(3 + moderate() / 4, 3 + moderate() / 4, 3 + moderate() / 4));
+    body.mass = 2.5 + middling();
+    body.inertia_B = diagonal(Vector3<double>(3 + middling() / 4, 3 + middling() / 4, 3 + middling() / 4));
     body.center_of_mass = moderate_vector();
     return body;
 }
@@ -78,7 +78,7 @@ std::vector<BodyMotion<Wide>> jointed(const Scene& scene, const Quaternion<Wide>
 RC_GTEST_PROP(MechanismMotion, OneBodyHasTheInvariantsOfABodyAlone, ()) {
     Scene alone;
     alone.name = "alone", alone.duration = 1, alone.body = moderate_body();
-    const Window window{-0.5 + moderate(), 0.5 + moderate()};
+    const Window window{-0.5 + middling(), 0.5 + middling()};
     alone.loads = {Gravity{moderate_vector(), {}},
                    Gravity{moderate_vector(), window},
                    Force{moderate_vector(), Frame::world, moderate_vector(), Frame::body, window},
@@ -94,7 +94,7 @@ RC_GTEST_PROP(MechanismMotion, OneBodyHasTheInvariantsOfABodyAlone, ()) {
             },
             load);
     const BodyMotion<Wide> m = moderate_motion();
-    const double t = moderate();
+    const double t = middling();
     const Invariants<Wide> expected =
         invariants(alone, exact_body<Wide>(alone), t, m.q, m.angular_velocity_B, m.position_W, m.velocity_W);
     JointCoordinates none(several);
@@ -191,7 +191,7 @@ TEST(MechanismMotion, APointSpringHasThePotentialOfItsStretch) {
 
 RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) {
     Scene scene = with_bodies(2);
-    const double k = 1.75, rest = 0.5 + moderate();
+    const double k = 1.75, rest = 0.5 + middling();
     scene.joints.assign(1, {});
     scene.joints[0].name = "j";
     scene.joints[0].type = JointType::revolute;
@@ -201,7 +201,7 @@ RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) 
     scene.joints[0].child_point = moderate_vector();
     scene.joints[0].parent_orientation = moderate_orientation();
     scene.joints[0].axes = {moderate_axis(), {}};
-    scene.joints[0].coordinate = {moderate(), 0};
+    scene.joints[0].coordinate = {middling(), 0};
     scene.joints[0].stiffness = {k, 0};
     scene.joints[0].rest = {rest, 0};
 
@@ -232,17 +232,17 @@ RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) 
 
 RC_GTEST_PROP(MechanismMotion, AUniversalJointHasTwoAnglesAboutAxesThatNeedNotBePerpendicular, ()) {
     Scene scene = with_bodies(2);
-    const double x = 2 * moderate(), y = 2 * moderate();
+    const double x = 2 * middling(), y = 2 * middling();
     scene.joints.assign(1, {});
     scene.joints[0].name = "j";
     scene.joints[0].type = JointType::universal;
     scene.joints[0].parent = "b0";
     scene.joints[0].child = "b1";
     scene.joints[0].parent_orientation = moderate_orientation();
-    scene.joints[0].axes = {Vector3<double>(1, moderate() / 4, moderate() / 4), {moderate() / 4, 1, moderate() / 4}};
-    scene.joints[0].coordinate = {x + moderate(), y + moderate()};
+    scene.joints[0].axes = {Vector3<double>(1, middling() / 4, middling() / 4), {middling() / 4, 1, middling() / 4}};
+    scene.joints[0].coordinate = {x + middling(), y + middling()};
     scene.joints[0].stiffness = {1.5, 2.5};
-    scene.joints[0].rest = {moderate(), moderate()};
+    scene.joints[0].rest = {middling(), middling()};
 
     const Joint& joint = scene.joints.front();
     const Quaternion<Wide> J = turn_by(joint.axes[0], x) * turn_by(joint.axes[1], y);
@@ -347,11 +347,11 @@ RC_GTEST_PROP(MechanismMotion, JointsAreClosedWhereTheyShouldBeAndOffByWhatTheyA
     scene.joints[0].axes = {moderate_axis(), {}};
 
     const Vector3<double>& axis = scene.joints.front().axes[0];
-    const Quaternion<Wide> free_turn = type == JointType::revolute    ? turn_by(axis, moderate())
+    const Quaternion<Wide> free_turn = type == JointType::revolute    ? turn_by(axis, middling())
                                        : type == JointType::spherical ? wide_unit(moderate_orientation())
                                                                       : Quaternion<Wide>{};
     const Vector3<Wide> free_slide =
-        type == JointType::prismatic ? Wide(moderate()) * cast<Wide>(axis) : Vector3<Wide>();
+        type == JointType::prismatic ? Wide(middling()) * cast<Wide>(axis) : Vector3<Wide>();
     const Quaternion<Wide> q_parent = wide_unit(moderate_orientation());
     const MechanismMeasure<Wide> measure(scene);
     const JointViolations<Wide> closed = measure.violations(jointed(scene, q_parent, {3, 2, 1}, free_turn, free_slide));

@@ -12,27 +12,28 @@ namespace {
 // 25 digits are promised, of blocks whose size is the scale
 constexpr double promised = 1e-24;
 
-double distance(const Vector3<R>& a, const Vector3<R>& b) { return length(a - b).convert_to<double>(); }
-double distance(const Quaternion<R>& a, const Quaternion<R>& b) {
-    return square_root(squared_norm(Quaternion<R>{a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z})).convert_to<double>();
+double distance(const Vector3<Real100>& a, const Vector3<Real100>& b) { return length(a - b).convert_to<double>(); }
+double distance(const Quaternion<Real100>& a, const Quaternion<Real100>& b) {
+    return square_root(squared_norm(Quaternion<Real100>{a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z}))
+        .convert_to<double>();
 }
-Vector3<R> unit(int axis) {
-    Vector3<R> e;
+Vector3<Real100> unit(int axis) {
+    Vector3<Real100> e;
     e[axis] = 1;
     return e;
 }
 // the unit quaternion of a turn by `angle` about the unit vector `axis`
-Quaternion<R> turn(const Vector3<R>& axis, const R& angle) {
-    const R s = sin(R(angle / 2));
-    return {cos(R(angle / 2)), s * axis[0], s * axis[1], s * axis[2]};
+Quaternion<Real100> turn(const Vector3<Real100>& axis, const Real100& angle) {
+    const Real100 s = sin(Real100(angle / 2));
+    return {cos(Real100(angle / 2)), s * axis[0], s * axis[1], s * axis[2]};
 }
 
 TEST(ClosedForms, Separatrix) {
     const Reference truth = fresh_truth(find_scene("separatrix"), 20);
     ASSERT_TRUE(truth.available) << truth.message;
-    const R root = sqrt(R(2));
+    const Real100 root = sqrt(Real100(2));
     for (const ReferenceSample& sample : truth.samples) {
-        const R u = R(sample.t) / root, sech = 1 / cosh(u);
+        const Real100 u = Real100(sample.t) / root, sech = 1 / cosh(u);
         EXPECT_LT(distance(value(sample.angular_velocity_B), {2 * sech, 3 / root * tanh(u), sech}), promised);
     }
 }
@@ -41,29 +42,35 @@ TEST(ClosedForms, Separatrix) {
 // section 37): the axis that the motion goes round as dn, the other outer one as cn, the middle one as sn.
 struct FreeRates {
     int round, other;
-    R p, k, middle;
-    Vector3<R> start;
+    Real100 p, k, middle;
+    Vector3<Real100> start;
 
-    Vector3<R> at(const R& t) const {
-        R cn, dn;
-        const R sn = boost::math::jacobi_elliptic(k, R(p * t), &cn, &dn);
-        Vector3<R> w;
+    Vector3<Real100> at(const Real100& t) const {
+        Real100 cn, dn;
+        const Real100 sn = boost::math::jacobi_elliptic(k, Real100(p * t), &cn, &dn);
+        Vector3<Real100> w;
         w[round] = start[round] * dn, w[other] = start[other] * cn, w[1] = middle * sn;
         return w;
     }
 };
 FreeRates free_rates(const Scene& scene) {
-    const ExactBody<R> body = exact_body<R>(scene);
-    const Vector3<R> w = body.angular_velocity_B, I(body.inertia_B[0][0], body.inertia_B[1][1], body.inertia_B[2][2]);
-    R E2 = 0, L2 = 0;
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
+    const Vector3<Real100> w = body.angular_velocity_B,
+                           I(body.inertia_B[0][0], body.inertia_B[1][1], body.inertia_B[2][2]);
+    Real100 E2 = 0, L2 = 0;
     for (int i = 0; i < 3; ++i) E2 += I[i] * w[i] * w[i], L2 += I[i] * I[i] * w[i] * w[i];
     const int largest = I[0] > I[2] ? 0 : 2;
     const int c = L2 > E2 * I[1] ? largest : 2 - largest, a = 2 - c;
     // with c for the axis gone round and a for the other; both differences have the same sign
-    const R outer = (I[c] - I[1]) * (L2 - E2 * I[a]), inner = (I[1] - I[a]) * (E2 * I[c] - L2);
-    const R amplitude = sqrt(R((E2 * I[c] - L2) / (I[1] * (I[c] - I[1]))));
+    const Real100 outer = (I[c] - I[1]) * (L2 - E2 * I[a]), inner = (I[1] - I[a]) * (E2 * I[c] - L2);
+    const Real100 amplitude = sqrt(Real100((E2 * I[c] - L2) / (I[1] * (I[c] - I[1]))));
     const bool up = (I[2] - I[0]) * w[2] * w[0] > 0;
-    return {c, a, sqrt(R(outer / (I[0] * I[1] * I[2]))), sqrt(R(inner / outer)), up ? amplitude : R(-amplitude), w};
+    return {c,
+            a,
+            sqrt(Real100(outer / (I[0] * I[1] * I[2]))),
+            sqrt(Real100(inner / outer)),
+            up ? amplitude : Real100(-amplitude),
+            w};
 }
 
 class FreeAsymmetric : public ::testing::TestWithParam<const char*> {};
@@ -74,7 +81,8 @@ TEST_P(FreeAsymmetric, FollowsJacobisFunctions) {
     const FreeRates rates = free_rates(scene);
     const double scale = length(rates.start).convert_to<double>();
     for (const ReferenceSample& sample : truth.samples)
-        EXPECT_LT(distance(value(sample.angular_velocity_B), rates.at(R(sample.t))), promised * scale) << sample.t;
+        EXPECT_LT(distance(value(sample.angular_velocity_B), rates.at(Real100(sample.t))), promised * scale)
+            << sample.t;
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, FreeAsymmetric, ::testing::Values("near_separatrix", "toutatis"));
 
@@ -84,18 +92,18 @@ TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
     const Scene scene = find_scene("toutatis");
     const FreeRates rates = free_rates(scene);
     EXPECT_EQ(rates.round, 2) << "not a long-axis mode";
-    const double period = R(4 * boost::math::ellint_1(rates.k) / rates.p).convert_to<double>();
+    const double period = Real100(4 * boost::math::ellint_1(rates.k) / rates.p).convert_to<double>();
     EXPECT_NEAR(period / 86400 / 5.41, 1, 1e-7);
     Scene one_period = scene;
     one_period.duration = period;
     const Reference truth = fresh_truth(one_period, 1);
     ASSERT_TRUE(truth.available) << truth.message;
-    const Quaternion<R> q = value(truth.samples[1].q);
-    const Vector3<R> L = value(truth.samples[0].angular_momentum_W), axis = (1 / length(L)) * L;
+    const Quaternion<Real100> q = value(truth.samples[1].q);
+    const Vector3<Real100> L = value(truth.samples[0].angular_momentum_W), axis = (1 / length(L)) * L;
     // about L alone, to the rounding of the period
-    const R cosine = q.w, sine = dot(vector_part(q), axis);
-    EXPECT_NEAR(R(cosine * cosine + sine * sine).convert_to<double>(), 1, 1e-15);
-    double angle = R(2 * atan2(sine, cosine)).convert_to<double>();
+    const Real100 cosine = q.w, sine = dot(vector_part(q), axis);
+    EXPECT_NEAR(Real100(cosine * cosine + sine * sine).convert_to<double>(), 1, 1e-15);
+    double angle = Real100(2 * atan2(sine, cosine)).convert_to<double>();
     if (angle < 0) angle += 2 * std::numbers::pi;
     EXPECT_NEAR(angle / (2 * std::numbers::pi) * 7.35 / 5.41, 1, 1e-7);
 }
@@ -107,16 +115,16 @@ TEST_P(FreeSymmetric, PrecessesRegularly) {
     const Scene scene = find_scene(name);
     const Reference truth = fresh_truth(scene, 20);
     ASSERT_TRUE(truth.available) << truth.message;
-    const ExactBody<R> body = exact_body<R>(scene);
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
     const int across = (axis + 1) % 3;
-    const R I1 = body.inertia_B[across][across], I3 = body.inertia_B[axis][axis];
+    const Real100 I1 = body.inertia_B[across][across], I3 = body.inertia_B[axis][axis];
     ASSERT_EQ(gap(body.inertia_B[(axis + 2) % 3][(axis + 2) % 3], I1), 0);
-    const Vector3<R> L_W = rotate(body.q, body.inertia_B * body.angular_velocity_B);
-    const R size = length(L_W);
+    const Vector3<Real100> L_W = rotate(body.q, body.inertia_B * body.angular_velocity_B);
+    const Real100 size = length(L_W);
     for (const ReferenceSample& sample : truth.samples) {
-        const R t(sample.t);
-        const Quaternion<R> q = turn((1 / size) * L_W, R(size * t / I1)) * body.q *
-                                turn(unit(axis), R((1 - I3 / I1) * body.angular_velocity_B[axis] * t));
+        const Real100 t(sample.t);
+        const Quaternion<Real100> q = turn((1 / size) * L_W, Real100(size * t / I1)) * body.q *
+                                      turn(unit(axis), Real100((1 - I3 / I1) * body.angular_velocity_B[axis] * t));
         EXPECT_LT(distance(value(sample.q), q), promised) << sample.t;
     }
 }
@@ -127,38 +135,38 @@ INSTANTIATE_TEST_SUITE_P(Scenes, FreeSymmetric,
 // Lagrange's top, its axis at rest or moving level at the start: u = cos(tilt) obeys u'^2 = f(u), a cubic with the root
 // u(0), and swings between two of its roots u1 < u2 < u3 as u1 + (u2 - u1) sn^2 (Goldstein 1980, section 5-7).
 struct Nutation {
-    R u1, u2, u3, speed, k;
+    Real100 u1, u2, u3, speed, k;
     bool from_above;
 
-    R at(const R& t) const {
-        R cn, dn;
-        const R sn = boost::math::jacobi_elliptic(k, R(speed * t), &cn, &dn);
+    Real100 at(const Real100& t) const {
+        Real100 cn, dn;
+        const Real100 sn = boost::math::jacobi_elliptic(k, Real100(speed * t), &cn, &dn);
         // a quarter period later sn is cn / dn
-        const R swing = from_above ? R(cn / dn) : sn;
+        const Real100 swing = from_above ? Real100(cn / dn) : sn;
         return u1 + (u2 - u1) * swing * swing;
     }
 };
 Nutation nutation(const Scene& scene, int axis) {
-    const ExactBody<R> body = exact_body<R>(scene);
-    const Vector3<R> e = unit(axis), w = body.angular_velocity_B;
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
+    const Vector3<Real100> e = unit(axis), w = body.angular_velocity_B;
     const int across = (axis + 1) % 3;
-    const R I1 = body.inertia_B[across][across], I3 = body.inertia_B[axis][axis];
-    const R weight = -body.mass * R(std::get<Gravity>(scene.loads.at(0)).acceleration_W[2]);
-    const R u0 = rotate(body.q, e)[2], mgl = weight * body.arm[axis];
-    const R a = I3 * w[axis] / I1, b = rotate(body.q, body.inertia_B * w)[2] / I1, beta = 2 * mgl / I1;
-    const Vector3<R> level = w - w[axis] * e;
-    const R alpha = dot(level, level) + beta * u0;
+    const Real100 I1 = body.inertia_B[across][across], I3 = body.inertia_B[axis][axis];
+    const Real100 weight = -body.mass * Real100(std::get<Gravity>(scene.loads.at(0)).acceleration_W[2]);
+    const Real100 u0 = rotate(body.q, e)[2], mgl = weight * body.arm[axis];
+    const Real100 a = I3 * w[axis] / I1, b = rotate(body.q, body.inertia_B * w)[2] / I1, beta = 2 * mgl / I1;
+    const Vector3<Real100> level = w - w[axis] * e;
+    const Real100 alpha = dot(level, level) + beta * u0;
     // f = (alpha - beta u)(1 - u^2) - (b - a u)^2, divided by u - u0
-    const R half = (beta * u0 - alpha - a * a) / (2 * beta);
-    const R product = (2 * a * b - beta + 2 * beta * half * u0) / beta;
-    const R root = sqrt(R(half * half - product));
-    std::array<R, 3> roots{u0, R(-half - root), R(-half + root)};
+    const Real100 half = (beta * u0 - alpha - a * a) / (2 * beta);
+    const Real100 product = (2 * a * b - beta + 2 * beta * half * u0) / beta;
+    const Real100 root = sqrt(Real100(half * half - product));
+    std::array<Real100, 3> roots{u0, Real100(-half - root), Real100(-half + root)};
     std::sort(roots.begin(), roots.end());
     return {roots[0],
             roots[1],
             roots[2],
-            R(sqrt(R(beta * (roots[2] - roots[0]))) / 2),
-            sqrt(R((roots[1] - roots[0]) / (roots[2] - roots[0]))),
+            Real100(sqrt(Real100(beta * (roots[2] - roots[0]))) / 2),
+            sqrt(Real100((roots[1] - roots[0]) / (roots[2] - roots[0]))),
             u0 == roots[1]};
 }
 
@@ -172,12 +180,12 @@ TEST_P(LagrangesTop, NutatesByJacobisFunctions) {
     EXPECT_GT(top.u3.convert_to<double>(), 1);
     double lowest = 1, highest = -1;
     for (const ReferenceSample& sample : truth.samples) {
-        const R u = rotate(value(sample.q), unit(axis))[2];
-        EXPECT_LT(gap(u, top.at(R(sample.t))), promised) << sample.t;
+        const Real100 u = rotate(value(sample.q), unit(axis))[2];
+        EXPECT_LT(gap(u, top.at(Real100(sample.t))), promised) << sample.t;
         lowest = std::min(lowest, u.convert_to<double>()), highest = std::max(highest, u.convert_to<double>());
     }
     // the samples see most of the swing
-    EXPECT_GT(highest - lowest, 0.5 * R(top.u2 - top.u1).convert_to<double>());
+    EXPECT_GT(highest - lowest, 0.5 * Real100(top.u2 - top.u1).convert_to<double>());
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, LagrangesTop,
                          ::testing::Values(std::pair("lagrange_top", 2), std::pair("looping_top", 2),
@@ -189,12 +197,12 @@ TEST(ClosedForms, CompoundPendulum) {
     const Scene scene = find_scene("compound_pendulum");
     const Reference truth = fresh_truth(scene, 20);
     ASSERT_TRUE(truth.available) << truth.message;
-    const ExactBody<R> body = exact_body<R>(scene);
-    const R k = body.q.y, speed = sqrt(R(body.mass * R(9.81) / 2 / body.inertia_B[1][1]));
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
+    const Real100 k = body.q.y, speed = sqrt(Real100(body.mass * Real100(9.81) / 2 / body.inertia_B[1][1]));
     for (const ReferenceSample& sample : truth.samples) {
-        R cn, dn;
-        boost::math::jacobi_elliptic(k, R(speed * R(sample.t)), &cn, &dn);
-        EXPECT_LT(gap(abs(value(sample.q.y)), abs(R(k * cn / dn))), promised) << sample.t;
+        Real100 cn, dn;
+        boost::math::jacobi_elliptic(k, Real100(speed * Real100(sample.t)), &cn, &dn);
+        EXPECT_LT(gap(abs(value(sample.q.y)), abs(Real100(k * cn / dn))), promised) << sample.t;
         EXPECT_EQ(sample.q.x.high, 0);
         EXPECT_EQ(sample.q.z.high, 0);
     }
@@ -204,15 +212,16 @@ TEST(ClosedForms, StruckBarTurnsAboutItsCentreOfPercussion) {
     const Reference truth = fresh_truth(find_scene("struck_bar"), 20);
     ASSERT_TRUE(truth.available) << truth.message;
     for (const ReferenceSample& sample : truth.samples) {
-        const R after = R(std::max(0.0, sample.t - 1));
+        const Real100 after = Real100(std::max(0.0, sample.t - 1));
         const bool struck = sample.t >= 1;
-        EXPECT_LT(distance(value(sample.angular_velocity_B), {R(0), R(struck ? -1 : 0), R(0)}), promised);
-        EXPECT_LT(distance(value(sample.velocity_W), {R(0), R(0), R(struck ? 0.5 : 0)}), promised);
-        EXPECT_LT(distance(value(sample.position_W), {R(0), R(0), R(after / 2)}), 10 * promised);
-        EXPECT_LT(distance(value(sample.q), turn(unit(1), R(-after))), promised);
+        EXPECT_LT(distance(value(sample.angular_velocity_B), {Real100(0), Real100(struck ? -1 : 0), Real100(0)}),
+                  promised);
+        EXPECT_LT(distance(value(sample.velocity_W), {Real100(0), Real100(0), Real100(struck ? 0.5 : 0)}), promised);
+        EXPECT_LT(distance(value(sample.position_W), {Real100(0), Real100(0), Real100(after / 2)}), 10 * promised);
+        EXPECT_LT(distance(value(sample.q), turn(unit(1), Real100(-after))), promised);
         if (sample.t != 1) continue;
-        const Vector3<R> end(R(-0.5), R(0), R(0));
-        const Vector3<R> speed = value(sample.velocity_W) + cross(value(sample.angular_velocity_B), end);
+        const Vector3<Real100> end(Real100(-0.5), Real100(0), Real100(0));
+        const Vector3<Real100> speed = value(sample.velocity_W) + cross(value(sample.angular_velocity_B), end);
         EXPECT_LT(distance(speed, {}), promised);
     }
 }
@@ -221,20 +230,22 @@ TEST(ClosedForms, StokesSphereRelaxesExponentially) {
     const Scene scene = find_scene("stokes_sphere");
     const Reference truth = fresh_truth(scene, 20);
     ASSERT_TRUE(truth.available) << truth.message;
-    const ExactBody<R> body = exact_body<R>(scene);
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
     const Drag& drag = std::get<Drag>(scene.loads.at(2));
-    const R rate = R(drag.translational) / body.mass, turning = R(drag.rotational[0]) / body.inertia_B[0][0];
-    const R pull = R(std::get<Gravity>(scene.loads.at(0)).acceleration_W[2]) +
-                   R(std::get<Force>(scene.loads.at(1)).vector[2]) / body.mass;
-    const Vector3<R> sinking(R(0), R(0), R(pull / rate));
+    const Real100 rate = Real100(drag.translational) / body.mass,
+                  turning = Real100(drag.rotational[0]) / body.inertia_B[0][0];
+    const Real100 pull = Real100(std::get<Gravity>(scene.loads.at(0)).acceleration_W[2]) +
+                         Real100(std::get<Force>(scene.loads.at(1)).vector[2]) / body.mass;
+    const Vector3<Real100> sinking(Real100(0), Real100(0), Real100(pull / rate));
     for (const ReferenceSample& sample : truth.samples) {
-        const R t(sample.t), left = exp(R(-rate * t));
-        const Vector3<R> velocity = sinking + left * (body.velocity_W - sinking);
-        const Vector3<R> position = t * sinking + R((1 - left) / rate) * (body.velocity_W - sinking);
+        const Real100 t(sample.t), left = exp(Real100(-rate * t));
+        const Vector3<Real100> velocity = sinking + left * (body.velocity_W - sinking);
+        const Vector3<Real100> position = t * sinking + Real100((1 - left) / rate) * (body.velocity_W - sinking);
         EXPECT_LT(distance(value(sample.velocity_W), velocity), promised);
         EXPECT_LT(distance(value(sample.position_W), position), promised);
-        EXPECT_LT(distance(value(sample.angular_velocity_B), R(exp(R(-turning * t))) * body.angular_velocity_B),
-                  60 * promised);
+        EXPECT_LT(
+            distance(value(sample.angular_velocity_B), Real100(exp(Real100(-turning * t))) * body.angular_velocity_B),
+            60 * promised);
     }
     EXPECT_NEAR(truth.samples.back().velocity_W[2].high, -0.063, 5e-4);
 }
@@ -242,16 +253,16 @@ TEST(ClosedForms, StokesSphereRelaxesExponentially) {
 TEST(ClosedForms, EarthsPoleGoesRoundInEulersPeriod) {
     // small wobble: 2 pi / (w3 sqrt((C - A)(C - B) / (A B))), to the square of its size, 1e-12
     const Scene scene = find_scene("earth_wobble");
-    const ExactBody<R> body = exact_body<R>(scene);
-    const R A = body.inertia_B[0][0], B = body.inertia_B[1][1], C = body.inertia_B[2][2];
-    const R pace = body.angular_velocity_B[2] * sqrt(R((C - A) * (C - B) / (A * B)));
-    EXPECT_NEAR(R(2 * boost::math::constants::pi<R>() / pace / 86400).convert_to<double>(), 304, 0.5);
+    const ExactBody<Real100> body = exact_body<Real100>(scene);
+    const Real100 A = body.inertia_B[0][0], B = body.inertia_B[1][1], C = body.inertia_B[2][2];
+    const Real100 pace = body.angular_velocity_B[2] * sqrt(Real100((C - A) * (C - B) / (A * B)));
+    EXPECT_NEAR(Real100(2 * boost::math::constants::pi<Real100>() / pace / 86400).convert_to<double>(), 304, 0.5);
     const Reference truth = fresh_truth(shortened("earth_wobble", 2592000), 6);
     ASSERT_TRUE(truth.available) << truth.message;
     for (const ReferenceSample& sample : truth.samples) {
-        const R wobble = body.angular_velocity_B[0] * cos(R(pace * R(sample.t)));
-        EXPECT_NEAR(R(value(sample.angular_velocity_B[0]) / body.angular_velocity_B[0]).convert_to<double>(),
-                    R(wobble / body.angular_velocity_B[0]).convert_to<double>(), 1e-11);
+        const Real100 wobble = body.angular_velocity_B[0] * cos(Real100(pace * Real100(sample.t)));
+        EXPECT_NEAR(Real100(value(sample.angular_velocity_B[0]) / body.angular_velocity_B[0]).convert_to<double>(),
+                    Real100(wobble / body.angular_velocity_B[0]).convert_to<double>(), 1e-11);
     }
 }
 

@@ -306,7 +306,8 @@ TEST(ExtremeScenes, UnitsDoNotMatter) {
 TEST(ExtremeScenes, SeparatrixIsAtItsDistance) {
     for (const auto& [distance, scene, problem] : members("separatrix")) {
         const Vector3<double>& w = scene.initial.angular_velocity;
-        const R off = R(1) - R(6 * 2) * R(w[2]) * R(w[2]) / (R(3 * 1) * R(w[0]) * R(w[0]));
+        const Real100 off = Real100(1) - Real100(6 * 2) * Real100(w[2]) * Real100(w[2]) /
+                                             (Real100(3 * 1) * Real100(w[0]) * Real100(w[0]));
         EXPECT_NEAR((off / 2).convert_to<double>() / distance, 1, 0.12) << distance;
     }
 }

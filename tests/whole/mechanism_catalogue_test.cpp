@@ -8,7 +8,7 @@
 
 #include "motion/mechanism.h"
 #include "scene/scene_file.h"
-#include "whole/mechanism_figures.h"
+#include "experiment/kinds/mechanism_figures.h"
 
 namespace polhode {
 namespace {

@@ -13,18 +13,18 @@
 
 namespace polhode {
 
-using R = truth::Real<100>;
+using Real100 = truth::Real<100>;
 
-inline R value(const Pair& pair) { return R(pair.high) + R(pair.low); }
-inline Vector3<R> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
-inline Quaternion<R> value(const Quaternion<Pair>& q) { return {value(q.w), value(q.x), value(q.y), value(q.z)}; }
+inline Real100 value(const Pair& pair) { return Real100(pair.high) + Real100(pair.low); }
+inline Vector3<Real100> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }
+inline Quaternion<Real100> value(const Quaternion<Pair>& q) { return {value(q.w), value(q.x), value(q.y), value(q.z)}; }
 
 /// |v|, also where its square overflows.
 inline double size(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
-inline R length(const Vector3<R>& v) { return square_root(dot(v, v)); }
+inline Real100 length(const Vector3<Real100>& v) { return square_root(dot(v, v)); }
 
 /// |a - b|, formed before it is rounded.
-inline double gap(const R& a, const R& b) { return R(abs(R(a - b))).convert_to<double>(); }
+inline double gap(const Real100& a, const Real100& b) { return Real100(abs(Real100(a - b))).convert_to<double>(); }
 
 /// The built-in scene, over a shorter time if given.
 inline Scene shortened(const std::string& name, double duration = 0) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "integrators/maximal/dynamics.h"
@@ -58,7 +59,9 @@ enum class LoopRows {
 template <class P>
 void choose_loop_rows(const Mechanism<P>& mechanism, Dynamics<P>& dynamics, const std::vector<Placement<P>>& start,
                       LoopRows loops = LoopRows::shortest) {
-    const auto [now, size] = dynamics.loops(start);
+    const std::pair<Dense<P>, std::vector<P>> found = dynamics.loops(start);
+    const Dense<P>& now = found.first;
+    const std::vector<P>& size = found.second;
     const std::size_t n = now.size();
     const RowChoice<P> choice = independent_rows(now, size);
     if (choice.rank == static_cast<int>(n)) return;

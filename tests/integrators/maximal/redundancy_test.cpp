@@ -18,7 +18,7 @@ struct Semidefinite {
     std::vector<double> b;  ///< that A reaches
     Eigen::MatrixXd matrix;
     Eigen::VectorXd right;
-    int rank;
+    int rank = 0;
 };
 Semidefinite semidefinite(int n, int columns) {
     Eigen::MatrixXd B(n, columns);

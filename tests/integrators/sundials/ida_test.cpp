@@ -11,10 +11,8 @@
 #include "motion/mechanism_motion.h"
 #include "scene/scene_file.h"
 
-namespace polhode {
+namespace polhode::maximal {
 namespace {
-
-using maximal::Index;
 
 // every column of the Jacobian by colours against a central difference of that unknown alone
 TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
@@ -27,10 +25,10 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
             loop.name = "loop", loop.type = LoopType::distance, loop.first = "b2", loop.second = "b4", loop.length = 1;
             scene.loops = {loop};
         }
-        const maximal::System<double> system(scene, jointed_start<double>(scene));
+        const System<double> system(scene, jointed_start<double>(scene));
         for (const Index index : {Index::one, Index::two}) {
-            const maximal::ConstrainedEquations<double> equations(system, index);
-            using Number = Dual<maximal::ConstrainedEquations<double>::most_in_group>;
+            const ConstrainedEquations<double> equations(system, index);
+            using Number = Dual<ConstrainedEquations<double>::most_in_group>;
             const std::size_t n = static_cast<std::size_t>(equations.unknowns());
             std::vector<double> z(n), up(n), down(n);
             system.initial(z.data());
@@ -38,10 +36,10 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
             for (std::size_t i = equations.differential(); i < n; ++i) z[i] = dice.number();
             std::vector<Number> at(z.begin(), z.end()), result(n);
             std::vector<char> met(n);
-            for (const maximal::Group& group : equations.groups())
+            for (const Group& group : equations.groups())
                 for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
                     // all groups of its colour at once, as the session does
-                    for (const maximal::Group& other : equations.groups())
+                    for (const Group& other : equations.groups())
                         for (std::size_t j = 0; other.color == group.color && j < other.unknowns.size(); ++j)
                             at[other.unknowns[j]].slope[j] = 1;
                     equations.evaluate(at.data(), result.data());
@@ -152,11 +150,11 @@ TEST(IdaMechanism, MultipliersAreTheReactions) {
     const Trajectory trajectory = run(scene, "ida_index2", 1e-9, true);
     ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
     ASSERT_EQ(trajectory.reactions.size(), 5 * scene.joints.size());
-    maximal::System<double> system(scene, mechanism_initial_motions(scene));
+    System<double> system(scene, mechanism_initial_motions(scene));
     std::vector<double> y(static_cast<std::size_t>(system.dimension()));
     // the last moment's state, from its motion
     const Bodies end = trajectory.at(4);
-    maximal::System<double> there(scene, end);
+    System<double> there(scene, end);
     there.initial(y.data());
     const std::vector<Reaction<double>> expected = there.reactions(y.data());
     for (std::size_t k = 0; k < scene.joints.size(); ++k) {
@@ -174,4 +172,4 @@ TEST(IdaMechanism, TakesMechanismsAlone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::maximal

@@ -26,7 +26,7 @@ constexpr double variation_tolerance = 1e-8;
 // of a central difference: its error is the square of this, rounding's 1e-16 over it
 constexpr double difference = 1e-5;
 // of steps times components times evaluations, so that a hundred bodies wait no longer than two
-constexpr double most_variation_work = 6e5;
+constexpr double most_variation_work = 6e5, most_prompt_steps = 20'000;
 
 double largest_singular_value(const Matrix& matrix) {
     if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
@@ -67,6 +67,7 @@ class Variation {
     double step(double& h) {
         const int n = size(), m = columns();
         if (!(h > 0) || !std::isfinite(h)) return 0;
+        const double done = h;
         std::vector<std::vector<double>> k(dop853_stages);
         std::vector<Matrix> K(dop853_stages);
         std::vector<double> y(y_.size());
@@ -76,11 +77,11 @@ class Variation {
                 double slope = 0;
                 for (int j = 0; j < count; ++j)
                     if (weights[j] != 0) slope += weights[j] * k[static_cast<std::size_t>(j)][i];
-                into[i] = from_y * y_[i] + h * slope;
+                into[i] = from_y * y_[i] + done * slope;
             }
             Into = from_y * S_;
             for (int j = 0; j < count; ++j)
-                if (weights[j] != 0) Into += (h * weights[j]) * K[static_cast<std::size_t>(j)];
+                if (weights[j] != 0) Into += (done * weights[j]) * K[static_cast<std::size_t>(j)];
         };
         for (int i = 0; i < dop853_stages; ++i) {
             sum(dop853.a[i], i, 1, y, S);
@@ -90,7 +91,6 @@ class Variation {
         Matrix Change(n, m);
         sum(dop853.fifth_error, dop853_stages, 0, change, Change);
         const double error = size_of_change(change, Change) / variation_tolerance;
-        const double done = h;
         if (!std::isfinite(error)) {
             h /= 10;
             return 0;
@@ -272,9 +272,10 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
     Variation variation(problem);
     const double end = processor_time() + settings.seconds_limit;
     const double most_steps =
-        std::min(static_cast<double>(settings.max_steps), settings.max_steps <= prompt_conditioning_steps
-                                                              ? most_variation_work / variation.work_of_a_step()
-                                                              : static_cast<double>(settings.max_steps));
+        std::min(static_cast<double>(settings.max_steps),
+                 settings.max_steps <= prompt_conditioning_steps
+                     ? std::min(most_prompt_steps, most_variation_work / variation.work_of_a_step())
+                     : static_cast<double>(settings.max_steps));
     SampleQueue samples(times);
     double t = 0, h = 0;
     const auto fail = [&](std::string message) {

@@ -20,7 +20,8 @@ namespace {
 
 using namespace description;
 
-std::string brief(double value) { return fmt::format("{:.6g}", value); }
+// what rounding leaves of nothing is nothing
+std::string brief(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-15 ? 0 : value); }
 std::string brief(const Vector3<double>& v) {
     return fmt::format("({}, {}, {})", brief(v[0] + 0.0), brief(v[1] + 0.0), brief(v[2] + 0.0));
 }

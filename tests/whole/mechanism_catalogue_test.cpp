@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "experiment/kinds/mechanism_figures.h"
 #include "motion/mechanism.h"
 #include "scene/scene_file.h"
-#include "experiment/kinds/mechanism_figures.h"
 
 namespace polhode {
 namespace {

@@ -40,6 +40,10 @@ std::span<const Kind> kinds() {
          .sequel = long_runs},
         // physics engines among each other, beside textbook updates and methods of high accuracy
         {.name = "engines", .reads = all_keys, .conclude = conclude_engines},
+        // mechanisms as games and robotics step them: attitude, gaps and energy at each step
+        {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
+        {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
+        {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},
         {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},
         {.name = "collisions",
          .reads = {"scenes", "vary", "methods", "settings", "seconds_per_run"},

@@ -20,6 +20,7 @@ Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);
 
 /// The sequel of `speed`: its closed-form motions over T, 10 T and 100 T by our own methods at their finest tolerance.
 Plan long_runs(const Plan& plan);
@@ -29,6 +30,8 @@ Findings run_gimbal_lock(const Plan& plan, const RunOptions& options);
 Findings run_collisions(const Plan& plan, const RunOptions& options);
 Findings run_inertia(const Plan& plan, const RunOptions& options);
 Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
+Findings run_mechanism_cost(const Plan& plan, const RunOptions& options);
+Findings run_mechanism_truth(const Plan& plan, const RunOptions& options);
 Findings run_orientation(const Plan& plan, const RunOptions& options);
 Findings run_point_bodies(const Plan& plan, const RunOptions& options);
 Findings run_stability(const Plan& plan, const RunOptions& options);

@@ -27,8 +27,15 @@ struct Comparison {
     std::array<double, 3> asked;
 };
 
+// Of trees of so many bodies at the most something is asked for.
+constexpr std::size_t most_tree_bodies = 10;
+
 // by kind of motion; 0: nothing is asked for
 std::vector<Comparison> comparisons(const Problem& problem) {
+    if (is_mechanism(problem.scene)) {
+        const bool small_tree = problem.scene.loops.empty() && problem.scene.bodies.size() <= most_tree_bodies;
+        return {{"", "", {0, small_tree ? 3.0 : 0.0, 0}}};
+    }
     if (problem.needs.torque_free)
         return {{"exact", "", {60, 100, 250}}, {"", "odeint_fehlberg78", {3, 5, 5}}, {"", "", {0, 0, 0}}};
     if (is_stiff(problem)) return {{"", "cvode_bdf", {1.5, 2.5, 2}}, {"", "", {0, 0, 0}}};

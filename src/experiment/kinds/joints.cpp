@@ -1,0 +1,188 @@
+// Mechanisms as games and robotics step them: how far attitudes are off, how far joints open and how much energy is
+// lost or won, at each step.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "experiment/kinds/cells.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
+#include "measure/observed_order.h"
+#include "measure/statistics.h"
+#include "text/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr double lost_attitude = 1;  // rad: no order beyond it
+
+std::string step_text(double step) {
+    const double rate = 1 / step;
+    return std::abs(rate - std::round(rate)) < 1e-6 * rate ? fmt::format("1/{:.0f} s", rate)
+                                                           : fmt::format("{:g} s", step);
+}
+
+std::vector<double> all_steps(const Plan& plan) {
+    for (const PlannedCurve& curve : plan.curves)
+        if (curve.kind == SettingKind::step) return curve.settings;
+    return {};
+}
+
+// What a run has to say of itself: the number, or how it ended.
+Cell told(const Result& row, const char* measure) {
+    return row.status == Status::ok ? cell_of(row.errors[measure].max) : Cell(std::string(name_of(row.status)));
+}
+
+const Result* at_step(const std::vector<const Result*>& rows, double step) {
+    const auto found = std::ranges::find_if(rows, [&](const Result* row) { return row->setting == step; });
+    return found == rows.end() ? nullptr : *found;
+}
+
+std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
+    std::vector<double> all;
+    for (const Result* row : rows)
+        if (row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0)
+            all.push_back(1e9 * *row->seconds_min / static_cast<double>(*row->steps));
+    return all.empty() ? std::nullopt : std::optional(median(all));
+}
+
+// Of each scene and method, at each step: attitude, then the largest gap of a joint; and at the largest one the energy.
+NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
+    const std::vector<double> steps = all_steps(plan);
+    std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
+    for (const double step : steps)
+        columns.push_back({"attitude_error at " + step_text(step), "attitude, " + step_text(step) + " (rad)"});
+    columns.push_back({"order", "order"});
+    for (const double step : steps)
+        columns.push_back({"joint_gap at " + step_text(step), "gap, " + step_text(step) + " (m)"});
+    for (const double step : steps)
+        columns.push_back(
+            {"energy_error at " + step_text(step), step == steps.front() ? "energy, " + step_text(step) : ""});
+    columns.push_back({"step_nanoseconds", "ns a step"});
+    columns.push_back({"message", "remark"});
+    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    for (const PlannedScene& scene : plan.scenes)
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.kind != SettingKind::step) continue;
+            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            if (own.empty()) continue;
+            std::vector<Cell> row{scene.label, std::string(curve.method->name)};
+            std::vector<double> reached, error;
+            std::string message;
+            for (const Result* r : own) {
+                if (r->status != Status::ok && message.empty()) message = r->message;
+                if (r->status != Status::ok || !r->errors["attitude"].max) continue;
+                reached.push_back(r->step_taken.value_or(r->setting)), error.push_back(*r->errors["attitude"].max);
+            }
+            const auto add = [&](const char* measure) {
+                for (const double step : steps) {
+                    const Result* r = at_step(own, step);
+                    row.push_back(r ? told(*r, measure) : Cell());
+                }
+            };
+            add("attitude");
+            const auto order = observed_order(reached, error, lost_attitude);
+            row.push_back(order ? Cell(order->order) : Cell());
+            add("joint_gap");
+            add("energy");
+            row.push_back(cell_of(step_nanoseconds(own)));
+            row.emplace_back(message);
+            named.table.rows.push_back(std::move(row));
+        }
+    return named;
+}
+
+// Of each method at each step: medians over the scenes, and how many it runs to the end.
+NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
+    NamedTable named = headed_table("methods", "Over all scenes",
+                                    {{"method", "method"},
+                                     {"step", "step"},
+                                     {"scenes", "scenes"},
+                                     {"ended_otherwise", "ended otherwise"},
+                                     {"attitude_error", "attitude (rad)"},
+                                     {"joint_gap", "gap (m)"},
+                                     {"worst_joint_gap", "worst gap (m)"},
+                                     {"energy_error", "energy"},
+                                     {"step_nanoseconds", "ns a step"}});
+    for (const PlannedCurve& curve : plan.curves) {
+        if (curve.kind != SettingKind::step) continue;
+        for (const double step : curve.settings) {
+            std::vector<double> attitude, gap, energy, seconds;
+            std::map<std::string, long> others;
+            long ok = 0;
+            for (const PlannedScene& scene : plan.scenes) {
+                const Result* r = at_step(rows_of(rows, scene, curve), step);
+                if (!r) continue;
+                if (r->status != Status::ok) {
+                    ++others[name_of(r->status)];
+                    continue;
+                }
+                ++ok;
+                const auto note = [&](std::vector<double>& list, const char* measure) {
+                    if (const std::optional<double> value = r->errors[measure].max) list.push_back(*value);
+                };
+                note(attitude, "attitude"), note(gap, "joint_gap"), note(energy, "energy");
+                if (const auto time = step_nanoseconds({r})) seconds.push_back(*time);
+            }
+            named.table.rows.push_back({std::string(curve.method->name), step_text(step), ok, listed_counts(others),
+                                        middle(attitude), middle(gap), most(gap), middle(energy), middle(seconds)});
+        }
+    }
+    return named;
+}
+
+// Against the step, or against the value that varies, at the largest step.
+std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Result>& rows) {
+    const std::vector<double> steps = all_steps(plan);
+    const bool varied = plan.experiment.vary.size() == 1;
+    const std::vector<std::string> no_values;
+    const std::vector<std::string>& values = varied ? plan.experiment.vary[0].values : no_values;
+    Figure figure;
+    figure.title = plan.experiment.name, figure.columns = 2;
+    const std::size_t scenes_a_panel = varied ? values.size() : 1;
+    for (std::size_t first = 0; first < plan.scenes.size(); first += scenes_a_panel)
+        for (const auto& [measure, label] :
+             {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
+            Panel panel{
+                varied ? plan.scenes[first].scene.name + ", " + step_text(steps.front()) : plan.scenes[first].label,
+                varied ? plan.experiment.vary[0].pointer : "step (s)",
+                label,
+                true,
+                true,
+                {}};
+            for (const PlannedCurve& planned : plan.curves) {
+                if (planned.kind != SettingKind::step) continue;
+                Curve curve;
+                curve.label = curve_label(planned), curve.color = planned.color;
+                const auto add = [&](double x, const Result* row) {
+                    if (!row || row->status != Status::ok || !row->errors[measure].max) return;
+                    curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);
+                };
+                for (std::size_t i = 0; i < scenes_a_panel; ++i) {
+                    const auto own = rows_of(rows, plan.scenes[first + i], planned);
+                    if (varied)
+                        add(parse_decimal(values[i]).value_or(0), at_step(own, steps.front()));
+                    else
+                        for (const Result* row : own) add(row->step_taken.value_or(row->setting), row);
+                }
+                if (!curve.x.empty()) panel.curves.push_back(std::move(curve));
+            }
+            figure.panels.push_back(std::move(panel));
+        }
+    figure.note = figure_note(plan, false);
+    return {{plan.experiment.name, std::move(figure)}};
+}
+
+}  // namespace
+
+Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows) {
+    if (all_steps(plan).empty()) return {};
+    std::vector<NamedTable> tables{scenes_table(plan, rows)};
+    if (plan.experiment.vary.empty()) tables.push_back(methods_table(plan, rows));
+    return {std::move(tables), joint_figures(plan, rows)};
+}
+
+}  // namespace polhode

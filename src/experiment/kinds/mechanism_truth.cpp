@@ -1,0 +1,111 @@
+// The truth of scenes of several bodies: how it was made, and in how many digits its two formulations agree. And the
+// figures of mechanisms that others published, beside ours.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/kinds/kinds.h"
+#include "experiment/kinds/published_figures.h"
+#include "experiment/run/findings.h"
+#include "experiment/run/sweep.h"
+#include "integrators/truth/attempt.h"
+#include "measure/measures.h"
+#include "motion/mechanism.h"
+#include "motion/mechanism_motion.h"
+#include "text/parallel.h"
+
+namespace polhode {
+namespace {
+
+constexpr int digits_asked = 25;
+// of --quick: this part of each motion, and no longer than so many seconds at it
+constexpr double quick_part = 1.0 / 64, quick_seconds = 1;
+
+struct Counted {
+    long freedoms = 0, rows = 0, redundant = 0;
+};
+
+Counted counted(const Scene& scene) {
+    const Tree<Wide> tree(scene, wide_mass_properties(scene));
+    const long rows = static_cast<long>(tree.loop_rows()),
+               independent = static_cast<long>(tree.independent_loop_rows());
+    return {tree.links().rates - independent, rows, rows - independent};
+}
+
+// The largest gap and turn of all joints and loops over the samples of the truth itself.
+JointViolations<Wide> largest_violations(const Scene& scene, const Reference& truth) {
+    const MechanismMeasure<Wide> measure(scene);
+    JointViolations<Wide> largest;
+    std::vector<BodyMotion<Wide>> motions(measure.bodies());
+    for (std::size_t k = 0; k < truth.moments(); ++k) {
+        for (std::size_t b = 0; b < motions.size(); ++b) {
+            const TrueState<Wide> state = true_motion<Wide>(truth.samples[k * motions.size() + b]);
+            motions[b] = {state.q, state.angular_velocity_B, state.position_W, state.velocity_W};
+        }
+        const JointViolations<Wide> now = measure.violations(motions);
+        largest.gap = std::max(largest.gap, now.gap), largest.turn = std::max(largest.turn, now.turn);
+    }
+    return largest;
+}
+
+std::vector<Cell> truth_row(const PlannedScene& planned, long samples, bool quick, double seconds_limit) {
+    Scene scene = planned.scene;
+    if (quick) scene.duration *= quick_part, seconds_limit = quick_seconds;
+    const Counted count = counted(scene);
+    std::vector<Cell> row{
+        planned.label,  static_cast<long>(scene.bodies.size()), count.freedoms, count.rows, count.redundant,
+        scene.duration, static_cast<long>(digits_asked)};
+    const truth::Truth truth = truth::find_truth(scene, samples, digits_asked, seconds_limit);
+    if (!truth.reference.available) {
+        row.insert(row.end(), {Cell(), Cell(), Cell(), Cell(), Cell(), truth.reference.message});
+        return row;
+    }
+    const double bound = truth.reference.bound;
+    const JointViolations<Wide> open = largest_violations(scene, truth.reference);
+    row.insert(row.end(),
+               {bound > 0 ? Cell(static_cast<long>(std::floor(-std::log10(bound)))) : Cell(), bound,
+                static_cast<double>(open.gap), static_cast<double>(open.turn), truth.seconds, truth.reference.message});
+    return row;
+}
+
+}  // namespace
+
+Findings run_mechanism_truth(const Plan& plan, const RunOptions& options) {
+    NamedTable truths = headed_table("", "",
+                                     {{"scene", "scene"},
+                                      {"bodies", "bodies"},
+                                      {"degrees_of_freedom", "degrees of freedom"},
+                                      {"loop_rows", "equations of loops"},
+                                      {"redundant_rows", "redundant"},
+                                      {"duration", "T (s)"},
+                                      {"digits_asked", "digits asked"},
+                                      {"digits_agreed", "agreed"},
+                                      {"bound", "bound"},
+                                      {"joint_gap_max", "largest gap (m)"},
+                                      {"joint_turn_max", ""},
+                                      {"seconds", "time (s)"},
+                                      {"message", "how"}});
+    truths.table.rows.resize(plan.scenes.size());
+    // each truth has two threads of its own for most of its time
+    parallel_for(plan.scenes.size(), std::max(1, options.jobs / 2), [&](std::size_t i) {
+        truths.table.rows[i] =
+            truth_row(plan.scenes[i], plan.experiment.samples, options.quick, plan.experiment.seconds_per_run);
+    });
+    NamedTable published = headed_table("figures", "Figures that others published, and ours",
+                                        {{"mechanism", "mechanism"},
+                                         {"source", "source"},
+                                         {"quantity", "quantity"},
+                                         {"published", "published"},
+                                         {"ours", "ours"},
+                                         {"difference", "relative difference"},
+                                         {"digits_printed", "digits printed"},
+                                         {"digits_right", "right"}});
+    for (const ComparedFigure& figure : compared_figures(options.quick, plan.experiment.samples))
+        published.table.rows.push_back({figure.mechanism, figure.source, figure.quantity, figure.published, figure.ours,
+                                        cell_of(figure.difference), cell_of(figure.digits_printed),
+                                        cell_of(figure.digits_right)});
+    return {{std::move(truths), std::move(published)}};
+}
+
+}  // namespace polhode

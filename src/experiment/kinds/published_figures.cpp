@@ -1,0 +1,280 @@
+#include "experiment/kinds/published_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "body/elementary.h"
+#include "experiment/kinds/mechanism_figures.h"
+#include "integrators/truth/reference.h"
+#include "integrators/truth/rounded_decimal.h"
+#include "measure/measures.h"
+#include "motion/mechanism.h"
+#include "scene/scene_file.h"
+#include "text/decimal.h"
+
+namespace polhode {
+namespace {
+
+constexpr int digits_shown = 20;
+
+Wide power_of_ten(int exponent) {
+    Wide power = 1;
+    for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+    return exponent < 0 ? 1 / power : power;
+}
+
+// The angle in (-pi, pi] of a point of the plane: binary64's, mended by what is left.
+Wide angle_of(const Wide& sine, const Wide& cosine) {
+    const Wide guess = std::atan2(static_cast<double>(sine), static_cast<double>(cosine));
+    Wide s, c;
+    sine_cosine(guess, s, c);
+    const Wide size = square_root(sine * sine + cosine * cosine), left = (sine * c - cosine * s) / size;
+    return guess + left + left * left * left / 6;
+}
+
+/// What the truth tells of a joint of one degree of freedom at the end.
+struct JointNow {
+    Wide coordinate, rate, acceleration;  ///< the coordinate up to whole turns
+};
+
+struct EndOfTruth {
+    std::string fault;  ///< why there is none
+    std::map<std::string, JointNow> joints;
+    std::map<std::string, Vector3<Wide>> forces;  ///< of joints and loops, N
+};
+
+// Of a scene all of whose joints are revolute: what its last sample says in joint coordinates.
+EndOfTruth end_of_truth(const Scene& scene, long samples) {
+    const Reference truth = reference(scene, samples);
+    if (!truth.available) return {truth.message, {}, {}};
+    EndOfTruth end;
+    const std::size_t n = scene.bodies.size(), joints = scene.joints.size();
+    std::map<std::string, TrueState<Wide>> bodies;
+    for (std::size_t b = 0; b < n; ++b)
+        bodies[scene.bodies[b].name] = true_motion<Wide>(truth.samples[truth.samples.size() - n + b]);
+    bodies["world"].q = {1, 0, 0, 0};
+    Tree<Wide> tree(scene, wide_mass_properties(scene));
+    std::vector<Wide> y(static_cast<std::size_t>(tree.dimension())), rates(y.size());
+    const auto place = [&](const Link<Wide>& link) -> JointNow& {
+        return end.joints[scene.joints[static_cast<std::size_t>(link.joint)].name];
+    };
+    for (const Link<Wide>& link : tree.links().links) {
+        const Joint& joint = scene.joints[static_cast<std::size_t>(link.joint)];
+        const TrueState<Wide>&parent = bodies[joint.parent], &child = bodies[joint.child];
+        const Vector3<Wide> along = cast<Wide>(joint.axes[0]), axis = (1 / length(along)) * along;
+        // q_child = q_parent q0 J
+        const Quaternion<Wide> turned =
+            conjugate(parent.q * normalized(cast<Wide>(joint.parent_orientation))) * child.q;
+        const Vector3<Wide> parent_rate = rotate(conjugate(child.q) * parent.q, parent.angular_velocity_B);
+        JointNow& now = place(link);
+        now.coordinate = 2 * angle_of(dot(axis, vector_part(turned)), turned.w);
+        now.rate = dot(axis, child.angular_velocity_B - parent_rate);
+        y[static_cast<std::size_t>(link.coordinate)] = now.coordinate;
+        y[static_cast<std::size_t>(link.rate)] = now.rate;
+    }
+    tree.set_loads(scene, scene.duration);
+    tree.derivative(y.data(), rates.data());
+    for (const Link<Wide>& link : tree.links().links)
+        place(link).acceleration = rates[static_cast<std::size_t>(link.rate)];
+    const auto wide = [](const Pair& p) { return Wide(p.high) + Wide(p.low); };
+    const std::size_t last = truth.reactions.size() - joints - scene.loops.size();
+    for (std::size_t i = 0; i < joints + scene.loops.size(); ++i) {
+        const Vector3<Pair>& force = truth.reactions[last + i].force_W;
+        end.forces[i < joints ? scene.joints[i].name : scene.loops[i - joints].name] = {wide(force[0]), wide(force[1]),
+                                                                                        wide(force[2])};
+    }
+    return end;
+}
+
+// The angle of them that differ by whole turns that is the nearest to another.
+Wide nearest_turn(const Wide& angle, const Wide& to) {
+    const Wide turn = 2 * Elementary<Wide>::pi();
+    return angle + turn * Elementary<Wide>::rounded((to - angle) / turn);
+}
+
+/// Gathers the figures of one mechanism.
+class Comparison {
+  public:
+    Comparison(std::vector<ComparedFigure>& all, std::string mechanism, const EndOfTruth& end)
+        : all_(all), mechanism_(std::move(mechanism)), end_(end) {}
+
+    void from(std::string source) { source_ = std::move(source); }
+    void add(const std::string& quantity, const std::string& published, Wide ours) {
+        ComparedFigure figure{mechanism_, source_, quantity, published, "", {}, {}, {}};
+        figure.digits_printed = printed(published);
+        if (end_.fault.empty()) {
+            const Wide theirs = wide_of_decimal(published), off = Elementary<Wide>::magnitude(theirs - ours);
+            figure.ours = decimal_of_wide(ours, digits_shown);
+            figure.difference = static_cast<double>(off / Elementary<Wide>::magnitude(ours));
+            const double right = std::floor(-std::log10(std::max(*figure.difference, 1e-40)));
+            figure.digits_right = std::clamp(static_cast<long>(right), 0L, *figure.digits_printed);
+        } else {
+            figure.ours = end_.fault;
+        }
+        all_.push_back(std::move(figure));
+    }
+    void add(const std::string& quantity, double published, const Wide& ours) {
+        add(quantity, shortest_decimal(published), ours);
+    }
+    /// An angle that counts turns; `unit`: in rad.
+    template <class Number>
+    void add_angle(const std::string& quantity, const Number& published, const Wide& angle, const Wide& unit = 1) {
+        const Wide theirs = unit * wide_of_decimal(text(published));
+        add(quantity, text(published), nearest_turn(angle, theirs) / unit);
+    }
+    JointNow joint(const char* name) const { return end_.fault.empty() ? end_.joints.at(name) : JointNow{}; }
+    Vector3<Wide> force(const char* name) const { return end_.fault.empty() ? end_.forces.at(name) : Vector3<Wide>{}; }
+
+  private:
+    std::vector<ComparedFigure>& all_;
+    std::string mechanism_, source_;
+    const EndOfTruth& end_;
+
+    static std::string text(double value) { return shortest_decimal(value); }
+    static std::string text(const char* value) { return value; }
+    static long printed(const std::string& number) {
+        const std::string mantissa = number.substr(0, number.find('e'));
+        const std::size_t first = mantissa.find_first_of("123456789");
+        return first == mantissa.npos
+                   ? 1
+                   : static_cast<long>(std::count_if(mantissa.begin() + static_cast<long>(first), mantissa.end(),
+                                                     [](char c) { return c >= '0' && c <= '9'; }));
+    }
+};
+
+template <class Set>
+void add_andrews(Comparison& comparison, const Set& set) {
+    for (std::size_t j = 0; j < figures::andrews_joints.size(); ++j) {
+        const char* name = figures::andrews_joints[j];
+        const JointNow now = comparison.joint(name);
+        comparison.add_angle(fmt::format("{} (rad)", name), set.angles[j], now.coordinate);
+        comparison.add(fmt::format("{}' (rad/s)", name), set.rates[j], now.rate);
+        comparison.add(fmt::format("{}'' (rad/s^2)", name), set.accelerations[j], now.acceleration);
+    }
+    for (std::size_t i = 0; i < set.multipliers.size(); ++i)
+        comparison.add(fmt::format("lambda_{} (N)", i + 1), set.multipliers[i],
+                       comparison.force(figures::andrews_loops[i / 2])[static_cast<int>(i % 2)]);
+}
+
+void add_babyboot(Comparison& comparison, const figures::BabybootFigures& set) {
+    const JointNow a = comparison.joint("hinge"), b = comparison.joint("swivel");
+    const Wide degree = Elementary<Wide>::pi() / 180;
+    comparison.add_angle("q_A (deg)", set.q_A, a.coordinate, degree);
+    comparison.add_angle("q_B (deg)", set.q_B, b.coordinate, degree);
+    comparison.add("q_A' (rad/s)", set.rate_A, a.rate);
+    comparison.add("q_B' (rad/s)", set.rate_B, b.rate);
+    comparison.add("q_A'' (rad/s^2)", set.accel_A, a.acceleration);
+    comparison.add("q_B'' (rad/s^2)", set.accel_B, b.acceleration);
+}
+
+// The double four-bar over 10 s, through all its singular positions, where its own equations lose rank. The uprights
+// stay parallel and the bars turn with none of them: 3 a'' = 3.5 g sin a from a = 0, a' = 1. So does a pendulum of mass
+// 7 whose centre is 1/2 above the hinge and whose moment about it is 3.
+Scene four_bar_as_pendulum() {
+    Scene scene;
+    scene.name = "double_four_bar as a pendulum", scene.duration = 10;
+    NamedBody rod;
+    rod.name = "rod", rod.body.mass = 7, rod.body.center_of_mass = {0, 0, 0.5};
+    rod.body.inertia_B = diagonal(Vector3<double>(1.25, 1.25, 1));
+    Joint foot;
+    foot.name = "foot", foot.child = "rod", foot.axes[0] = {0, 1, 0}, foot.rate[0] = 1;
+    scene.bodies = {rod}, scene.joints = {foot};
+    scene.loads = {Gravity{{0, 0, -9.81}, {}}};
+    return scene;
+}
+
+void add_four_bar(Comparison& comparison, const figures::FourBarFigures& set) {
+    const JointNow foot = comparison.joint("foot");
+    Wide sine, cosine;
+    sine_cosine(foot.coordinate, sine, cosine);
+    comparison.add("x (m)", set.x, sine);
+    comparison.add("y (m)", set.z, cosine);
+    comparison.add("x' (m/s)", set.vx, cosine * foot.rate);
+    comparison.add("y' (m/s)", set.vz, -sine * foot.rate);
+}
+
+}  // namespace
+
+Wide wide_of_decimal(std::string_view text) {
+    const std::size_t mark = text.find_first_of("eE");
+    int exponent = mark == text.npos ? 0 : std::stoi(std::string(text.substr(mark + 1)));
+    Wide value = 0;
+    bool fraction = false;
+    for (const char c : text.substr(0, mark)) {
+        if (c == '.') fraction = true;
+        if (c < '0' || c > '9') continue;
+        value = 10 * value + (c - '0');
+        if (fraction) --exponent;
+    }
+    value *= power_of_ten(exponent);
+    return text.starts_with('-') ? -value : value;
+}
+
+std::string decimal_of_wide(const Wide& value, int digits) {
+    Wide rest = Elementary<Wide>::magnitude(value);
+    if (!(rest > 0)) return "0";
+    int exponent = static_cast<int>(std::floor(std::log10(static_cast<double>(rest))));
+    rest *= power_of_ten(-exponent);
+    if (rest >= 10) rest /= 10, ++exponent;
+    if (rest < 1) rest *= 10, --exponent;
+    std::string all(value < 0 ? "-" : "");
+    for (int i = 0; i < 31; ++i) {
+        const int digit = std::clamp(static_cast<int>(rest), 0, 9);
+        all += static_cast<char>('0' + digit);
+        if (i == 0) all += '.';
+        rest = 10 * (rest - digit);
+    }
+    const std::string scientific = truth::rounded_decimal(all + "e" + std::to_string(exponent), digits);
+    const std::size_t mark = scientific.find('e');
+    exponent = std::stoi(scientific.substr(mark + 1));
+    if (exponent < -4 || exponent > 8) return scientific;
+    std::string plain;
+    for (const char c : scientific.substr(0, mark))
+        if (c >= '0' && c <= '9') plain += c;
+    if (exponent < 0) plain.insert(0, static_cast<std::size_t>(-exponent), '0');
+    const std::size_t whole = static_cast<std::size_t>(std::max(exponent, 0)) + 1;
+    while (plain.size() < whole) plain += '0';
+    if (plain.size() > whole) plain.insert(whole, ".");
+    return (value < 0 ? "-" : "") + plain;
+}
+
+std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
+    std::vector<ComparedFigure> all;
+    if (!quick) {
+        const EndOfTruth andrews = end_of_truth(find_scene("mechanisms/andrews_squeezer"), samples);
+        Comparison squeezer(all, "andrews_squeezer", andrews);
+        squeezer.from("IVP Test Set 2.4");
+        add_andrews(squeezer, figures::andrews_published);
+        squeezer.from("its equations by extrapolation in 32 digits");
+        add_andrews(squeezer, figures::andrews_recomputed);
+
+        const EndOfTruth kane = end_of_truth(find_scene("mechanisms/babyboot"), samples);
+        Comparison babyboot(all, "babyboot", kane);
+        for (const auto& [source, set] : {std::pair{"Drake, expected", figures::babyboot_expected},
+                                          std::pair{"Drake, simulation A", figures::babyboot_simulation_a},
+                                          std::pair{"Drake, simulation B", figures::babyboot_simulation_b},
+                                          std::pair{"Drake, ode45", figures::babyboot_ode45}}) {
+            babyboot.from(source);
+            add_babyboot(babyboot, set);
+        }
+        babyboot.from("Kane's two equations by Taylor series in 40 digits");
+        const JointNow a = babyboot.joint("hinge"), b = babyboot.joint("swivel");
+        babyboot.add_angle("q_A (rad)", figures::babyboot_recomputed[0], a.coordinate);
+        babyboot.add_angle("q_B (rad)", figures::babyboot_recomputed[1], b.coordinate);
+        babyboot.add("q_A' (rad/s)", figures::babyboot_recomputed[2], a.rate);
+        babyboot.add("q_B' (rad/s)", figures::babyboot_recomputed[3], b.rate);
+    }
+    const EndOfTruth pendulum = end_of_truth(four_bar_as_pendulum(), samples);
+    Comparison four_bar(all, "double_four_bar over 10 s", pendulum);
+    four_bar.from("Exudyn");
+    add_four_bar(four_bar, figures::double_four_bar_exudyn);
+    four_bar.from("quadrature of the pendulum's equation");
+    add_four_bar(four_bar, figures::double_four_bar_quadrature);
+    return all;
+}
+
+}  // namespace polhode

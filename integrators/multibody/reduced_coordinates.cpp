@@ -1,92 +1,47 @@
 // Mechanisms in joint coordinates by semi-implicit Euler, as robotics' engines take them.
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "body/orientation.h"
 #include "integrators/multibody/armature.h"
+#include "integrators/multibody/joint_state.h"
 #include "integrators/multibody/refusals.h"
-#include "integrators/run/march.h"
-#include "motion/mechanism.h"
 
 namespace polhode {
 namespace {
 
-/// Joint coordinates and their rates, y = (x, x').
-class JointState {
+using multibody::JointState;
+
+/// Semi-implicit steps: rates first, then coordinates by the new rates, then back onto the loops.
+class SemiImplicitSteps : public JointState {
   public:
-    explicit JointState(const Problem& problem)
-        : posed_(std::shared_ptr<const MechanismModel>(problem.own, &mechanism_of(problem))),
-          y_(static_cast<std::size_t>(posed_->dimension())),
-          dy_(y_.size()) {
-        restart();
-    }
-    void restart() {
-        model_ = posed_;
-        model_->initial(y_.data());
-        steps_ = 0;
-    }
-    void enter(const Segment& segment) {
-        auto next = std::make_shared<MechanismModel>(*model_);
-        next->enter(segment.begin, y_.data());
-        model_ = std::move(next);
-    }
-    std::vector<Sample> sample(double t) const {
-        std::vector<Sample> samples = model_->motion(y_.data());
-        for (Sample& sample : samples) sample.t = t;
-        return samples;
-    }
-    bool finite() const { return all_finite(std::span<const double>(y_)); }
-    long rhs_evaluations() const { return steps_; }
+    using JointState::JointState;
 
   protected:
-    const Tree<double>& tree() const { return model_->tree(); }
-    std::size_t coordinates() const { return static_cast<std::size_t>(tree().links().coordinates); }
-    std::size_t rates() const { return static_cast<std::size_t>(tree().links().rates); }
-
     /// x'' at the state.
     std::vector<double> accelerations() {
         tree().derivative(y_.data(), dy_.data());
         return {dy_.begin() + static_cast<std::ptrdiff_t>(coordinates()), dy_.end()};
     }
-    /// x' += h a, then x by the new x': attitudes by one exponential; then back onto the loops.
     void go(double h, const std::vector<double>& a) {
         for (std::size_t k = 0; k < rates(); ++k) y_[coordinates() + k] += h * a[k];
-        for (const Link<double>& link : tree().links().links) {
-            double* const x = y_.data() + link.coordinate;
-            const double* const rate = y_.data() + link.rate;
-            if (link.coordinates() == 1) {
-                x[0] += h * rate[0];
-                continue;
-            }
-            const Vector3<double> turn(h * rate[0], h * rate[1], h * rate[2]);
-            const Quaternion<double> q =
-                normalized(Quaternion<double>{x[0], x[1], x[2], x[3]} * quaternion_from_rotation_vector(turn));
-            x[0] = q.w, x[1] = q.x, x[2] = q.y, x[3] = q.z;
-            if (link.kind == LinkJoint::free)
-                for (int k = 0; k < 3; ++k) x[4 + k] += h * rate[3 + k];
-        }
+        go_along(h, y_);
         if (model_->projects()) model_->project(y_.data());
         ++steps_;
     }
-
-    std::shared_ptr<const MechanismModel> posed_, model_;
-    std::vector<double> y_, dy_;
-    long steps_ = 0;
 };
 
 /// x' += h M^-1 f(x, x'),  x += h x'.
-class SemiImplicitEuler : public JointState {
+class SemiImplicitEuler : public SemiImplicitSteps {
   public:
-    using JointState::JointState;
+    using SemiImplicitSteps::SemiImplicitSteps;
     void step(double, double h) { go(h, accelerations()); }
 };
 
 /// (M + h D) a = f(x, x'),  x' += h a,  x += h x';  D: the joints' dampers. With M a_0 = f that is
 /// a = a_0 - (M + h D)^-1 h D a_0.
-class ImplicitDamping : public JointState {
+class ImplicitDamping : public SemiImplicitSteps {
   public:
-    explicit ImplicitDamping(const Problem& problem) : JointState(problem) {
+    explicit ImplicitDamping(const Problem& problem) : SemiImplicitSteps(problem) {
         for (const Link<double>& link : tree().links().links)
             for (int k = 0; k < link.rates(); ++k) damping_.push_back(link.kind == LinkJoint::free ? 0 : link.damping);
         for (const double c : damping_) damped_ = damped_ || c != 0;

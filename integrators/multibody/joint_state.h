@@ -1,0 +1,36 @@
+// What steppers in joint coordinates share (integrators/run/march.h): the state (x, x') of a tree, its events and
+// samples.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "integrators/run/march.h"
+#include "motion/mechanism.h"
+
+namespace polhode::multibody {
+
+class JointState {
+  public:
+    /// At t = 0 of a scene of several bodies.
+    explicit JointState(const Problem& problem);
+    void restart();
+    void enter(const Segment& segment);
+    std::vector<Sample> sample(double t) const;
+    bool finite() const { return all_finite(std::span<const double>(y_)); }
+    long rhs_evaluations() const { return steps_; }
+
+  protected:
+    const Tree<double>& tree() const { return model_->tree(); }
+    std::size_t coordinates() const { return static_cast<std::size_t>(tree().links().coordinates); }
+    std::size_t rates() const { return static_cast<std::size_t>(tree().links().rates); }
+    /// x by h times the rates of y: attitudes by one exponential, normalised.
+    void go_along(double h, std::vector<double>& y) const;
+
+    std::shared_ptr<const MechanismModel> posed_, model_;
+    std::vector<double> y_;   ///< x, x'
+    std::vector<double> dy_;  ///< room for x', x''
+    long steps_ = 0;
+};
+
+}  // namespace polhode::multibody

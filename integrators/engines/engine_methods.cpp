@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "integrators/engines/engine_mechanism.h"
 #include "integrators/engines/engine_session.h"
 #include "integrators/engines/external_method.h"
 #include "integrators/run/march.h"
@@ -28,8 +29,12 @@ struct EngineEntry {
 };
 
 std::string why_unrepresentable(const Problem& problem) {
+    if (problem.own && !is_mechanism(problem.scene)) return "an engine has to know the body";
     try {
-        engine_scene(problem);
+        if (is_mechanism(problem.scene))
+            engine_mechanism(problem);
+        else
+            engine_scene(problem);
     } catch (const std::invalid_argument& error) {
         return error.what();
     }
@@ -58,21 +63,49 @@ struct AskedEngine {
             trajectory.limit_reached = true;
             return result;
         }
+        is_mechanism(problem.scene) ? ask_for_several(problem, settings, steps, trajectory)
+                                    : ask_for_one(problem, settings, steps, result);
+        return result;
+    }
+
+  private:
+    void ask_for_one(const Problem& problem, const Settings& settings, long steps, EngineAnswer& result) const {
         const EngineScene scene = engine_scene(problem);
         EngineHello hello;
         const LineAnswer said =
             session->ask(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
+        if (!answered(said, hello, result.trajectory)) return;
+        result = read_answer(said.line, problem, scene, settings, steps);
+        sign(result.trajectory);
+    }
+    void ask_for_several(const Problem& problem, const Settings& settings, long steps, Trajectory& trajectory) const {
+        const EngineMechanism mechanism = engine_mechanism(problem);
+        EngineHello hello;
+        if (!answered(session->greet(hello), hello, trajectory)) return;
+        if (const std::string why = joints_not_taken(mechanism, hello); !why.empty()) {
+            trajectory = unsupported(fmt::format("{}: {}", entry.name, why));
+            return;
+        }
+        const LineAnswer said =
+            session->ask(mechanism_request(mechanism, setting, problem.scene.duration, settings, steps),
+                         settings.seconds_limit, hello);
+        if (!answered(said, hello, trajectory)) return;
+        trajectory = read_mechanism_answer(said.line, problem, mechanism, settings, steps);
+        sign(trajectory);
+    }
+    // Whether there is an answer to be read; else the trajectory tells why.
+    bool answered(const LineAnswer& said, const EngineHello& hello, Trajectory& trajectory) const {
         if (said.was_not_found || !hello.missing.empty()) {
             trajectory = unsupported(fmt::format("{} is not here: {}", entry.name,
                                                  hello.missing.empty() ? "it needs " + entry.needs : hello.missing));
-        } else if (!said.fault.empty()) {
-            trajectory.message = said.fault, trajectory.limit_reached = said.was_out_of_time;
-        } else {
-            result = read_answer(said.line, problem, scene, settings, steps);
-            if (trajectory.status != Status::ok && trajectory.status != Status::diverged)
-                trajectory.message = fmt::format("{}: {}", entry.name, trajectory.message);
+            return false;
         }
-        return result;
+        trajectory.message = said.fault, trajectory.limit_reached = said.was_out_of_time;
+        return said.fault.empty();
+    }
+    void sign(Trajectory& trajectory) const {
+        if (trajectory.status != Status::ok && trajectory.status != Status::diverged)
+            trajectory.message = fmt::format("{}: {}", entry.name, trajectory.message);
     }
 };
 
@@ -186,6 +219,7 @@ std::vector<EngineMethod> parse_engines(std::string_view text, const std::string
             const auto asked = std::make_shared<const AskedEngine>(AskedEngine{entry, setting, session});
             Method method = description;
             method.refuses = why_unrepresentable;
+            method.own_systems = true;
             all.push_back({entry.name, setting,
                            make_method(method,
                                        [asked](const Problem& problem, const Settings& settings) {

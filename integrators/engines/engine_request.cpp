@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "integrators/engines/engine_json.h"
 #include "integrators/run/watch.h"
 #include "motion/contact.h"
 #include "scene/scene_file.h"
@@ -15,17 +16,7 @@
 namespace polhode {
 namespace {
 
-using nlohmann::json;
-
-json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
-json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
-
-bool is_diagonal(const Matrix3<double>& A) {
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (i != j && A[i][j] != 0) return false;
-    return true;
-}
+using engine_json::array, engine_json::json, engine_json::number, engine_json::quaternion_at, engine_json::vector_at;
 
 /// A load of a body in the axes of the engine's.
 struct LoadTurner {
@@ -143,17 +134,6 @@ json pieces_of(const Scene& scene) {
     return pieces;
 }
 
-// Null is how JSON writes what is not finite.
-double number(const json& value) { return value.is_null() ? std::nan("") : value.get<double>(); }
-
-Vector3<double> vector_at(const json& row, std::size_t first) {
-    return {number(row.at(first)), number(row.at(first + 1)), number(row.at(first + 2))};
-}
-
-Quaternion<double> quaternion_at(const json& row, std::size_t first) {
-    return {number(row.at(first)), number(row.at(first + 1)), number(row.at(first + 2)), number(row.at(first + 3))};
-}
-
 EngineReadback readback_of(const json& answer) {
     EngineReadback back;
     const auto found = answer.find("readback");
@@ -165,12 +145,6 @@ EngineReadback readback_of(const json& answer) {
     vector("moments", back.moments), vector("w", back.w), vector("p", back.p), vector("v", back.v);
     if (const auto q = found->find("q"); q != found->end() && q->is_array()) back.q = quaternion_at(*q, 0);
     return back;
-}
-
-Status status_named(const std::string& word) {
-    for (const Status status : {Status::ok, Status::unsupported, Status::diverged})
-        if (word == name_of(status)) return status;
-    return Status::failed;
 }
 
 // The samples up to the first that is not finite or has an energy beyond all bounds.
@@ -203,12 +177,10 @@ EngineScene engine_scene(const Problem& problem) {
     // the inertia about the centre of mass, whatever holds the body
     Scene free = scene;
     free.pivot.reset(), free.planes.clear(), free.loads.clear();
-    if (is_diagonal(scene.body.inertia_B)) {
-        known.moments = {scene.body.inertia_B[0][0], scene.body.inertia_B[1][1], scene.body.inertia_B[2][2]};
-    } else {
-        const PrincipalFrame frame = pose(free, Formulation::full_principal).body.principal;
-        known.moments = frame.moments, known.q_BP = frame.q_BP;
-    }
+    const PrincipalFrame frame = is_diagonal(scene.body.inertia_B)
+                                     ? engine_frame(scene.body.inertia_B)
+                                     : pose(free, Formulation::full_principal).body.principal;
+    known.moments = frame.moments, known.q_BP = frame.q_BP;
     const Vector3<double>& center = scene.body.center_of_mass;
     for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadTurner{known.q_BP, center}, load));
     add_shape(known, scene);
@@ -278,6 +250,9 @@ EngineHello read_hello(std::string_view line) {
         if (const auto settings = hello.find("settings"); settings != hello.end())
             for (const auto& [name, what] : settings->items())
                 known.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
+        for (const auto& [key, types] : {std::pair{"joints", &known.joints}, {"loops", &known.loops}})
+            for (const json& type : hello.value(key, json::array()))
+                types->push_back(one_line(type.get<std::string>(), 80));
     } catch (const json::exception&) {
         throw std::invalid_argument("says who it is in words that are none");
     }
@@ -290,24 +265,12 @@ EngineAnswer read_answer(std::string_view line, const Problem& problem, const En
     Trajectory& trajectory = result.trajectory;
     try {
         const json answer = json::parse(line);
-        trajectory.status = status_named(answer.at("status"));
-        trajectory.message = one_line(answer.value("message", ""), 300);
-        if (trajectory.status == Status::failed && trajectory.message.empty())
-            trajectory.message = "failed, and does not say why";
-        if (trajectory.status != Status::ok) return result;
+        if (!engine_json::read_outcome(answer, trajectory)) return result;
         trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
-        const double steps = answer.at("steps");
-        trajectory.seconds = answer.at("seconds");
-        if (!(steps >= 0 && steps < 1e15 && trajectory.seconds >= 0 && trajectory.seconds < 1e15))
-            throw std::invalid_argument("its steps or seconds are no count");
-        trajectory.steps = static_cast<long>(steps);
-        trajectory.rhs_evaluations = trajectory.steps;
         result.readback = readback_of(answer);
         read_samples(answer.at("samples"), problem, scene, settings, trajectory);
     } catch (const std::exception& error) {
-        trajectory = {};
-        trajectory.status = Status::failed;
-        trajectory.message = "its answer cannot be read: " + one_line(error.what(), 200);
+        trajectory = engine_json::unreadable(error);
     }
     return result;
 }

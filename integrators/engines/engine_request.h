@@ -49,6 +49,8 @@ struct EngineHello {
     std::string version;                                          ///< of the engine
     std::string missing;                                          ///< why it cannot be had; empty where it can
     std::vector<std::pair<std::string, std::string>> settings{};  ///< each by its name and what it is
+    std::vector<std::string> joints{};                            ///< the types of joints that it takes, by their words
+    std::vector<std::string> loops{};                             ///< likewise those that it closes loops by
 };
 
 /// Throws std::invalid_argument, with the fault, where the line is none.

@@ -2,12 +2,10 @@
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
-#include "integrators/engines/drivers/serve.h"
+#include "integrators/engines/drivers/bullet_joints.h"
 
 namespace polhode::engines {
 namespace {
-
-btVector3 bullet(const Vector3<double>& v) { return {btScalar(v[0]), btScalar(v[1]), btScalar(v[2])}; }
 
 class BulletWorld {
   public:
@@ -101,7 +99,7 @@ int main() {
     using namespace polhode::engines;
     constexpr bool is_double = sizeof(btScalar) == sizeof(double);
     const std::string version = fmt::format("{}.{}", btGetVersion() / 100, btGetVersion() % 100);
-    return serve<BulletWorld>(
+    return serve<BulletWorld, BulletMechanism>(
         {is_double ? "bullet" : "bullet_f32",
          version,
          is_double ? "binary64" : "binary32",
@@ -110,5 +108,7 @@ int main() {
            "turn of at most pi/4 a step"},
           {"best", "as default, never asleep"},
           {"explicit", "the gyroscopic term by an explicit step, never asleep"},
-          {"none", "no gyroscopic term, never asleep"}}});
+          {"none", "no gyroscopic term, never asleep"}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {"revolute", "spherical"}});
 }

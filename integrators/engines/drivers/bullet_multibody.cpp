@@ -83,16 +83,147 @@ class MultibodyWorld {
     std::unique_ptr<btMultiBodyPoint2Point> joint_;
 };
 
+/// The trees of a mechanism, a btMultiBody each: of what hangs on the world the base is fixed, else a free body is it.
+class MultibodyMechanism {
+  public:
+    explicit MultibodyMechanism(const Mechanism& known) : places_(known.bodies.size()) {
+        world_.setGravity(bullet(known.gravity));
+        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i)
+            if (!known.carrier(i)) add_tree(known, i);
+        const auto hangs = [](const LinkJoint& joint) { return joint.parent < 0; };
+        if (std::ranges::any_of(known.joints, hangs)) add_tree(known, -1);
+    }
+    ~MultibodyMechanism() {
+        for (const auto& tree : trees_) world_.removeMultiBody(tree.get());
+    }
+    MultibodyMechanism(const MultibodyMechanism&) = delete;
+    MultibodyMechanism& operator=(const MultibodyMechanism&) = delete;
+
+    std::vector<Motion> motions() const {
+        std::vector<std::vector<btVector3>> w, v;
+        for (const auto& tree : trees_) {
+            w.emplace_back(std::size_t(tree->getNumLinks()) + 1), v.emplace_back(w.back().size());
+            tree->compTreeLinkVelocities(w.back().data(), v.back().data());
+        }
+        std::vector<Motion> all;
+        for (const Place& place : places_) {
+            const btMultiBody& tree = *trees_[place.tree];
+            // columns of the attitude
+            btMatrix3x3 R;
+            for (int i = 0; i < 3; ++i) {
+                btVector3 unit(0, 0, 0);
+                unit[i] = 1;
+                const btVector3 column = tree.localDirToWorld(place.link, unit);
+                for (int j = 0; j < 3; ++j) R[j][i] = column[j];
+            }
+            btQuaternion q;
+            R.getRotation(q);
+            const std::size_t at = std::size_t(place.link + 1);
+            all.push_back({{q.w(), q.x(), q.y(), q.z()},
+                           vector_of(R * w[place.tree][at]),
+                           vector_of(tree.localPosToWorld(place.link, btVector3(0, 0, 0))),
+                           vector_of(R * v[place.tree][at])});
+        }
+        return all;
+    }
+    void step(double h) { world_.stepSimulation(h, 0); }
+
+  private:
+    struct Place {
+        std::size_t tree = 0;
+        int link = -1;  ///< -1: the base
+    };
+
+    void add_tree(const Mechanism& known, int base) {
+        std::vector<const LinkJoint*> joints;
+        std::vector<bool> belongs(known.bodies.size(), false);
+        int links = 0;
+        for (const LinkJoint& joint : known.joints) {
+            const bool is_own = joint.parent == base || (joint.parent >= 0 && belongs[std::size_t(joint.parent)]);
+            if (!is_own) continue;
+            belongs[std::size_t(joint.child)] = true;
+            joints.push_back(&joint);
+            // a universal joint is two hinges with a link without mass between
+            links += joint.type == "universal" ? 2 : 1;
+        }
+        const LinkBody nothing{0, {}, {}};
+        const LinkBody& foot = base < 0 ? nothing : known.body(base);
+        auto tree =
+            std::make_unique<btMultiBody>(links, foot.mass, bullet(foot.moments), base < 0, known.setting == "default");
+        if (base >= 0) places_[std::size_t(base)] = {trees_.size(), -1};
+        int link = 0;
+        for (const LinkJoint* joint : joints) {
+            set_up(known, *joint, *tree, link);
+            places_[std::size_t(joint->child)] = {trees_.size(), link - 1};
+        }
+        const Quaternion<double>& q = foot.start.q;
+        tree->setWorldToBaseRot(btQuaternion(q.x, q.y, q.z, q.w).inverse());
+        tree->setBasePos(bullet(foot.start.p));
+        if (known.setting != "default") {
+            tree->setLinearDamping(0), tree->setAngularDamping(0);
+            tree->setMaxCoordinateVelocity(1e30);
+        }
+        if (known.setting == "rk4") tree->useRK4Integration(true);
+        tree->finalizeMultiDof();
+        if (base >= 0) tree->setBaseOmega(bullet(foot.start.w)), tree->setBaseVel(bullet(foot.start.v));
+        link = 0;
+        for (const LinkJoint* joint : joints) {
+            if (joint->type == "spherical") {
+                const Vector3<double> w = rotate_back(known.attitude(joint->child), joint->turning_W);
+                const double rates[] = {w[0], w[1], w[2]};
+                tree->setJointVelMultiDof(link, rates);
+            }
+            for (std::size_t i = 0; i < joint->rates.size(); ++i) tree->setJointVel(link + int(i), joint->rates[i]);
+            link += joint->type == "universal" ? 2 : 1;
+        }
+        world_.addMultiBody(tree.get());
+        trees_.push_back(std::move(tree));
+    }
+    void set_up(const Mechanism& known, const LinkJoint& joint, btMultiBody& tree, int& link) {
+        const LinkBody& child = known.body(joint.child);
+        const int parent = joint.parent < 0 ? -1 : places_[std::size_t(joint.parent)].link;
+        const Quaternion<double> turn = conjugate(child.start.q) * known.attitude(joint.parent);
+        const btQuaternion to_child(turn.x, turn.y, turn.z, turn.w);
+        const btVector3 out = bullet(joint.parent_point), in = -bullet(joint.child_point), none(0, 0, 0);
+        const btVector3 moments = bullet(child.moments);
+        const auto axis = [&](std::size_t i) { return bullet(joint.child_axes.at(i)); };
+        if (joint.type == "revolute") {
+            tree.setupRevolute(link, child.mass, moments, parent, to_child, axis(0), out, in, true);
+        } else if (joint.type == "prismatic") {
+            tree.setupPrismatic(link, child.mass, moments, parent, to_child, axis(0), out, in, true);
+        } else if (joint.type == "spherical") {
+            tree.setupSpherical(link, child.mass, moments, parent, to_child, out, in, true);
+        } else if (joint.type == "fixed") {
+            tree.setupFixed(link, child.mass, moments, parent, to_child, out, in, true);
+        } else {
+            tree.setupRevolute(link, 0, none, parent, to_child, axis(0), out, none, true);
+            ++link;
+            tree.setupRevolute(link, child.mass, moments, link - 1, btQuaternion(0, 0, 0, 1), axis(1), none, in, true);
+        }
+        ++link;
+    }
+
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_{&configuration_};
+    btDbvtBroadphase broadphase_;
+    btMultiBodyConstraintSolver solver_;
+    btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+    std::vector<std::unique_ptr<btMultiBody>> trees_;
+    std::vector<Place> places_;
+};
+
 }  // namespace
 }  // namespace polhode::engines
 
 int main() {
     using namespace polhode::engines;
-    return serve<MultibodyWorld>(
+    return serve<MultibodyWorld, MultibodyMechanism>(
         {"bullet_multibody",
          fmt::format("{}.{}", btGetVersion() / 100, btGetVersion() % 100),
          "binary64",
          {{"default", "damping 0.04 of either velocity, a slow body falls asleep, coordinate velocities up to 100"},
           {"best", "no damping, never asleep, no limit of speed"},
-          {"rk4", "as best, by btMultiBody's own RK4"}}});
+          {"rk4", "as best, by btMultiBody's own RK4"}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {}});
 }

@@ -2,10 +2,16 @@
 #include <fmt/format.h>
 // dart/dart.hpp does not compile where its optional parts are missing
 #include <dart/config.hpp>
+#include <dart/constraint/BallJointConstraint.hpp>
+#include <dart/constraint/ConstraintSolver.hpp>
 #include <dart/dynamics/BallJoint.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
+#include <dart/dynamics/RevoluteJoint.hpp>
 #include <dart/dynamics/Skeleton.hpp>
+#include <dart/dynamics/UniversalJoint.hpp>
+#include <dart/dynamics/WeldJoint.hpp>
 #include <dart/simulation/World.hpp>
 
 #include "integrators/engines/drivers/serve.h"
@@ -16,6 +22,15 @@ namespace {
 namespace dd = dart::dynamics;
 
 Eigen::Vector3d eigen(const Vector3<double>& v) { return {v[0], v[1], v[2]}; }
+
+Motion motion_of(const dd::BodyNode& node) {
+    const Eigen::Isometry3d& place = node.getWorldTransform();
+    const Eigen::Quaterniond q(place.linear());
+    return {{q.w(), q.x(), q.y(), q.z()},
+            vector_of(node.getAngularVelocity()),
+            vector_of(Eigen::Vector3d(place.translation())),
+            vector_of(node.getLinearVelocity())};
+}
 
 class DartWorld {
   public:
@@ -42,14 +57,7 @@ class DartWorld {
         set_velocities(body.w, body.v);
     }
 
-    Motion motion() const {
-        const Eigen::Isometry3d& place = node_->getWorldTransform();
-        const Eigen::Quaterniond q(place.linear());
-        return {{q.w(), q.x(), q.y(), q.z()},
-                vector_of(node_->getAngularVelocity()),
-                vector_of(Eigen::Vector3d(place.translation())),
-                vector_of(node_->getLinearVelocity())};
-    }
+    Motion motion() const { return motion_of(*node_); }
     void set_velocities(const Vector3<double>& w, const Vector3<double>& v) {
         if (free_) {
             free_->setLinearVelocity(eigen(v));
@@ -81,14 +89,108 @@ class DartWorld {
     dd::BallJoint* ball_ = nullptr;
 };
 
+class DartMechanism {
+  public:
+    explicit DartMechanism(const Mechanism& known) : nodes_(known.bodies.size()) {
+        const dd::SkeletonPtr skeleton = dd::Skeleton::create("mechanism");
+        for (const int i : known.outwards()) {
+            const LinkBody& body = known.body(i);
+            const LinkJoint* joint = known.carrier(i);
+            dd::BodyNode* node = joint ? jointed(*skeleton, known, *joint) : free(*skeleton, body);
+            node->setInertia(dd::Inertia(body.mass, Eigen::Vector3d::Zero(), eigen(body.moments).asDiagonal()));
+            nodes_[std::size_t(i)] = node;
+        }
+        world_->addSkeleton(skeleton);
+        world_->setGravity(eigen(known.gravity));
+        for (const LinkJoint& loop : known.loops) {
+            const auto node = [&](int index) { return index < 0 ? nullptr : nodes_[std::size_t(index)]; };
+            const bool two = loop.parent >= 0 && loop.child >= 0;
+            const Eigen::Vector3d at = eigen(loop.anchor_W);
+            world_->getConstraintSolver()->addConstraint(
+                two ? std::make_shared<dart::constraint::BallJointConstraint>(node(loop.parent), node(loop.child), at)
+                    : std::make_shared<dart::constraint::BallJointConstraint>(node(std::max(loop.parent, loop.child)),
+                                                                              at));
+        }
+    }
+
+    std::vector<Motion> motions() const {
+        std::vector<Motion> all;
+        for (const dd::BodyNode* node : nodes_) all.push_back(motion_of(*node));
+        return all;
+    }
+    void step(double h) {
+        world_->setTimeStep(h);
+        world_->step();
+    }
+
+  private:
+    static dd::BodyNode* free(dd::Skeleton& skeleton, const LinkBody& body) {
+        auto [joint, node] = skeleton.createJointAndBodyNodePair<dd::FreeJoint>();
+        const Quaternion<double>& q = body.start.q;
+        Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+        place.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+        place.translation() = eigen(body.start.p);
+        joint->setTransform(place);
+        joint->setLinearVelocity(eigen(body.start.v)), joint->setAngularVelocity(eigen(body.start.w));
+        return node;
+    }
+    // The joint's frame is the child's as it stands at the start.
+    dd::BodyNode* jointed(dd::Skeleton& skeleton, const Mechanism& known, const LinkJoint& joint) {
+        dd::BodyNode* parent = joint.parent < 0 ? nullptr : nodes_[std::size_t(joint.parent)];
+        const Quaternion<double> turn = conjugate(known.attitude(joint.parent)) * known.attitude(joint.child);
+        const auto placed = [&](auto properties) {
+            properties.mT_ParentBodyToJoint.linear() =
+                Eigen::Quaterniond(turn.w, turn.x, turn.y, turn.z).toRotationMatrix();
+            properties.mT_ParentBodyToJoint.translation() = eigen(joint.parent_point);
+            properties.mT_ChildBodyToJoint.translation() = eigen(joint.child_point);
+            return properties;
+        };
+        const auto about = [&](auto properties) {
+            properties.mAxis = eigen(joint.child_axes[0]);
+            return properties;
+        };
+        if (joint.type == "revolute") {
+            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::RevoluteJoint>(
+                parent, about(placed(dd::RevoluteJoint::Properties())));
+            made->setVelocity(0, joint.rates[0]);
+            return node;
+        }
+        if (joint.type == "prismatic") {
+            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::PrismaticJoint>(
+                parent, about(placed(dd::PrismaticJoint::Properties())));
+            made->setVelocity(0, joint.rates[0]);
+            return node;
+        }
+        if (joint.type == "universal") {
+            auto properties = placed(dd::UniversalJoint::Properties());
+            properties.mAxis = {eigen(joint.child_axes[0]), eigen(joint.child_axes[1])};
+            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::UniversalJoint>(parent, properties);
+            for (std::size_t i = 0; i < 2; ++i) made->setVelocity(i, joint.rates[i]);
+            return node;
+        }
+        if (joint.type == "spherical") {
+            auto [made, node] =
+                skeleton.createJointAndBodyNodePair<dd::BallJoint>(parent, placed(dd::BallJoint::Properties()));
+            made->setVelocities(eigen(rotate_back(known.attitude(joint.child), joint.turning_W)));
+            return node;
+        }
+        return skeleton.createJointAndBodyNodePair<dd::WeldJoint>(parent, placed(dd::WeldJoint::Properties())).second;
+    }
+
+    dart::simulation::WorldPtr world_ = dart::simulation::World::create();
+    std::vector<dd::BodyNode*> nodes_;
+};
+
 }  // namespace
 }  // namespace polhode::engines
 
 int main() {
     using namespace polhode::engines;
-    return serve<DartWorld>(
+    return serve<DartWorld, DartMechanism>(
         {"dart",
          DART_VERSION,
          "binary64",
-         {{"default", "semi-implicit Euler on joint coordinates, the gyroscopic term explicit; no damping"}}});
+         {{"default", "semi-implicit Euler on joint coordinates, the gyroscopic term explicit; no damping"}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {"spherical"}});
 }

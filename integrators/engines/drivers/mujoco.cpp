@@ -14,14 +14,41 @@ std::string text(const Vector3<double>& v) { return fmt::format("{:.17g} {:.17g}
 // MuJoCo stops the program at an error.
 [[noreturn]] void give_up(const char* message) { throw std::runtime_error(message); }
 
+const char* integrator_of(const std::string& setting) {
+    return setting == "rk4"            ? "RK4"
+           : setting == "implicit"     ? "implicit"
+           : setting == "implicitfast" ? "implicitfast"
+                                       : "Euler";
+}
+
+// A model of a text; its data is made by the caller.
+mjModel* model_of(const std::string& xml) {
+    const auto files = std::make_unique<mjVFS>();
+    mj_defaultVFS(files.get());
+    char error[300] = "";
+    mj_makeEmptyFileVFS(files.get(), "model.xml", int(xml.size()));
+    std::memcpy(files->filedata[0], xml.data(), xml.size());
+    mjModel* model = mj_loadXML("model.xml", files.get(), error, sizeof error);
+    mj_deleteVFS(files.get());
+    if (!model) throw std::runtime_error(error);
+    return model;
+}
+
+void advance(mjModel* model, mjData* data, double h) {
+    model->opt.timestep = h;
+    mj_step(model, data);
+    // MuJoCo answers a bad state by starting anew, with a warning
+    if (data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
+            data->warning[mjWARN_BADQACC].number >
+        0)
+        throw std::runtime_error("MuJoCo found its state to be bad and began anew");
+}
+
 class MujocoWorld {
   public:
     explicit MujocoWorld(const Body& body) : pivot_(body.pivot) {
         if (!body.planes.empty()) throw Unsupported("MuJoCo's contacts know no coefficient of restitution");
-        const char* integrator = body.setting == "rk4"            ? "RK4"
-                                 : body.setting == "implicit"     ? "implicit"
-                                 : body.setting == "implicitfast" ? "implicitfast"
-                                                                  : "Euler";
+        const char* integrator = integrator_of(body.setting);
         const std::string joint =
             body.pivot ? fmt::format(R"(<joint type="ball" pos="{}"/>)", text(*body.pivot)) : "<freejoint/>";
         const std::string xml = fmt::format(
@@ -29,7 +56,8 @@ class MujocoWorld {
             R"(mass="{:.17g}" diaginertia="{}"/></body></worldbody></mujoco>)",
             text(body.gravity), integrator, text(body.pivot ? -*body.pivot : body.p), joint, body.mass,
             text(body.moments));
-        load(xml);
+        model_ = model_of(xml);
+        data_ = mj_makeData(model_);
         mjtNum* q = data_->qpos + first_q();
         q[0] = body.q.w, q[1] = body.q.x, q[2] = body.q.y, q[3] = body.q.z;
         if (!pivot_)
@@ -73,13 +101,7 @@ class MujocoWorld {
         }
     }
     void step(double h) {
-        model_->opt.timestep = h;
-        mj_step(model_, data_);
-        // MuJoCo answers a bad state by starting anew, with a warning
-        if (data_->warning[mjWARN_BADQPOS].number + data_->warning[mjWARN_BADQVEL].number +
-                data_->warning[mjWARN_BADQACC].number >
-            0)
-            throw std::runtime_error("MuJoCo found its state to be bad and began anew");
+        advance(model_, data_, h);
         for (int i = 6; i < 12; ++i) data_->xfrc_applied[i] = 0;
     }
     double mass() const { return model_->body_mass[1]; }
@@ -88,21 +110,107 @@ class MujocoWorld {
   private:
     int first_q() const { return pivot_ ? 0 : 3; }
     int first_w() const { return pivot_ ? 0 : 3; }
-    void load(const std::string& xml) {
-        const auto files = std::make_unique<mjVFS>();
-        mj_defaultVFS(files.get());
-        char error[300] = "";
-        mj_makeEmptyFileVFS(files.get(), "body.xml", int(xml.size()));
-        std::memcpy(files->filedata[0], xml.data(), xml.size());
-        model_ = mj_loadXML("body.xml", files.get(), error, sizeof error);
-        mj_deleteVFS(files.get());
-        if (!model_) throw std::runtime_error(error);
-        data_ = mj_makeData(model_);
-    }
 
     std::optional<Vector3<double>> pivot_;
     mjModel* model_ = nullptr;
     mjData* data_ = nullptr;
+};
+
+// A body's name; "world" for none.
+std::string name_of_body(int index) { return index < 0 ? "world" : fmt::format("b{}", index); }
+
+// The joints of a body: all are at zero as it stands.
+std::string joints_text(const LinkJoint* joint) {
+    if (!joint) return "<freejoint/>";
+    if (joint->type == "fixed") return "";
+    const char* type = joint->type == "spherical" ? "ball" : joint->type == "prismatic" ? "slide" : "hinge";
+    std::string all;
+    for (std::size_t i = 0; i < std::max<std::size_t>(joint->child_axes.size(), 1); ++i)
+        all += fmt::format(R"(<joint type="{}" pos="{}"{}/>)", type, text(joint->child_point),
+                           joint->child_axes.empty() ? "" : fmt::format(R"( axis="{}")", text(joint->child_axes[i])));
+    return all;
+}
+
+// A body and all that it carries.
+std::string body_text(const Mechanism& known, int index) {
+    const LinkJoint* joint = known.carrier(index);
+    const LinkBody& body = known.body(index);
+    const int parent = joint ? joint->parent : -1;
+    const Quaternion<double> up = conjugate(known.attitude(parent)), q = up * body.start.q;
+    const Vector3<double> p = parent < 0 ? body.start.p : rotate(up, body.start.p - known.body(parent).start.p);
+    std::string all = fmt::format(
+        R"(<body name="{}" pos="{}" quat="{:.17g} {:.17g} {:.17g} {:.17g}">{}<inertial pos="0 0 0" mass="{:.17g}" )"
+        R"(diaginertia="{}"/>)",
+        name_of_body(index), text(p), q.w, q.x, q.y, q.z, joints_text(joint), body.mass, text(body.moments));
+    for (const LinkJoint& other : known.joints)
+        if (other.parent == index) all += body_text(known, other.child);
+    return all + "</body>";
+}
+
+// A hinge that closes a loop holds two points of its axis.
+std::string closure_text(const LinkJoint& loop) {
+    std::string all;
+    const auto hold = [&](const Vector3<double>& anchor) {
+        const bool from_parent = loop.parent >= 0;
+        const int first = from_parent ? loop.parent : loop.child, second = from_parent ? loop.child : -1;
+        all += fmt::format(R"(<connect body1="{}" {} anchor="{}"/>)", name_of_body(first),
+                           second < 0 ? "" : fmt::format(R"(body2="{}")", name_of_body(second)), text(anchor));
+    };
+    const bool from_parent = loop.parent >= 0;
+    const Vector3<double>& point = from_parent ? loop.parent_point : loop.child_point;
+    hold(point);
+    if (!loop.axes_W.empty()) hold(point + (from_parent ? loop.parent_axes[0] : loop.child_axes[0]));
+    return all;
+}
+
+class MujocoMechanism {
+  public:
+    explicit MujocoMechanism(const Mechanism& known) {
+        std::string bodies, closures;
+        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i)
+            if (const LinkJoint* joint = known.carrier(i); !joint || joint->parent < 0) bodies += body_text(known, i);
+        for (const LinkJoint& loop : known.loops) closures += closure_text(loop);
+        model_ = model_of(fmt::format(R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody>{}</worldbody>)"
+                                      R"(<equality>{}</equality></mujoco>)",
+                                      text(known.gravity), integrator_of(known.setting), bodies, closures));
+        data_ = mj_makeData(model_);
+        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i) {
+            const int id = mj_name2id(model_, mjOBJ_BODY, name_of_body(i).c_str());
+            ids_.push_back(id);
+            mjtNum* rates = data_->qvel + model_->body_dofadr[id];
+            const LinkJoint* joint = known.carrier(i);
+            const auto& [q, w, p, v] = known.body(i).start;
+            const Vector3<double> turning = rotate_back(q, joint ? joint->turning_W : w);
+            if (!joint) std::copy_n(&v[0], 3, rates), rates += 3;
+            if (!joint || joint->type == "spherical") std::copy_n(&turning[0], 3, rates);
+            if (joint) std::copy(joint->rates.begin(), joint->rates.end(), rates);
+        }
+    }
+    ~MujocoMechanism() {
+        mj_deleteData(data_);
+        mj_deleteModel(model_);
+    }
+    MujocoMechanism(const MujocoMechanism&) = delete;
+    MujocoMechanism& operator=(const MujocoMechanism&) = delete;
+
+    // a step leaves the places and velocities of bodies as they were when it began
+    std::vector<Motion> motions() {
+        mj_kinematics(model_, data_), mj_comPos(model_, data_), mj_comVel(model_, data_);
+        std::vector<Motion> all;
+        for (const int id : ids_) {
+            const mjtNum *q = data_->xquat + 4 * id, *velocity = data_->cvel + 6 * id;
+            const Vector3<double> w = vector_of(velocity), p = vector_of(data_->xipos + 3 * id);
+            const Vector3<double> center = vector_of(data_->subtree_com + 3 * model_->body_rootid[id]);
+            all.push_back({{q[0], q[1], q[2], q[3]}, w, p, vector_of(velocity + 3) + cross(w, p - center)});
+        }
+        return all;
+    }
+    void step(double h) { advance(model_, data_, h); }
+
+  private:
+    mjModel* model_ = nullptr;
+    mjData* data_ = nullptr;
+    std::vector<int> ids_;
 };
 
 }  // namespace
@@ -113,10 +221,13 @@ int main() {
     mju_user_error = give_up;
     // else it writes a log file where it happens to be
     mju_user_warning = [](const char*) {};
-    return serve<MujocoWorld>({"mujoco",
-                               mj_versionString(),
-                               "binary64",
-                               {{"default", "its Euler: semi-implicit, the gyroscopic term explicit; no damping"},
-                                {"implicit", "its integrator \"implicit\""},
-                                {"rk4", "its integrator \"RK4\""}}});
+    return serve<MujocoWorld, MujocoMechanism>(
+        {"mujoco",
+         mj_versionString(),
+         "binary64",
+         {{"default", "its Euler: semi-implicit, the gyroscopic term explicit; no damping"},
+          {"implicit", "its integrator \"implicit\""},
+          {"rk4", "its integrator \"RK4\""}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {"revolute", "spherical"}});
 }

@@ -122,6 +122,81 @@ class OdeWorld {
     std::optional<Plane> touching_;
 };
 
+class OdeMechanism {
+  public:
+    explicit OdeMechanism(const Mechanism& known) : world_(dWorldCreate()) {
+        dWorldSetGravity(world_, dReal(known.gravity[0]), dReal(known.gravity[1]), dReal(known.gravity[2]));
+        for (const LinkBody& link : known.bodies) {
+            const dBodyID body = dBodyCreate(world_);
+            dMass mass;
+            dMassSetParameters(&mass, dReal(link.mass), 0, 0, 0, dReal(link.moments[0]), dReal(link.moments[1]),
+                               dReal(link.moments[2]), 0, 0, 0);
+            dBodySetMass(body, &mass);
+            const auto& [start, w, p, v] = link.start;
+            const dQuaternion q = {dReal(start.w), dReal(start.x), dReal(start.y), dReal(start.z)};
+            dBodySetQuaternion(body, q);
+            dBodySetPosition(body, dReal(p[0]), dReal(p[1]), dReal(p[2]));
+            dBodySetAngularVel(body, dReal(w[0]), dReal(w[1]), dReal(w[2]));
+            dBodySetLinearVel(body, dReal(v[0]), dReal(v[1]), dReal(v[2]));
+            if (known.setting == "best") dBodySetFiniteRotationMode(body, 1);
+            if (known.setting == "none") dBodySetGyroscopicMode(body, 0);
+            bodies_.push_back(body);
+        }
+        for (const LinkJoint& joint : known.joints) add(joint);
+        for (const LinkJoint& loop : known.loops) add(loop);
+    }
+    ~OdeMechanism() { dWorldDestroy(world_); }
+    OdeMechanism(const OdeMechanism&) = delete;
+    OdeMechanism& operator=(const OdeMechanism&) = delete;
+
+    std::vector<Motion> motions() const {
+        std::vector<Motion> all;
+        for (const dBodyID body : bodies_) {
+            const dReal* q = dBodyGetQuaternion(body);
+            all.push_back({{q[0], q[1], q[2], q[3]},
+                           vector_of(dBodyGetAngularVel(body)),
+                           vector_of(dBodyGetPosition(body)),
+                           vector_of(dBodyGetLinearVel(body))});
+        }
+        return all;
+    }
+    void step(double h) { dWorldStep(world_, dReal(h)); }
+
+  private:
+    void add(const LinkJoint& known) {
+        const Vector3<double>& at = known.anchor_W;
+        const auto attach = [&](dJointID joint) {
+            const auto body = [&](int index) { return index < 0 ? nullptr : bodies_[std::size_t(index)]; };
+            dJointAttach(joint, body(known.parent), body(known.child));
+            return joint;
+        };
+        const auto axis = [&](std::size_t i, auto set, dJointID joint) {
+            const Vector3<double>& a = known.axes_W.at(i);
+            set(joint, dReal(a[0]), dReal(a[1]), dReal(a[2]));
+        };
+        if (known.type == "revolute") {
+            const dJointID joint = attach(dJointCreateHinge(world_, nullptr));
+            dJointSetHingeAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
+            axis(0, dJointSetHingeAxis, joint);
+        } else if (known.type == "spherical") {
+            const dJointID joint = attach(dJointCreateBall(world_, nullptr));
+            dJointSetBallAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
+        } else if (known.type == "prismatic") {
+            axis(0, dJointSetSliderAxis, attach(dJointCreateSlider(world_, nullptr)));
+        } else if (known.type == "fixed") {
+            dJointSetFixed(attach(dJointCreateFixed(world_, nullptr)));
+        } else {
+            if (!known.is_cross()) throw Unsupported("ODE's universal joint has its axes at right angles");
+            const dJointID joint = attach(dJointCreateUniversal(world_, nullptr));
+            dJointSetUniversalAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
+            axis(0, dJointSetUniversalAxis1, joint), axis(1, dJointSetUniversalAxis2, joint);
+        }
+    }
+
+    dWorldID world_;
+    std::vector<dBodyID> bodies_;
+};
+
 std::string version() {
     // "ODE ODE_OPT_.. ODE_double_precision": the library tells no number of its version; this is the headers'
     return POLHODE_ODE_VERSION;
@@ -138,7 +213,7 @@ int main() {
         fmt::print(stderr, "ode: the library was compiled for another precision than its headers say\n");
         return 1;
     }
-    const int exit_code = serve<OdeWorld>(
+    const int exit_code = serve<OdeWorld, OdeMechanism>(
         {"ode",
          version(),
          is_double ? "binary64" : "binary32",
@@ -146,7 +221,9 @@ int main() {
            "dWorldStep; the gyroscopic term linearly implicit; attitude by the first-order quaternion; no damping, "
            "never asleep"},
           {"best", "as default, with finite rotations: the attitude by an exponential"},
-          {"none", "as default, the gyroscopic term switched off"}}});
+          {"none", "as default, the gyroscopic term switched off"}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {"revolute", "spherical"}});
     dCloseODE();
     return exit_code;
 }

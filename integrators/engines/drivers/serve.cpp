@@ -54,13 +54,69 @@ Request read_request(const json& request) {
     return known;
 }
 
-json answer_to(const std::string& line, const Driver& driver, const std::function<Run(const Request&)>& run) {
+std::vector<Vector3<double>> vectors_from(const json& list) {
+    std::vector<Vector3<double>> all;
+    for (const json& v : list) all.push_back(vector_from(v));
+    return all;
+}
+
+std::vector<LinkJoint> joints_from(const json& list) {
+    std::vector<LinkJoint> all;
+    for (const json& joint : list)
+        all.push_back({joint.at("type"), joint.at("parent"), joint.at("child"), vector_from(joint.at("anchor")),
+                       vector_from(joint.at("parent_point")), vector_from(joint.at("child_point")),
+                       vectors_from(joint.at("axes")), vectors_from(joint.at("parent_axes")),
+                       vectors_from(joint.at("child_axes")), vector_from(joint.at("turning")),
+                       joint.at("rates").get<std::vector<double>>()});
+    return all;
+}
+
+MechanismRequest read_mechanism(const json& request) {
+    MechanismRequest known;
+    known.duration = request.at("duration"), known.samples = request.at("samples");
+    known.steps_per_sample = request.at("steps_per_sample"), known.repetitions = request.at("repetitions");
+    Mechanism& all = known.mechanism;
+    all.setting = request.at("setting"), all.gravity = vector_from(request.at("gravity"));
+    for (const json& body : request.at("bodies")) {
+        const json& q = body.at("q");
+        all.bodies.push_back({body.at("mass"),
+                              vector_from(body.at("moments")),
+                              {{q.at(0), q.at(1), q.at(2), q.at(3)},
+                               vector_from(body.at("w")),
+                               vector_from(body.at("p")),
+                               vector_from(body.at("v"))}});
+    }
+    all.joints = joints_from(request.at("joints")), all.loops = joints_from(request.at("loops"));
+    return known;
+}
+
+json row_of(const Motion& at) {
+    return {at.q.w,  at.q.x,  at.q.y,  at.q.z,  at.w[0], at.w[1], at.w[2],
+            at.p[0], at.p[1], at.p[2], at.v[0], at.v[1], at.v[2]};
+}
+
+json mechanism_answer(const MechanismRun& done) {
+    json samples = json::array();
+    for (const std::vector<Motion>& moment : done.moments) {
+        json rows = json::array();
+        for (const Motion& at : moment) rows.push_back(row_of(at));
+        samples.push_back(std::move(rows));
+    }
+    return {{"status", "ok"}, {"message", ""}, {"seconds", done.seconds}, {"steps", done.steps}, {"samples", samples}};
+}
+
+json answer_to(const std::string& line, const Driver& driver, const std::function<Run(const Request&)>& run,
+               const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism) {
     try {
-        const Request request = read_request(json::parse(line));
-        const auto known = [&](const auto& setting) { return setting.first == request.body.setting; };
+        const json asked = json::parse(line);
+        const auto known = [&](const auto& setting) { return asked.at("setting") == setting.first; };
         if (std::ranges::none_of(driver.settings, known))
-            throw std::runtime_error("it has no setting " + request.body.setting);
-        const Run done = run(request);
+            throw std::runtime_error("it has no setting " + asked.at("setting").get<std::string>());
+        if (asked.contains("bodies")) {
+            if (!run_mechanism) throw Unsupported("this driver knows one body");
+            return mechanism_answer(run_mechanism(read_mechanism(asked)));
+        }
+        const Run done = run(read_request(asked));
         const Trajectory& trajectory = done.trajectory;
         json answer{{"status", name_of(trajectory.status)},
                     {"message", trajectory.message},
@@ -87,12 +143,14 @@ json answer_to(const std::string& line, const Driver& driver, const std::functio
 
 }  // namespace
 
-int serve(const Driver& driver, const std::function<Run(const Request&)>& run) {
+int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
+          const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism) {
     json hello{{"engine", driver.engine}, {"version", driver.version}, {"precision", driver.precision}};
     for (const auto& [name, what] : driver.settings) hello["settings"][name] = what;
+    if (run_mechanism) hello["joints"] = driver.joints, hello["loops"] = driver.loops;
     try {
         say(hello);
-        for (std::string line; std::getline(std::cin, line);) say(answer_to(line, driver, run));
+        for (std::string line; std::getline(std::cin, line);) say(answer_to(line, driver, run, run_mechanism));
     } catch (const std::exception& error) {
         fmt::print(stderr, "{}: {}\n", driver.engine, error.what());
         return 1;

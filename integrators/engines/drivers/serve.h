@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/engines/drivers/mechanism.h"
 #include "integrators/engines/engine_request.h"
 #include "integrators/run/march.h"
 #include "motion/world_loads.h"
@@ -39,12 +40,6 @@ struct Unsupported : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Where a body is and how it moves; world axes.
-struct Motion {
-    Quaternion<double> q;
-    Vector3<double> w, p, v;
-};
-
 /// An engine with one body in it.
 template <class World>
 concept EngineWorld = std::constructible_from<World, const Body&> &&
@@ -62,6 +57,7 @@ concept EngineWorld = std::constructible_from<World, const Body&> &&
 struct Driver {
     std::string engine, version, precision;
     std::vector<std::pair<std::string, std::string>> settings;
+    std::vector<std::string> joints{}, loops{};  ///< the types that it takes
 };
 
 /// A request that a driver has read.
@@ -78,7 +74,8 @@ struct Run {
 };
 
 /// Reads requests from the standard input and answers them on descriptor 3 until there are no more. The exit code.
-int serve(const Driver& driver, const std::function<Run(const Request&)>& run);
+int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
+          const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism = {});
 
 /// A World marched through a request.
 template <EngineWorld World>
@@ -160,14 +157,17 @@ class WorldStepper {
     double set_up_ = 0;
 };
 
-/// Serves requests by a World each.
+/// Serves requests for one body by a World each.
 template <EngineWorld World>
+Run march_world(const Request& request) {
+    Run run;
+    run.trajectory = march<WorldStepper<World>>(request.problem, request.settings, request.body, &run.readback);
+    return run;
+}
+/// Serves requests by a world each, for one body and for several.
+template <EngineWorld World, MechanismWorld Several>
 int serve(const Driver& driver) {
-    return serve(driver, [](const Request& request) {
-        Run run;
-        run.trajectory = march<WorldStepper<World>>(request.problem, request.settings, request.body, &run.readback);
-        return run;
-    });
+    return serve(driver, march_world<World>, march_mechanism<Several>);
 }
 
 /// A double's or a float's worth of an engine's own vector.

@@ -42,12 +42,68 @@ class SimbodyWorld {
     SimbodySystem system_;
 };
 
+SimbodyJoint joint_of(const Mechanism& known, const LinkJoint& joint) {
+    Quaternion<double> frame;
+    if (joint.type == "revolute") frame = frame_about(joint.axes_W[0]);
+    if (joint.type == "prismatic")
+        frame = frame_about(rotate(frame_about(joint.axes_W[0]), Vector3<double>(1, 0, 0)), joint.axes_W[0]);
+    if (joint.type == "universal") {
+        if (!joint.is_cross()) throw Unsupported("Simbody's universal joint has its axes at right angles");
+        frame = frame_about(cross(joint.axes_W[0], joint.axes_W[1]), joint.axes_W[0]);
+    }
+    SimbodyJoint plain{joint.type, joint.parent, joint.child, {}, {}, {}, {}};
+    const Quaternion<double> out = conjugate(known.attitude(joint.parent)) * frame,
+                             in = conjugate(known.attitude(joint.child)) * frame;
+    std::copy_n(&joint.parent_point[0], 3, plain.parent_point),
+        std::copy_n(&joint.child_point[0], 3, plain.child_point);
+    const double q_out[] = {out.w, out.x, out.y, out.z}, q_in[] = {in.w, in.x, in.y, in.z};
+    std::copy_n(q_out, 4, plain.parent_frame), std::copy_n(q_in, 4, plain.child_frame);
+    return plain;
+}
+
+SimbodyMechanismStart start_of(const Mechanism& known) {
+    SimbodyMechanismStart start{};
+    start.setting = known.setting;
+    std::copy_n(&known.gravity[0], 3, start.gravity);
+    for (const LinkBody& body : known.bodies) {
+        const auto& [q, w, p, v] = body.start;
+        SimbodyLink link{body.mass,
+                         {body.moments[0], body.moments[1], body.moments[2]},
+                         {q.w, q.x, q.y, q.z, w[0], w[1], w[2], p[0], p[1], p[2], v[0], v[1], v[2]}};
+        start.links.push_back(link);
+    }
+    for (const int i : known.outwards())
+        start.joints.push_back(known.carrier(i) ? joint_of(known, *known.carrier(i))
+                                                : SimbodyJoint{"free", -1, i, {}, {}, {1, 0, 0, 0}, {1, 0, 0, 0}});
+    for (const LinkJoint& loop : known.loops) start.loops.push_back(joint_of(known, loop));
+    return start;
+}
+
+class SimbodyMechanism {
+  public:
+    explicit SimbodyMechanism(const Mechanism& known) : system_(start_of(known)), count_(known.bodies.size()) {}
+
+    std::vector<Motion> motions() const {
+        std::vector<double> n(13 * count_);
+        system_.motions(n.data());
+        std::vector<Motion> all;
+        for (const double* m = n.data(); m < n.data() + n.size(); m += 13)
+            all.push_back({{m[0], m[1], m[2], m[3]}, vector_of(m + 4), vector_of(m + 7), vector_of(m + 10)});
+        return all;
+    }
+    void step(double h) { system_.step(h); }
+
+  private:
+    SimbodyMechanismSystem system_;
+    std::size_t count_;
+};
+
 }  // namespace
 }  // namespace polhode::engines
 
 int main() {
     using namespace polhode::engines;
-    return serve<SimbodyWorld>(
+    return serve<SimbodyWorld, SimbodyMechanism>(
         {"simbody",
          SimbodySystem::version(),
          "binary64",
@@ -55,5 +111,7 @@ int main() {
           {"best", "Runge-Kutta-Merson with the fixed step h"},
           {"gazebo",
            "the second semi-explicit Euler with its own error control, asked for a state every h, as Gazebo sets it "
-           "up"}}});
+           "up"}},
+         {"revolute", "prismatic", "spherical", "universal", "fixed"},
+         {"revolute", "spherical"}});
 }

@@ -9,6 +9,49 @@ namespace {
 
 SimTK::Vec3 vector(const double* v) { return {v[0], v[1], v[2]}; }
 
+SimTK::Rotation rotation(const double* q) { return SimTK::Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3])); }
+
+SimTK::Body::Rigid rigid_body(double mass, const double* I) {
+    return SimTK::Body::Rigid(SimTK::MassProperties(mass, SimTK::Vec3(0), SimTK::Inertia(I[0], I[1], I[2])));
+}
+
+// q, w, p and v
+void write_motion(const SimTK::MobilizedBody& body, const SimTK::State& state, double* numbers) {
+    const SimTK::Quaternion q = body.getBodyRotation(state).convertRotationToQuaternion();
+    for (int i = 0; i < 4; ++i) numbers[i] = q[i];
+    for (int i = 0; i < 3; ++i) {
+        numbers[4 + i] = body.getBodyAngularVelocity(state)[i];
+        numbers[7 + i] = body.getBodyOriginLocation(state)[i];
+        numbers[10 + i] = body.getBodyOriginVelocity(state)[i];
+    }
+}
+
+/// An integrator by the driver's setting. It takes its fixed step when it starts: another step is another integrator.
+struct Clockwork {
+    std::unique_ptr<SimTK::Integrator> integrator;
+    bool goes_by_h = false, is_gazebos = false;
+    double time = 0, h = 1;
+
+    void start(const SimTK::System& system, const SimTK::State& state) {
+        if (is_gazebos)
+            integrator = std::make_unique<SimTK::SemiExplicitEuler2Integrator>(system);
+        else
+            integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
+        if (goes_by_h) integrator->setFixedStepSize(h);
+        integrator->initialize(state);
+    }
+    void set(const std::string& setting) { is_gazebos = setting == "gazebo", goes_by_h = setting == "best"; }
+    void step(const SimTK::System& system, double step) {
+        if (goes_by_h && !(std::abs(step / h - 1) < 1e-6)) {
+            h = step;
+            const SimTK::State state = integrator->getAdvancedState();
+            start(system, state);
+        }
+        time += step;
+        integrator->stepTo(time, time);
+    }
+};
+
 }  // namespace
 
 struct SimbodySystem::Parts {
@@ -21,25 +64,12 @@ struct SimbodySystem::Parts {
     SimTK::Force::Gravity gravity;
     SimTK::Force::DiscreteForces pushes;
     SimTK::MobilizedBody mobile;
-    std::unique_ptr<SimTK::Integrator> integrator;
-    bool goes_by_h = false, is_gazebos = false;
-    double time = 0, h = 1;
-
-    // An integrator takes its fixed step when it starts: another step is another integrator.
-    void start(const SimTK::State& state) {
-        if (is_gazebos)
-            integrator = std::make_unique<SimTK::SemiExplicitEuler2Integrator>(system);
-        else
-            integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
-        if (goes_by_h) integrator->setFixedStepSize(h);
-        integrator->initialize(state);
-    }
+    Clockwork clockwork;
 };
 
 SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_unique<Parts>(start)) {
     Parts& s = *parts_;
-    const double* I = start.moments;
-    const SimTK::Body::Rigid rigid(SimTK::MassProperties(start.mass, SimTK::Vec3(0), SimTK::Inertia(I[0], I[1], I[2])));
+    const SimTK::Body::Rigid rigid = rigid_body(start.mass, start.moments);
     if (start.pivoted)
         s.mobile = SimTK::MobilizedBody::Ball(s.matter.Ground(), SimTK::Transform(), rigid,
                                               SimTK::Transform(vector(start.pivot)));
@@ -49,54 +79,40 @@ SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_uniqu
     const SimTK::Quaternion q(start.q[0], start.q[1], start.q[2], start.q[3]);
     s.mobile.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(q), vector(start.p)));
     s.mobile.setUToFitVelocity(state, SimTK::SpatialVec(vector(start.w), vector(start.v)));
-    s.is_gazebos = start.setting == "gazebo", s.goes_by_h = start.setting == "best";
-    s.start(state);
+    s.clockwork.set(start.setting);
+    s.clockwork.start(s.system, state);
 }
 
 SimbodySystem::~SimbodySystem() = default;
 
 void SimbodySystem::motion(double (&numbers)[13]) const {
     const Parts& s = *parts_;
-    const SimTK::State& state = s.integrator->getState();
+    const SimTK::State& state = s.clockwork.integrator->getState();
     s.system.realize(state, SimTK::Stage::Velocity);
-    const SimTK::Quaternion q = s.mobile.getBodyRotation(state).convertRotationToQuaternion();
-    for (int i = 0; i < 4; ++i) numbers[i] = q[i];
-    for (int i = 0; i < 3; ++i) {
-        numbers[4 + i] = s.mobile.getBodyAngularVelocity(state)[i];
-        numbers[7 + i] = s.mobile.getBodyOriginLocation(state)[i];
-        numbers[10 + i] = s.mobile.getBodyOriginVelocity(state)[i];
-    }
+    write_motion(s.mobile, state, numbers);
 }
 
 void SimbodySystem::set_velocities(const double* w, const double* v) {
-    parts_->mobile.setUToFitVelocity(parts_->integrator->updAdvancedState(), SimTK::SpatialVec(vector(w), vector(v)));
-    parts_->integrator->reinitialize(SimTK::Stage::Velocity, false);
+    parts_->mobile.setUToFitVelocity(parts_->clockwork.integrator->updAdvancedState(),
+                                     SimTK::SpatialVec(vector(w), vector(v)));
+    parts_->clockwork.integrator->reinitialize(SimTK::Stage::Velocity, false);
 }
 
 void SimbodySystem::set_gravity(const double* gravity) {
-    parts_->gravity.setGravityVector(parts_->integrator->updAdvancedState(), vector(gravity));
+    parts_->gravity.setGravityVector(parts_->clockwork.integrator->updAdvancedState(), vector(gravity));
 }
 
 void SimbodySystem::apply(const double* force, const double* torque) {
-    parts_->pushes.setOneBodyForce(parts_->integrator->updAdvancedState(), parts_->mobile,
+    parts_->pushes.setOneBodyForce(parts_->clockwork.integrator->updAdvancedState(), parts_->mobile,
                                    SimTK::SpatialVec(vector(torque), vector(force)));
 }
 
-void SimbodySystem::step(double h) {
-    Parts& s = *parts_;
-    if (s.goes_by_h && !(std::abs(h / s.h - 1) < 1e-6)) {
-        s.h = h;
-        const SimTK::State state = s.integrator->getAdvancedState();
-        s.start(state);
-    }
-    s.time += h;
-    s.integrator->stepTo(s.time, s.time);
-}
+void SimbodySystem::step(double h) { parts_->clockwork.step(parts_->system, h); }
 
-double SimbodySystem::mass() const { return parts_->mobile.getBodyMass(parts_->integrator->getState()); }
+double SimbodySystem::mass() const { return parts_->mobile.getBodyMass(parts_->clockwork.integrator->getState()); }
 
 void SimbodySystem::moments(double* three) const {
-    const SimTK::State& state = parts_->integrator->getState();
+    const SimTK::State& state = parts_->clockwork.integrator->getState();
     const SimTK::Vec3 unit = parts_->mobile.getBodyUnitInertiaAboutBodyOrigin(state).getMoments();
     for (int i = 0; i < 3; ++i) three[i] = mass() * unit[i];
 }
@@ -106,5 +122,87 @@ std::string SimbodySystem::version() {
     SimTK_version_simbody(&major, &minor, &patch);
     return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
+
+struct SimbodyMechanismSystem::Parts {
+    explicit Parts(const double* acceleration) : gravity(forces, matter, vector(acceleration)) {}
+
+    SimTK::MultibodySystem system;
+    SimTK::SimbodyMatterSubsystem matter{system};
+    SimTK::GeneralForceSubsystem forces{system};
+    SimTK::Force::Gravity gravity;
+    std::vector<SimTK::MobilizedBody> bodies;
+    Clockwork clockwork;
+
+    SimTK::MobilizedBody& at(int index) {
+        return index < 0 ? matter.updGround() : bodies[static_cast<std::size_t>(index)];
+    }
+    SimTK::MobilizedBody mobilized(const SimbodyJoint& joint, const SimTK::Body& body) {
+        SimTK::MobilizedBody& parent = at(joint.parent);
+        const SimTK::Transform out(rotation(joint.parent_frame), vector(joint.parent_point));
+        const SimTK::Transform in(rotation(joint.child_frame), vector(joint.child_point));
+        if (joint.type == "revolute") return SimTK::MobilizedBody::Pin(parent, out, body, in);
+        if (joint.type == "prismatic") return SimTK::MobilizedBody::Slider(parent, out, body, in);
+        if (joint.type == "spherical") return SimTK::MobilizedBody::Ball(parent, out, body, in);
+        if (joint.type == "universal") return SimTK::MobilizedBody::Universal(parent, out, body, in);
+        if (joint.type == "fixed") return SimTK::MobilizedBody::Weld(parent, out, body, in);
+        return SimTK::MobilizedBody::Free(parent, body);
+    }
+    void close(const SimbodyJoint& loop) {
+        SimTK::MobilizedBody &first = at(loop.parent), &second = at(loop.child);
+        SimTK::Constraint::Ball(first, vector(loop.parent_point), second, vector(loop.child_point));
+        if (loop.type != "revolute") return;
+        const SimTK::Rotation in_first = rotation(loop.parent_frame), in_second = rotation(loop.child_frame);
+        for (const int across : {0, 1})
+            SimTK::Constraint::ConstantAngle(first, SimTK::UnitVec3(in_first.col(across)), second,
+                                             SimTK::UnitVec3(in_second.col(2)));
+    }
+};
+
+SimbodyMechanismSystem::SimbodyMechanismSystem(const SimbodyMechanismStart& start)
+    : parts_(std::make_unique<Parts>(start.gravity)) {
+    Parts& s = *parts_;
+    s.bodies.resize(start.links.size());
+    for (const SimbodyJoint& joint : start.joints) {
+        const SimbodyLink& link = start.links[static_cast<std::size_t>(joint.child)];
+        s.bodies[static_cast<std::size_t>(joint.child)] = s.mobilized(joint, rigid_body(link.mass, link.moments));
+    }
+    for (const SimbodyJoint& loop : start.loops) s.close(loop);
+    SimTK::State state = s.system.realizeTopology();
+    s.system.realizeModel(state);
+    // the parents' places and velocities count for the children's
+    for (const SimbodyJoint& joint : start.joints) {
+        const double* n = start.links[static_cast<std::size_t>(joint.child)].motion;
+        if (joint.type == "free")
+            s.at(joint.child).setQToFitTransform(state, SimTK::Transform(rotation(n), vector(n + 7)));
+        s.system.realize(state, SimTK::Stage::Position);
+    }
+    for (const SimbodyJoint& joint : start.joints) {
+        s.system.realize(state, SimTK::Stage::Velocity);
+        const double* n = start.links[static_cast<std::size_t>(joint.child)].motion;
+        const SimTK::MobilizedBody& body = s.at(joint.child);
+        const SimTK::MobilizedBody& parent = s.at(joint.parent);
+        // of the child's frame in the parent's, in the parent's frame
+        const SimTK::Transform F = parent.getBodyTransform(state) * body.getInboardFrame(state);
+        const SimTK::Vec3 arm = rotation(n) * vector(joint.child_point), w = vector(n + 4);
+        const SimTK::Vec3 there = vector(n + 7) + arm, v = vector(n + 10) + w % arm;
+        const SimTK::Vec3 w_parent = parent.getBodyAngularVelocity(state);
+        const SimTK::Vec3 v_parent =
+            parent.getBodyOriginVelocity(state) + w_parent % (there - parent.getBodyOriginLocation(state));
+        body.setUToFitVelocity(state, SimTK::SpatialVec(~F.R() * (w - w_parent), ~F.R() * (v - v_parent)));
+    }
+    s.clockwork.set(start.setting);
+    s.clockwork.start(s.system, state);
+}
+
+SimbodyMechanismSystem::~SimbodyMechanismSystem() = default;
+
+void SimbodyMechanismSystem::motions(double* numbers) const {
+    const Parts& s = *parts_;
+    const SimTK::State& state = s.clockwork.integrator->getState();
+    s.system.realize(state, SimTK::Stage::Velocity);
+    for (const SimTK::MobilizedBody& body : s.bodies) write_motion(body, state, numbers), numbers += 13;
+}
+
+void SimbodyMechanismSystem::step(double h) { parts_->clockwork.step(parts_->system, h); }
 
 }  // namespace polhode::engines

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace polhode::engines {
 
@@ -29,6 +30,41 @@ class SimbodySystem {
     double mass() const;
     void moments(double* three) const;
     static std::string version();
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+/// A body of several at the start.
+struct SimbodyLink {
+    double mass;
+    double moments[3], motion[13];  ///< motion: q, w, p and v
+};
+
+/// A joint or what closes a loop: a frame in either body, which coincide at the start. Revolute about their z,
+/// prismatic along their x, universal about x, then y.
+struct SimbodyJoint {
+    std::string type;
+    int parent, child;  ///< indices; -1: the world
+    double parent_point[3], child_point[3], parent_frame[4], child_frame[4];
+};
+
+struct SimbodyMechanismStart {
+    std::vector<SimbodyLink> links;
+    std::vector<SimbodyJoint> joints, loops;  ///< joints: of every body one, "free" of the free ones, parents first
+    double gravity[3];
+    std::string setting;
+};
+
+class SimbodyMechanismSystem {
+  public:
+    explicit SimbodyMechanismSystem(const SimbodyMechanismStart& start);
+    ~SimbodyMechanismSystem();
+
+    /// 13 numbers a body: q, w, p and v.
+    void motions(double* numbers) const;
+    void step(double h);
 
   private:
     struct Parts;

@@ -1,0 +1,296 @@
+#include "integrators/engines/engine_mechanism.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "body/orientation.h"
+#include "integrators/engines/engine_json.h"
+#include "integrators/run/watch.h"
+#include "motion/mechanism.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+using engine_json::array, engine_json::json, engine_json::number, engine_json::quaternion_at, engine_json::vector_at;
+
+const char* word(JointType type) {
+    switch (type) {
+        case JointType::revolute:
+            return "revolute";
+        case JointType::prismatic:
+            return "prismatic";
+        case JointType::spherical:
+            return "spherical";
+        case JointType::universal:
+            return "universal";
+        case JointType::fixed:
+            return "fixed";
+    }
+    return "";
+}
+const char* word(LoopType type) {
+    return type == LoopType::spherical ? "spherical" : type == LoopType::revolute ? "revolute" : "distance";
+}
+
+// Gravity that always acts; impulses at t = 0 are in the start.
+Vector3<double> gravity_of(const Scene& scene) {
+    Vector3<double> gravity;
+    for (const Load& load : scene.loads) {
+        if (const Gravity* field = std::get_if<Gravity>(&load)) {
+            if (field->window.from > 0 || field->window.until < scene.duration)
+                throw std::invalid_argument("gravity that comes and goes is not asked of engines with joints");
+            gravity = gravity + field->acceleration_W;
+        } else if (const Impulse* impulse = std::get_if<Impulse>(&load)) {
+            if (impulse->at > 0)
+                throw std::invalid_argument("impulses after t = 0 are not asked of engines with joints");
+        } else if (const Spring* spring = std::get_if<Spring>(&load); !spring || spring->stiffness != 0) {
+            throw std::invalid_argument(
+                "of loads on several bodies engines are asked for gravity and impulses at t = 0");
+        }
+    }
+    return gravity;
+}
+
+/// Bodies by name, as they stand at t = 0.
+class Starts {
+  public:
+    Starts(const Scene& scene, const std::vector<EngineBody>& bodies, const std::vector<MassProperties<double>>& own)
+        : scene_(&scene), bodies_(&bodies), own_(&own) {}
+
+    int index(const std::string& name) const {
+        for (std::size_t i = 0; i < scene_->bodies.size(); ++i)
+            if (scene_->bodies[i].name == name) return static_cast<int>(i);
+        return -1;
+    }
+    // a point of the scene's body in the engine's, and in the world
+    Vector3<double> point(int body, const Vector3<double>& in_scene) const {
+        if (body < 0) return in_scene;
+        return rotate_back(at(body).q_BP, in_scene - (*own_)[static_cast<std::size_t>(body)].center);
+    }
+    Vector3<double> placed(int body, const Vector3<double>& point) const {
+        return body < 0 ? point : at(body).p_W + rotate(at(body).q, point);
+    }
+    Vector3<double> point_at(int body, const Vector3<double>& place_W) const {
+        return body < 0 ? place_W : rotate_back(at(body).q, place_W - at(body).p_W);
+    }
+    Vector3<double> turned(int body, const Vector3<double>& axis) const {
+        return body < 0 ? axis : rotate(at(body).q, axis);
+    }
+    Vector3<double> turned_back(int body, const Vector3<double>& axis_W) const {
+        return body < 0 ? axis_W : rotate_back(at(body).q, axis_W);
+    }
+    // an axis of the scene's body in world axes
+    Vector3<double> axis_W(int body, const Vector3<double>& axis) const {
+        const Vector3<double> unit = (1 / hypotenuse(axis)) * axis;
+        return body < 0 ? unit : rotate(at(body).q, rotate_back(at(body).q_BP, unit));
+    }
+    Vector3<double> turning(int body) const { return body < 0 ? Vector3<double>() : at(body).w_W; }
+    Vector3<double> speed(int body, const Vector3<double>& place_W) const {
+        return body < 0 ? Vector3<double>() : at(body).v + cross(at(body).w_W, place_W - at(body).p_W);
+    }
+
+  private:
+    const EngineBody& at(int body) const { return (*bodies_)[static_cast<std::size_t>(body)]; }
+
+    const Scene* scene_;
+    const std::vector<EngineBody>* bodies_;
+    const std::vector<MassProperties<double>>* own_;
+};
+
+void add_axis(EngineJoint& joint, const Starts& starts, const Vector3<double>& axis_W) {
+    joint.axes_W.push_back(axis_W);
+    joint.parent_axes.push_back(starts.turned_back(joint.parent, axis_W));
+    joint.child_axes.push_back(starts.turned_back(joint.child, axis_W));
+}
+
+EngineJoint joint_of(const Joint& joint, const Starts& starts) {
+    if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
+        throw std::invalid_argument("springs and dampers of joints are not asked of engines");
+    EngineJoint known;
+    known.name = joint.name, known.type = word(joint.type);
+    known.parent = starts.index(joint.parent), known.child = starts.index(joint.child);
+    known.child_point = starts.point(known.child, joint.child_point);
+    known.anchor_W = starts.placed(known.child, known.child_point);
+    known.parent_point = starts.point_at(known.parent, known.anchor_W);
+    known.turning_W = starts.turning(known.child) - starts.turning(known.parent);
+    const Vector3<double> sliding =
+        starts.speed(known.child, known.anchor_W) - starts.speed(known.parent, known.anchor_W);
+    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
+        add_axis(known, starts, starts.axis_W(known.child, joint.axes[0]));
+        known.rates = {dot(known.axes_W[0], joint.type == JointType::revolute ? known.turning_W : sliding)};
+    } else if (joint.type == JointType::universal) {
+        // the first axis stands in the middle frame: the second angle turns the child away from it
+        const Vector3<double> second = starts.axis_W(known.child, joint.axes[1]);
+        const Quaternion<double> back = quaternion_from_rotation_vector(-joint.coordinate[1] * second);
+        add_axis(known, starts, rotate(back, starts.axis_W(known.child, joint.axes[0])));
+        add_axis(known, starts, second);
+        const double along = dot(known.axes_W[0], second), a = dot(known.axes_W[0], known.turning_W),
+                     b = dot(second, known.turning_W), rest = 1 - along * along;
+        known.rates = {(a - along * b) / rest, (b - along * a) / rest};
+    }
+    return known;
+}
+
+EngineJoint closure_of(const Loop& loop, const Starts& starts) {
+    EngineJoint known;
+    known.name = loop.name, known.type = word(loop.type), known.length = loop.length;
+    known.parent = starts.index(loop.first), known.child = starts.index(loop.second);
+    known.parent_point = starts.point(known.parent, loop.first_point);
+    known.child_point = starts.point(known.child, loop.second_point);
+    known.anchor_W = starts.placed(known.child, known.child_point);
+    known.turning_W = starts.turning(known.child) - starts.turning(known.parent);
+    if (loop.type == LoopType::revolute) add_axis(known, starts, starts.axis_W(known.child, loop.second_axis));
+    return known;
+}
+
+// Each joint behind the one that carries its parent.
+void order(std::vector<EngineJoint>& joints) {
+    std::vector<EngineJoint> ordered;
+    while (!joints.empty()) {
+        const auto is_free = [&](const EngineJoint& joint) {
+            return std::ranges::none_of(joints, [&](const EngineJoint& other) { return other.child == joint.parent; });
+        };
+        const auto next = std::ranges::find_if(joints, is_free);
+        ordered.push_back(*next);
+        joints.erase(next);
+    }
+    joints = std::move(ordered);
+}
+
+json list(const std::vector<Vector3<double>>& vectors) {
+    json all = json::array();
+    for (const Vector3<double>& v : vectors) all.push_back(array(v));
+    return all;
+}
+
+json written(const std::vector<EngineJoint>& joints) {
+    json all = json::array();
+    for (const EngineJoint& joint : joints) {
+        json one{{"name", joint.name},
+                 {"type", joint.type},
+                 {"parent", joint.parent},
+                 {"child", joint.child},
+                 {"anchor", array(joint.anchor_W)},
+                 {"parent_point", array(joint.parent_point)},
+                 {"child_point", array(joint.child_point)},
+                 {"axes", list(joint.axes_W)},
+                 {"parent_axes", list(joint.parent_axes)},
+                 {"child_axes", list(joint.child_axes)},
+                 {"turning", array(joint.turning_W)},
+                 {"rates", joint.rates}};
+        if (joint.length > 0) one["length"] = joint.length;
+        all.push_back(std::move(one));
+    }
+    return all;
+}
+
+void read_moments(const json& rows, const Problem& problem, const EngineMechanism& mechanism, const Settings& settings,
+                  Trajectory& trajectory) {
+    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1, count = mechanism.bodies.size();
+    if (rows.size() != wanted)
+        throw std::invalid_argument(fmt::format("{} samples where {} are asked for", rows.size(), wanted));
+    const double bound = energy_bound(problem);
+    for (std::size_t k = 0; k < wanted; ++k) {
+        if (rows[k].size() != count)
+            throw std::invalid_argument(fmt::format("{} bodies where there are {}", rows[k].size(), count));
+        std::vector<Sample> moment;
+        for (std::size_t b = 0; b < count; ++b) {
+            const json& row = rows[k][b];
+            Sample s;
+            s.t = sample_time(problem.scene.duration, static_cast<long>(k), settings.samples);
+            s.q = quaternion_at(row, 0) * conjugate(mechanism.bodies[b].q_BP);
+            s.angular_velocity_B = rotate_back(normalized(s.q), vector_at(row, 4));
+            s.position_W = vector_at(row, 7), s.velocity_W = vector_at(row, 10);
+            moment.push_back(s);
+        }
+        if (!record(problem, moment, bound, trajectory)) return;
+        // what timings measure is the last moment
+        if (!settings.record && k + 1 < wanted) trajectory.samples.clear();
+    }
+}
+
+}  // namespace
+
+EngineMechanism engine_mechanism(const Problem& problem) {
+    const Scene& scene = problem.scene;
+    EngineMechanism known;
+    known.gravity = gravity_of(scene);
+    MechanismModel model = mechanism_of(problem);
+    std::vector<double> y(static_cast<std::size_t>(model.dimension()));
+    model.initial(y.data()), model.enter(0, y.data());
+    const std::vector<Sample> start = model.motion(y.data());
+    const std::vector<MassProperties<double>> own = bodies_mass_properties<double>(scene);
+    for (std::size_t b = 0; b < own.size(); ++b) {
+        EngineBody body;
+        body.name = scene.bodies[b].name, body.mass = own[b].mass;
+        const PrincipalFrame frame = engine_frame(own[b].inertia);
+        body.moments = frame.moments, body.q_BP = frame.q_BP;
+        const Sample& s = start[b];
+        body.q = normalized(s.q) * body.q_BP, body.w_W = rotate(normalized(s.q), s.angular_velocity_B);
+        body.p_W = s.position_W, body.v = s.velocity_W;
+        known.bodies.push_back(body);
+    }
+    const Starts starts(scene, known.bodies, own);
+    for (const Joint& joint : scene.joints) known.joints.push_back(joint_of(joint, starts));
+    order(known.joints);
+    for (const Loop& loop : scene.loops) known.loops.push_back(closure_of(loop, starts));
+    return known;
+}
+
+std::string joints_not_taken(const EngineMechanism& mechanism, const EngineHello& hello) {
+    const auto knows = [](const std::vector<std::string>& types, const std::string& type) {
+        return std::ranges::find(types, type) != types.end();
+    };
+    if (hello.joints.empty()) return "its driver takes no joints";
+    for (const EngineJoint& joint : mechanism.joints)
+        if (!knows(hello.joints, joint.type)) return fmt::format("it has no {} joint", joint.type);
+    for (const EngineJoint& loop : mechanism.loops)
+        if (!knows(hello.loops, loop.type)) return fmt::format("it closes no loop by a {} joint", loop.type);
+    return "";
+}
+
+std::string mechanism_request(const EngineMechanism& mechanism, const std::string& setting, double duration,
+                              const Settings& settings, long steps_per_sample) {
+    json bodies = json::array();
+    for (const EngineBody& body : mechanism.bodies)
+        bodies.push_back({{"name", body.name},
+                          {"mass", body.mass},
+                          {"moments", array(body.moments)},
+                          {"q", array(body.q)},
+                          {"w", array(body.w_W)},
+                          {"p", array(body.p_W)},
+                          {"v", array(body.v)}});
+    return json{{"setting", setting},
+                {"duration", duration},
+                {"samples", settings.samples},
+                {"steps_per_sample", steps_per_sample},
+                {"repetitions", settings.repetitions},
+                {"gravity", array(mechanism.gravity)},
+                {"bodies", std::move(bodies)},
+                {"joints", written(mechanism.joints)},
+                {"loops", written(mechanism.loops)}}
+        .dump();
+}
+
+Trajectory read_mechanism_answer(std::string_view line, const Problem& problem, const EngineMechanism& mechanism,
+                                 const Settings& settings, long steps_per_sample) {
+    Trajectory trajectory;
+    trajectory.bodies = static_cast<int>(mechanism.bodies.size());
+    try {
+        const json answer = json::parse(line);
+        if (!engine_json::read_outcome(answer, trajectory)) return trajectory;
+        trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
+        read_moments(answer.at("samples"), problem, mechanism, settings, trajectory);
+    } catch (const std::exception& error) {
+        trajectory = engine_json::unreadable(error);
+    }
+    return trajectory;
+}
+
+}  // namespace polhode

@@ -110,7 +110,8 @@ class Variation {
     double attitude() const {
         std::vector<Matrix> turns;
         for (int c = 0; c < columns(); ++c) {
-            const double size = minimal(S_.col(c)).norm();
+            // rates turn nothing, however large they are in their own units
+            const double size = minimal(S_.col(c)).topRows(links_.rates).norm();
             if (!(size > 0) || !std::isfinite(size)) continue;
             const Eigen::VectorXd along = S_.col(c) / size;
             const auto moved = [&](double by) {

@@ -37,7 +37,8 @@ std::vector<CsvRow> rows_of(const std::string& text) {
         if (line.starts_with('#')) continue;
         std::vector<std::string> cells;
         for (std::size_t at = 0;;) {
-            const std::size_t comma = line.find(',', at);
+            // a message in quotes is the last cell
+            const std::size_t comma = at < line.size() && line[at] == '"' ? line.npos : line.find(',', at);
             cells.push_back(line.substr(at, comma - at));
             if (comma == line.npos) break;
             at = comma + 1;
@@ -130,14 +131,14 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
     for (std::size_t k = 100; k < 2000; k += 300)
         for (const auto& [v, f] : {std::pair("vx", "fx"), std::pair("vy", "fy"), std::pair("vz", "fz")}) {
             const double rate = (momentum(k + 1, v) - momentum(k - 1, v)) / (2 * 5e-4);
-            EXPECT_NEAR(number(reactions[2 * k], f), rate + (f[1] == 'z' ? 3 * 9.75 : 0), 1e-3) << k << f;
+            EXPECT_NEAR(number(reactions[2 * k], f), rate + (f[1] == 'z' ? 3 * 9.75 : 0), 1e-2) << k << f;
         }
     // solve tells the same
     ASSERT_EQ(run({"solve", swinging, "--samples", "2000", "--reactions", "s.csv", "--output", "s"}).exit_code, 0);
     const std::vector<CsvRow> solved = rows_of(written("s.csv"));
     ASSERT_EQ(solved.size(), reactions.size());
     for (std::size_t k = 0; k < solved.size(); k += 97)
-        for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-10);
+        for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-8);
 }
 
 TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
@@ -172,11 +173,11 @@ TEST_F(Mechanisms, DescribeDrawsTheTree) {
     const Outcome outcome = run({"describe", swinging});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const std::string& text = outcome.out;
-    for (const char* part :
-         {"  world\n    shoulder: revolute about (0, 1, 0) -> upper, 1 kg; at 1.25 rad, 0.5 rad/s\n"
-          "      elbow: revolute about (0, 1, 0) -> lower, 2 kg; at -0.5 rad, 0 rad/s\n",
-          "degrees of freedom          2\n", "mechanism, 4 variables", "the third dimension         all stay in planes",
-          "p and v of the base", "22 variables", "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
+    for (const char* part : {"  world\n    shoulder: revolute about (0, 1, 0) -> upper, 1 kg; at 1.25 rad, 0.5 rad/s\n"
+                             "      elbow: revolute about (0, 1, 0) -> lower, 2 kg; at -0.5 rad, 0 rad/s\n",
+                             "degrees of freedom          2\n", "several bodies, 4 variables",
+                             "the third dimension         all stay in planes", "p and v of the base", "22 variables",
+                             "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("angular momentum"), std::string::npos) << text;
 }
@@ -372,7 +373,7 @@ int main(void) {
         }
     if (failed != 0) return 1;
     if (P(compare)(1, P(body_a), P(q)[P(body_d)], 0, P(p)[P(body_d)], 0, 0, 0, message, sizeof message) != 2) return 2;
-    if (P(bodies) != 4 || P(joints) != 4 || P(joint_slide_parent) != P(body_a) || P(joint_hinge_parent) != -1) return 3;
+    if (P(bodies) != 4 || P(joints) != 4 || (int)P(joint_slide_parent) != (int)P(body_a) || P(joint_hinge_parent) != -1) return 3;
     if (P(mass)[P(body_b)] != 2 || P(joint_slide_initial_displacement) != 0.25 || P(motor_1_joint) != 0) return 4;
     if (P(joint_cross_axes)[1][1] != 1 || P(inertia)[0][1] != 0.05) return 5;
     return sizeof P(reaction_force) / sizeof P(reaction_force)[0] == 16 ? 0 : 6;

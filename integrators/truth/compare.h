@@ -19,11 +19,32 @@
 
 namespace polhode::truth {
 
+/// Lengths that the blocks of a motion would have if its bodies turned by a radian in the run: what is nothing beside
+/// them is round-off, and differences are then relative to them.
+template <class P>
+struct NaturalSizes {
+    P angular_velocity{0}, position{0}, velocity{0};
+};
+/// Of several bodies: their largest radius of gyration, and the scene's duration.
+template <class P>
+NaturalSizes<P> natural_sizes(const Scene& scene) {
+    P square(0);
+    for (const MassProperties<P>& body : bodies_mass_properties<P>(scene))
+        square = std::max(square, P((body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]) / (2 * body.mass)));
+    const P size = square_root(square), rate = P(1) / P(scene.duration);
+    return {rate, size, size * rate};
+}
+
 /// The largest difference between motions: the attitude's angle in rad, and each other block relative to its largest
 /// length among all of them (absolute where that is zero).
 template <class P>
 class Difference {
   public:
+    Difference() = default;
+    explicit Difference(const NaturalSizes<P>& natural) {
+        w_.natural = natural.angular_velocity, p_.natural = natural.position, v_.natural = natural.velocity;
+    }
+
     void note(const Motion<P>& x, const Motion<P>& y) {
         const Quaternion<P> between = conjugate(x.q) * y.q;
         angle_ = std::max(angle_, P(2 * length(vector_part(between))));
@@ -39,12 +60,15 @@ class Difference {
 
   private:
     struct Tally {
-        P largest{0}, difference{0};
+        P largest{0}, difference{0}, natural{0};
         void note(const Vector3<P>& x, const Vector3<P>& y) {
             largest = std::max(largest, length(x));
             difference = std::max(difference, length(x - y));
         }
-        P relative() const { return largest == 0 ? difference : P(difference / largest); }
+        P relative() const {
+            const P size = largest > P(1e-15) * natural ? largest : natural;
+            return size == 0 ? difference : P(difference / size);
+        }
     };
     P angle_{0};
     Tally w_, p_, v_;
@@ -59,8 +83,8 @@ double disagreement(const Run<P>& a, const Run<P>& b) {
 }
 /// Of several bodies: lengths are relative to the largest of all bodies.
 template <class P>
-double disagreement(const Run<P, Motions<P>>& a, const Run<P, Motions<P>>& b) {
-    Difference<P> difference;
+double disagreement(const Run<P, Motions<P>>& a, const Run<P, Motions<P>>& b, const NaturalSizes<P>& natural = {}) {
+    Difference<P> difference(natural);
     for (std::size_t i = 0; i < a.motions.size(); ++i)
         for (std::size_t body = 0; body < a.motions[i].size(); ++body)
             difference.note(a.motions[i][body], b.motions[i][body]);
@@ -149,23 +173,35 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
 }
 
 /// The largest difference between the reactions of two runs: of forces relative to the largest, of torques to the
-/// largest or to what a force does about the child's centre of mass.
+/// largest or to what a force does about the child's centre of mass. Constraints that are redundant leave a part of the
+/// reactions open, which the two formulations choose each in its own way: components that differ by more than
+/// `undetermined` become NaN in the first run, and do not count.
 template <class P>
-double disagreement(const Scene& scene, const Beside<P>& a, const Beside<P>& b) {
+double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double undetermined) {
     const std::vector<P> arms = MechanismMeasure<P>(scene).arms();
-    P force(0), torque(0), force_off(0), torque_off(0);
+    P force(0), torque(0);
+    for (std::vector<Reaction<P>>& moment : a.reactions)
+        for (std::size_t j = 0; j < arms.size(); ++j) {
+            const P pull = length(moment[j].force_W);
+            force = std::max(force, pull);
+            torque = std::max({torque, length(moment[j].torque_W), P(pull * arms[j])});
+        }
+    P worst(0);
+    const auto compare = [&](Vector3<P>& x, const Vector3<P>& y, const P& largest) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const P off = largest == 0 ? P(abs(x[c] - y[c])) : P(abs(x[c] - y[c]) / largest);
+            if (off <= undetermined)
+                worst = std::max(worst, off);
+            else
+                x[c] = std::numeric_limits<P>::quiet_NaN();
+        }
+    };
     for (std::size_t i = 0; i < a.reactions.size(); ++i)
         for (std::size_t j = 0; j < arms.size(); ++j) {
-            const Reaction<P>&x = a.reactions[i][j], &y = b.reactions[i][j];
-            const P pull = length(x.force_W);
-            force = std::max(force, pull);
-            torque = std::max({torque, length(x.torque_W), P(pull * arms[j])});
-            force_off = std::max(force_off, length(x.force_W - y.force_W));
-            torque_off = std::max(torque_off, length(x.torque_W - y.torque_W));
+            compare(a.reactions[i][j].force_W, b.reactions[i][j].force_W, force);
+            compare(a.reactions[i][j].torque_W, b.reactions[i][j].torque_W, torque);
         }
-    const auto relative = [](const P& off, const P& largest) { return largest == 0 ? off : P(off / largest); };
-    const P worst = std::max(relative(force_off, force), relative(torque_off, torque));
-    return is_finite(worst) ? worst.template convert_to<double>() : std::numeric_limits<double>::infinity();
+    return worst.template convert_to<double>();
 }
 
 /// An attempt of two runs whose largest difference is known, and what the first one makes of the truth.
@@ -212,18 +248,23 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
                       digits);
 }
 
-/// The same of several bodies. Where both runs know reactions, these are compared and written too.
+/// The same of several bodies. Where both runs know reactions, these are compared and written too; what the motion does
+/// not determine of them is NaN.
 template <class P>
 Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& first,
                  const Run<P, Motions<P>>& second, const std::string& how, int digits,
                  const Beside<P>& beside_first = {}, const Beside<P>& beside_second = {}) {
     const std::string& fault = first.fault.empty() ? second.fault : first.fault;
     if (!fault.empty()) return failed_attempt(fault);
-    double difference = disagreement(first, second);
-    if (!beside_first.reactions.empty() && !beside_second.reactions.empty())
-        difference = std::max(difference, disagreement(problem.scene, beside_first, beside_second));
-    return attempt_of(written(problem, sample_times, first, digits, beside_first), first, second, difference, how,
-                      digits);
+    double difference = disagreement(first, second, natural_sizes<P>(problem.scene));
+    Beside<P> beside = beside_first;
+    if (beside_second.reactions.empty()) beside.reactions.clear();
+    if (!beside.reactions.empty()) {
+        // motions that agree have reactions that do, a few digits less: what differs by more is undetermined
+        const double undetermined = std::max(1e-12, 1e4 * difference);
+        difference = std::max(difference, disagreement(problem.scene, beside, beside_second, undetermined));
+    }
+    return attempt_of(written(problem, sample_times, first, digits, beside), first, second, difference, how, digits);
 }
 
 }  // namespace polhode::truth

@@ -168,7 +168,7 @@ DecimalReference decimal_reference(const Scene& scene, long samples, int digits,
         for (const auto& exact : decimals) {
             columns.emplace_back();
             for (std::size_t c = 0; c < exact.size(); ++c)
-                columns.back()[c] = truth::rounded_decimal(exact[c], written);
+                if (exact[c] != "nan") columns.back()[c] = truth::rounded_decimal(exact[c], written);
         }
     };
     rounded(truth.decimals, result.columns);

@@ -51,7 +51,7 @@ struct DecimalReference {
     std::vector<double> times;  ///< of the samples, s
     int bodies = 1;             ///< how many there are at each time
     std::vector<DecimalColumns> columns;      ///< at each time those of each body
-    std::vector<ReactionDecimals> reactions;  ///< where they are known, as Reference::reactions
+    std::vector<ReactionDecimals> reactions;  ///< where they are known, as Reference::reactions; empty for NaN
     std::vector<std::string> impact_times;    ///< s, of the impacts on the scene's planes
     double impact_time_error = 0;             ///< s, largest of them
 };

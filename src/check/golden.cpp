@@ -237,10 +237,15 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
         g.energy.push_back(way.scaled(system.energy.high, 2));
         g.momentum.push_back(way.pseudovector(rounded(system.angular_momentum_W), 2));
     }
-    for (const Reaction<Pair>& reaction : truth.reactions) {
-        g.forces.push_back(way.vector(rounded(reaction.force_W), 1));
-        g.torques.push_back(way.pseudovector(rounded(reaction.torque_W), 2));
-    }
+    const auto is_known = [](const Reaction<Pair>& r) {
+        return !std::isnan(length(rounded(r.force_W)) + length(rounded(r.torque_W)));
+    };
+    // where constraints are redundant they are not determined
+    if (std::ranges::all_of(truth.reactions, is_known))
+        for (const Reaction<Pair>& reaction : truth.reactions) {
+            g.forces.push_back(way.vector(rounded(reaction.force_W), 1));
+            g.torques.push_back(way.pseudovector(rounded(reaction.torque_W), 2));
+        }
     const PerMeasure<double> sizes = sizes_of(scene, truth);
     if (sizes["energy"] > 0) g.energy_scale = way.scaled(sizes["energy"], 2);
     if (sizes["momentum"] > 0) g.momentum_scale = way.scaled(sizes["momentum"], 2);

@@ -21,9 +21,17 @@ struct TrueRun {
     Wide largest_force = 0, largest_torque = 0;  // of reactions, N and N m
 };
 
+// of a reaction; zero for what the motion does not determine
 Vector3<Wide> wide(const Vector3<Pair>& v) {
-    const auto value = [](const Pair& pair) { return Wide(pair.high) + Wide(pair.low); };
+    const auto value = [](const Pair& p) { return std::isnan(p.high) ? Wide(0) : Wide(p.high) + Wide(p.low); };
     return {value(v[0]), value(v[1]), value(v[2])};
+}
+// what a method's reaction is off where it is determined
+Wide distance(const Vector3<double>& own, const Vector3<Pair>& right) {
+    Vector3<Wide> off = cast<Wide>(own) - wide(right);
+    for (std::size_t i = 0; i < 3; ++i)
+        if (std::isnan(right[i].high)) off[i] = 0;
+    return length(off);
 }
 
 TrueRun true_run(const Scene& scene, const MechanismMeasure<Wide>& measure, const Reference& reference) {
@@ -85,8 +93,8 @@ ErrorSeries system_error_series(const Scene& scene, const Trajectory& trajectory
         for (std::size_t i = k * joints; i < (k + 1) * joints; ++i) {
             const Reaction<double>& own = trajectory.reactions[i];
             const Reaction<Pair>& right = reference.reactions[i];
-            const Wide force_off = length(cast<Wide>(own.force_W) - wide(right.force_W));
-            const Wide torque_off = length(cast<Wide>(own.torque_W) - wide(right.torque_W));
+            const Wide force_off = distance(own.force_W, right.force_W);
+            const Wide torque_off = distance(own.torque_W, right.torque_W);
             if (larger(force_off, force)) force = force_off;
             if (larger(torque_off, torque)) torque = torque_off;
         }

@@ -1,5 +1,7 @@
 #include "motion/trajectory_csv.h"
 
+#include <cmath>
+
 #include "body/wide.h"
 #include "text/decimal.h"
 
@@ -32,7 +34,8 @@ std::string reactions_csv(const Trajectory& trajectory, std::span<const std::str
         const std::string time = shortest_decimal(trajectory.at(k / joints.size())[0].t);
         text.append(time).append(",").append(joints[k % joints.size()]);
         for (const Vector3<double>& v : {trajectory.reactions[k].force_W, trajectory.reactions[k].torque_W})
-            for (const double value : v.component) text.append(",").append(shortest_decimal(value));
+            for (const double value : v.component)
+                text.append(",").append(std::isnan(value) ? "" : shortest_decimal(value));
         text += '\n';
     }
     return text;

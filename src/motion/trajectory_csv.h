@@ -17,7 +17,7 @@ namespace polhode {
 std::string trajectory_csv(const Trajectory& trajectory, std::span<const std::string> bodies = {});
 
 /// A header line t,joint,fx,fy,fz,tx,ty,tz, then at each of the trajectory's times a line for each joint that it gives
-/// reactions of. `joints`: their names, in the order of Trajectory::reactions.
+/// reactions of, an empty cell for NaN. `joints`: their names, in the order of Trajectory::reactions.
 std::string reactions_csv(const Trajectory& trajectory, std::span<const std::string> joints);
 
 /// One line of a trajectory file, as it stands there.

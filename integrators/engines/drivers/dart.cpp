@@ -143,38 +143,42 @@ class DartMechanism {
                 Eigen::Quaterniond(turn.w, turn.x, turn.y, turn.z).toRotationMatrix();
             properties.mT_ParentBodyToJoint.translation() = eigen(joint.parent_point);
             properties.mT_ChildBodyToJoint.translation() = eigen(joint.child_point);
+            // DART tells of each name that is there twice
+            properties.mName = fmt::format("joint_{}", joint.child);
             return properties;
         };
+        const dd::BodyNode::AspectProperties named(fmt::format("body_{}", joint.child));
         const auto about = [&](auto properties) {
             properties.mAxis = eigen(joint.child_axes[0]);
             return properties;
         };
         if (joint.type == "revolute") {
             auto [made, node] = skeleton.createJointAndBodyNodePair<dd::RevoluteJoint>(
-                parent, about(placed(dd::RevoluteJoint::Properties())));
+                parent, about(placed(dd::RevoluteJoint::Properties())), named);
             made->setVelocity(0, joint.rates[0]);
             return node;
         }
         if (joint.type == "prismatic") {
             auto [made, node] = skeleton.createJointAndBodyNodePair<dd::PrismaticJoint>(
-                parent, about(placed(dd::PrismaticJoint::Properties())));
+                parent, about(placed(dd::PrismaticJoint::Properties())), named);
             made->setVelocity(0, joint.rates[0]);
             return node;
         }
         if (joint.type == "universal") {
             auto properties = placed(dd::UniversalJoint::Properties());
             properties.mAxis = {eigen(joint.child_axes[0]), eigen(joint.child_axes[1])};
-            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::UniversalJoint>(parent, properties);
+            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::UniversalJoint>(parent, properties, named);
             for (std::size_t i = 0; i < 2; ++i) made->setVelocity(i, joint.rates[i]);
             return node;
         }
         if (joint.type == "spherical") {
             auto [made, node] =
-                skeleton.createJointAndBodyNodePair<dd::BallJoint>(parent, placed(dd::BallJoint::Properties()));
+                skeleton.createJointAndBodyNodePair<dd::BallJoint>(parent, placed(dd::BallJoint::Properties()), named);
             made->setVelocities(eigen(rotate_back(known.attitude(joint.child), joint.turning_W)));
             return node;
         }
-        return skeleton.createJointAndBodyNodePair<dd::WeldJoint>(parent, placed(dd::WeldJoint::Properties())).second;
+        return skeleton.createJointAndBodyNodePair<dd::WeldJoint>(parent, placed(dd::WeldJoint::Properties()), named)
+            .second;
     }
 
     dart::simulation::WorldPtr world_ = dart::simulation::World::create();

@@ -1,24 +1,63 @@
 // Ammo: Bullet 2, compiled to JavaScript.
-import {serve} from './serve.js';
+import {serve, framesOf} from './serve.js';
 
 let Ammo;
 
 const array = (v) => [v.x(), v.y(), v.z()];
 const neverAsleep = 4, gyroscopicForce = 2;
 
-class World {
-  constructor(body) {
+// What both kinds of worlds are made of.
+class Scene {
+  constructor(gravity) {
     this.taken = [];
     const configuration = this.take(new Ammo.btDefaultCollisionConfiguration());
     const dispatcher = this.take(new Ammo.btCollisionDispatcher(configuration));
     const broadphase = this.take(new Ammo.btDbvtBroadphase()), solver = this.take(new Ammo.btSequentialImpulseConstraintSolver());
     this.world = this.take(new Ammo.btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration));
-    this.setGravity(body.gravity);
+    this.world.setGravity(this.vector(gravity));
+  }
+  // What was made is given back, the last first.
+  take(object) {
+    this.taken.push(object);
+    return object;
+  }
+  vector(a) { return this.take(new Ammo.btVector3(...a)); }
+  place(p, [w, x, y, z]) {
+    return this.take(new Ammo.btTransform(this.take(new Ammo.btQuaternion(x, y, z, w)), this.vector(p)));
+  }
+  // `groups`: its own, and those that it collides with; all that there are without them
+  bodyOf(mass, shape, p, q, inertia, groups = []) {
+    const motion = this.take(new Ammo.btDefaultMotionState(this.place(p, q)));
+    const body =
+        this.take(new Ammo.btRigidBody(this.take(new Ammo.btRigidBodyConstructionInfo(mass, motion, shape, inertia))));
+    this.world.addRigidBody(body, ...groups);
+    return body;
+  }
+  step(h) { this.world.stepSimulation(h, 0); }
+  leave() {
+    for (const object of this.taken.reverse()) Ammo.destroy(object);
+  }
+}
+
+function liven(body, setting) {
+  if (setting !== 'best') return;
+  body.setActivationState(neverAsleep);
+  body.setFlags(gyroscopicForce);
+}
+
+function motionOf(body) {
+  const place = body.getWorldTransform(), q = place.getRotation();
+  return {
+    q: [q.w(), q.x(), q.y(), q.z()], p: array(place.getOrigin()), w: array(body.getAngularVelocity()),
+    v: array(body.getLinearVelocity())
+  };
+}
+
+class World extends Scene {
+  constructor(body) {
+    super(body.gravity);
     this.body = this.bodyOf(body.mass, this.shapeOf(body), body.p, body.q, this.vector(body.moments));
-    if (body.setting === 'best') {
-      this.body.setActivationState(neverAsleep);
-      this.body.setFlags(gyroscopicForce);
-    }
+    liven(this.body, body.setting);
     this.setVelocities(body.w, body.v);
     // the coefficients of the two that touch are multiplied: the planes' are 1
     if (body.planes.length) {
@@ -34,33 +73,13 @@ class World {
       this.world.addConstraint(this.joint);
     }
   }
-  // What was made is given back, the last first.
-  take(object) {
-    this.taken.push(object);
-    return object;
-  }
-  vector(a) { return this.take(new Ammo.btVector3(...a)); }
   shapeOf(body) {
     if (!body.hull.length) return this.take(new Ammo.btSphereShape(body.ball ?? 1));
     const hull = this.take(new Ammo.btConvexHullShape());
     for (const corner of body.hull) hull.addPoint(this.vector(corner), true);
     return hull;
   }
-  bodyOf(mass, shape, p, [w, x, y, z], inertia) {
-    const place = this.take(new Ammo.btTransform(this.take(new Ammo.btQuaternion(x, y, z, w)), this.vector(p)));
-    const motion = this.take(new Ammo.btDefaultMotionState(place));
-    const body =
-        this.take(new Ammo.btRigidBody(this.take(new Ammo.btRigidBodyConstructionInfo(mass, motion, shape, inertia))));
-    this.world.addRigidBody(body);
-    return body;
-  }
-  motion() {
-    const place = this.body.getWorldTransform(), q = place.getRotation();
-    return {
-      q: [q.w(), q.x(), q.y(), q.z()], p: array(place.getOrigin()), w: array(this.body.getAngularVelocity()),
-      v: array(this.body.getLinearVelocity())
-    };
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) {
     this.body.activate(true);
     this.body.setAngularVelocity(this.vector(w)), this.body.setLinearVelocity(this.vector(v));
@@ -71,12 +90,50 @@ class World {
     this.body.applyCentralForce(push), this.body.applyTorque(turn);
     Ammo.destroy(push), Ammo.destroy(turn);
   }
-  step(h) { this.world.stepSimulation(h, 0); }
   mass() {}
   moments() {}
   free() {
     if (this.joint) this.world.removeConstraint(this.joint);
-    for (const object of this.taken.reverse()) Ammo.destroy(object);
+    this.leave();
+  }
+}
+
+class Mechanism extends Scene {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    super(gravity);
+    // bodies collide with nothing
+    this.made = bodies.map((known) => {
+      const shape = this.take(new Ammo.btSphereShape(0.01));
+      const body = this.bodyOf(known.mass, shape, known.p, known.q, this.vector(known.moments), [1, 0]);
+      liven(body, setting);
+      body.setAngularVelocity(this.vector(known.w)), body.setLinearVelocity(this.vector(known.v));
+      return body;
+    });
+    const still = this.take(new Ammo.btSphereShape(0.01));
+    this.ground = this.bodyOf(0, still, [0, 0, 0], [1, 0, 0, 0], this.vector([0, 0, 0]), [1, 0]);
+    this.joints = [...joints, ...loops].map((joint) => {
+      const made = this.take(this.jointOf(bodies, joint));
+      this.world.addConstraint(made, true);
+      return made;
+    });
+  }
+  jointOf(bodies, joint) {
+    const a = this.made[joint.parent] ?? this.ground, b = this.made[joint.child] ?? this.ground;
+    if (joint.type === 'spherical')
+      return new Ammo.btPoint2PointConstraint(a, b, this.vector(joint.parent_point), this.vector(joint.child_point));
+    const [out, into] = framesOf(bodies, joint, joint.type === 'prismatic' ? 'x' : 'z');
+    const frames = [this.place(joint.parent_point, out), this.place(joint.child_point, into)];
+    if (joint.type === 'revolute') return new Ammo.btHingeConstraint(a, b, ...frames);
+    if (joint.type === 'fixed') return new Ammo.btFixedConstraint(a, b, ...frames);
+    const slider = new Ammo.btSliderConstraint(a, b, ...frames, true);
+    slider.setLowerLinLimit(1), slider.setUpperLinLimit(-1);
+    slider.setLowerAngLimit(0), slider.setUpperAngLimit(0);
+    return slider;
+  }
+  motions() { return this.made.map(motionOf); }
+  free() {
+    for (const joint of this.joints) this.world.removeConstraint(joint);
+    this.leave();
   }
 }
 
@@ -88,8 +145,10 @@ await serve({
     default: 'no gyroscopic term; a slow body falls asleep; no damping; a turn of at most pi/4 a step',
     best: 'the gyroscopic term by an explicit step (setFlags(1)), never asleep'
   },
+  joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     Ammo = await (await import('ammojs-typed')).default();
-    return World;
+    return {World, Mechanism};
   }
 });

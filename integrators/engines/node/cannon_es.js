@@ -6,6 +6,19 @@ let CANNON;
 const vector = (a) => new CANNON.Vec3(...a);
 const array = (v) => [v.x, v.y, v.z];
 
+// The moments are the engine's own guess from shapes; here they are given, and the shape leaves them alone.
+function giveMoments(body, moments) {
+  body.updateMassProperties = () => {};
+  body.inertia.set(...moments);
+  body.invInertia.set(...moments.map((x) => 1 / x));
+  body.updateSolveMassProperties();
+  body.updateInertiaWorld(true);
+}
+
+function motionOf({quaternion: q, angularVelocity, position, velocity}) {
+  return {q: [q.w, q.x, q.y, q.z], w: array(angularVelocity), p: array(position), v: array(velocity)};
+}
+
 class World {
   constructor(body) {
     this.world = new CANNON.World({gravity: vector(body.gravity)});
@@ -16,12 +29,7 @@ class World {
     });
     if (body.setting === 'best') this.body.linearDamping = this.body.angularDamping = 0;
     if (body.planes.length) this.addContact(body);
-    // the moments are the engine's own guess from shapes; here they are given, and the shape leaves them alone
-    this.body.updateMassProperties = () => {};
-    this.body.inertia.set(...body.moments);
-    this.body.invInertia.set(...body.moments.map((x) => 1 / x));
-    this.body.updateSolveMassProperties();
-    this.body.updateInertiaWorld(true);
+    giveMoments(this.body, body.moments);
     this.world.addBody(this.body);
     if (body.pivot) {
       const ground = new CANNON.Body({mass: 0});
@@ -43,10 +51,7 @@ class World {
       this.world.addBody(ground);
     }
   }
-  motion() {
-    const b = this.body, q = b.quaternion;
-    return {q: [q.w, q.x, q.y, q.z], w: array(b.angularVelocity), p: array(b.position), v: array(b.velocity)};
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) { this.body.angularVelocity.set(...w), this.body.velocity.set(...v); }
   setGravity(g) { this.world.gravity.set(...g); }
   apply(force, torque) {
@@ -65,6 +70,36 @@ function halfSides(hull) {
   return vector(half);
 }
 
+class Mechanism {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    this.world = new CANNON.World({gravity: vector(gravity)});
+    this.bodies = bodies.map((known) => {
+      const [w, x, y, z] = known.q;
+      const body = new CANNON.Body({
+        mass: known.mass, position: vector(known.p), velocity: vector(known.v), angularVelocity: vector(known.w),
+        quaternion: new CANNON.Quaternion(x, y, z, w)
+      });
+      if (setting === 'best') body.linearDamping = body.angularDamping = 0;
+      giveMoments(body, known.moments);
+      this.world.addBody(body);
+      return body;
+    });
+    this.ground = new CANNON.Body({mass: 0});
+    this.world.addBody(this.ground);
+    for (const joint of [...joints, ...loops]) this.world.addConstraint(this.jointOf(joint));
+  }
+  jointOf({type, parent, child, parent_point: pivotA, child_point: pivotB, parent_axes: [axisA], child_axes: [axisB]}) {
+    const a = this.bodies[parent] ?? this.ground, b = this.bodies[child] ?? this.ground, maxForce = 1e30;
+    if (type === 'spherical')
+      return new CANNON.PointToPointConstraint(a, vector(pivotA), b, vector(pivotB), maxForce);
+    const options = {pivotA: vector(pivotA), pivotB: vector(pivotB), axisA: vector(axisA), axisB: vector(axisB), maxForce};
+    return new CANNON.HingeConstraint(a, b, options);
+  }
+  motions() { return this.bodies.map(motionOf); }
+  step(h) { this.world.step(h); }
+  free() {}
+}
+
 await serve({
   engine: 'cannon_es',
   packageName: 'cannon-es',
@@ -73,5 +108,7 @@ await serve({
     default: 'damping 0.01 of either velocity; no gyroscopic term to switch on; the attitude by the first-order quaternion',
     best: 'no damping; still no gyroscopic term'
   },
-  load: async () => (CANNON = await import('cannon-es'), World)
+  joints: ['revolute', 'spherical'],
+  loops: ['revolute', 'spherical'],
+  load: async () => (CANNON = await import('cannon-es'), {World, Mechanism})
 });

@@ -1,7 +1,7 @@
 // Havok as Babylon.js has it.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve, add, cross, scaled} from './serve.js';
+import {serve, add, cross, framesOf, rotate, scaled} from './serve.js';
 
 let havok;
 
@@ -12,31 +12,67 @@ function good(answer) {
   return values[0];
 }
 
-class World {
-  constructor(body) {
+// What both kinds of worlds are made of.
+class Scene {
+  constructor(gravity) {
     this.world = good(havok.HP_World_Create());
-    this.setGravity(body.gravity);
-    this.mass_ = body.mass;
-    this.body = this.bodyAt(havok.MotionType.DYNAMIC, body.p, body.q);
-    this.shapes = [];
-    if (body.planes.length) this.addContact(body);
-    // the inertia is that of a body of mass 1
-    good(havok.HP_Body_SetMassProperties(
-        this.body, [[0, 0, 0], body.mass, body.moments.map((x) => x / body.mass), [0, 0, 0, 1]]));
-    if (body.setting === 'best') {
-      good(havok.HP_Body_SetLinearDamping(this.body, 0)), good(havok.HP_Body_SetAngularDamping(this.body, 0));
-      good(havok.HP_World_SetSpeedLimit(this.world, 1e30, 1e30));
-      good(havok.HP_Body_SetActivationControl(this.body, havok.ActivationControl.ALWAYS_ACTIVE));
-    }
-    good(havok.HP_World_AddBody(this.world, this.body, false));
-    this.setVelocities(body.w, body.v);
-    if (body.pivot) this.addJoint(body.pivot);
+    this.setGravity(gravity);
   }
+  setGravity(g) { good(havok.HP_World_SetGravity(this.world, g)); }
   bodyAt(motion, p, [w, x, y, z]) {
     const body = good(havok.HP_Body_Create());
     good(havok.HP_Body_SetMotionType(body, motion));
     good(havok.HP_Body_SetQTransform(body, [p, [x, y, z, w]]));
     return body;
+  }
+  addBody({mass, moments, p, q, w, v}, setting, change = () => {}) {
+    const body = this.bodyAt(havok.MotionType.DYNAMIC, p, q);
+    change(body);
+    // the inertia is that of a body of mass 1
+    good(havok.HP_Body_SetMassProperties(body, [[0, 0, 0], mass, moments.map((x) => x / mass), [0, 0, 0, 1]]));
+    if (setting === 'best') {
+      good(havok.HP_Body_SetLinearDamping(body, 0)), good(havok.HP_Body_SetAngularDamping(body, 0));
+      good(havok.HP_World_SetSpeedLimit(this.world, 1e30, 1e30));
+      good(havok.HP_Body_SetActivationControl(body, havok.ActivationControl.ALWAYS_ACTIVE));
+    }
+    good(havok.HP_World_AddBody(this.world, body, false));
+    good(havok.HP_Body_SetAngularVelocity(body, w)), good(havok.HP_Body_SetLinearVelocity(body, v));
+    return body;
+  }
+  // An anchor: a point and the first two axes of the joint's frame.
+  join(parent, parentAnchor, child, childAnchor, axes) {
+    const joint = good(havok.HP_Constraint_Create());
+    good(havok.HP_Constraint_SetParentBody(joint, parent)), good(havok.HP_Constraint_SetChildBody(joint, child));
+    good(havok.HP_Constraint_SetAnchorInParent(joint, ...parentAnchor));
+    good(havok.HP_Constraint_SetAnchorInChild(joint, ...childAnchor));
+    for (const axis of axes)
+      good(havok.HP_Constraint_SetAxisMode(
+          joint, havok.ConstraintAxis[axis], havok.ConstraintAxisLimitMode.LOCKED));
+    good(havok.HP_Constraint_SetEnabled(joint, 1));
+  }
+  advance(h) {
+    good(havok.HP_World_SetIdealStepTime(this.world, h));
+    good(havok.HP_World_Step(this.world, h));
+  }
+}
+
+function motionOf(body) {
+  const [p, [x, y, z, w]] = good(havok.HP_Body_GetQTransform(body));
+  return {
+    q: [w, x, y, z], w: good(havok.HP_Body_GetAngularVelocity(body)), p, v: good(havok.HP_Body_GetLinearVelocity(body))
+  };
+}
+
+class World extends Scene {
+  constructor(body) {
+    super(body.gravity);
+    this.mass_ = body.mass;
+    this.shapes = [];
+    this.body = this.addBody(body, body.setting, (made) => {
+      this.body = made;
+      if (body.planes.length) this.addContact(body);
+    });
+    if (body.pivot) this.addJoint(body.pivot);
   }
   addContact(body) {
     const {restitution, friction} = body.planes[0];
@@ -64,26 +100,13 @@ class World {
   addJoint(pivot) {
     const ground = this.bodyAt(havok.MotionType.STATIC, [0, 0, 0], [1, 0, 0, 0]);
     good(havok.HP_World_AddBody(this.world, ground, false));
-    const joint = good(havok.HP_Constraint_Create());
-    good(havok.HP_Constraint_SetParentBody(joint, ground)), good(havok.HP_Constraint_SetChildBody(joint, this.body));
-    good(havok.HP_Constraint_SetAnchorInParent(joint, [0, 0, 0], [1, 0, 0], [0, 1, 0]));
-    good(havok.HP_Constraint_SetAnchorInChild(joint, pivot, [1, 0, 0], [0, 1, 0]));
-    for (const axis of ['LINEAR_X', 'LINEAR_Y', 'LINEAR_Z'])
-      good(havok.HP_Constraint_SetAxisMode(
-          joint, havok.ConstraintAxis[axis], havok.ConstraintAxisLimitMode.LOCKED));
-    good(havok.HP_Constraint_SetEnabled(joint, 1));
+    const axes = [[1, 0, 0], [0, 1, 0]];
+    this.join(ground, [[0, 0, 0], ...axes], this.body, [pivot, ...axes], locked.spherical);
   }
-  motion() {
-    const [p, [x, y, z, w]] = good(havok.HP_Body_GetQTransform(this.body));
-    return {
-      q: [w, x, y, z], w: good(havok.HP_Body_GetAngularVelocity(this.body)), p,
-      v: good(havok.HP_Body_GetLinearVelocity(this.body))
-    };
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) {
     good(havok.HP_Body_SetAngularVelocity(this.body, w)), good(havok.HP_Body_SetLinearVelocity(this.body, v));
   }
-  setGravity(g) { good(havok.HP_World_SetGravity(this.world, g)); }
   // Babylon.js makes of a force an impulse of one step; the body takes it before it is stepped.
   apply(force, torque) { this.push = {force, torque}; }
   step(h) {
@@ -92,8 +115,7 @@ class World {
       good(havok.HP_Body_ApplyAngularImpulse(this.body, scaled(h, this.push.torque)));
       this.push = undefined;
     }
-    good(havok.HP_World_SetIdealStepTime(this.world, h));
-    good(havok.HP_World_Step(this.world, h));
+    this.advance(h);
   }
   mass() { return good(havok.HP_Body_GetMassProperties(this.body))[1]; }
   moments() {
@@ -114,6 +136,35 @@ function towards(normal) {
   return [middle[2], ...cross([0, 0, 1], middle)];
 }
 
+const locked = {
+  revolute: ['LINEAR_X', 'LINEAR_Y', 'LINEAR_Z', 'ANGULAR_Y', 'ANGULAR_Z'],
+  prismatic: ['LINEAR_Y', 'LINEAR_Z', 'ANGULAR_X', 'ANGULAR_Y', 'ANGULAR_Z'],
+  spherical: ['LINEAR_X', 'LINEAR_Y', 'LINEAR_Z'],
+  fixed: ['LINEAR_X', 'LINEAR_Y', 'LINEAR_Z', 'ANGULAR_X', 'ANGULAR_Y', 'ANGULAR_Z']
+};
+
+class Mechanism extends Scene {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    super(gravity);
+    this.made = bodies.map((known) => this.addBody(known, setting));
+    this.ground = this.bodyAt(havok.MotionType.STATIC, [0, 0, 0], [1, 0, 0, 0]);
+    good(havok.HP_World_AddBody(this.world, this.ground, false));
+    for (const joint of [...joints, ...loops]) {
+      const at = (index) => this.made[index] ?? this.ground, [out, into] = framesOf(bodies, joint, 'x');
+      const anchor = (point, frame) => [point, rotate(frame, [1, 0, 0]), rotate(frame, [0, 1, 0])];
+      this.join(
+          at(joint.parent), anchor(joint.parent_point, out), at(joint.child), anchor(joint.child_point, into),
+          locked[joint.type]);
+    }
+  }
+  motions() { return this.made.map(motionOf); }
+  step(h) { this.advance(h); }
+  free() {
+    havok.HP_World_Release(this.world);
+    for (const body of this.made) havok.HP_Body_Release(body);
+  }
+}
+
 await serve({
   engine: 'havok',
   packageName: '@babylonjs/havok',
@@ -122,10 +173,12 @@ await serve({
     default: 'no gyroscopic term to switch on; damping 0.1 of w; a slow body falls asleep; up to 100 rad/s',
     best: 'no damping, never asleep, no limit of speed; still no gyroscopic term'
   },
+  joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     const require = createRequire(import.meta.url);
     const binary = require.resolve('@babylonjs/havok/lib/esm/HavokPhysics.wasm');
     havok = await (await import('@babylonjs/havok')).default({wasmBinary: fs.readFileSync(binary)});
-    return World;
+    return {World, Mechanism};
   }
 });

@@ -1,13 +1,14 @@
 // Jolt Physics.
-import {serve, Unsupported} from './serve.js';
+import {serve, framesOf, rotate, Unsupported} from './serve.js';
 
 let Jolt;
 
 const array = (v) => [v.GetX(), v.GetY(), v.GetZ()];
 const moving = 0, still = 1;
 
-class World {
-  constructor(body) {
+// What both kinds of worlds are made of.
+class Taking {
+  start(gravity) {
     this.taken = [];
     const settings = new Jolt.JoltSettings();
     const pairs = new Jolt.ObjectLayerPairFilterTable(2);
@@ -23,34 +24,30 @@ class World {
     Jolt.destroy(settings);
     this.system = this.jolt.GetPhysicsSystem();
     this.bodies = this.system.GetBodyInterface();
-    this.setGravity(body.gravity);
+    this.setGravity(gravity);
+  }
+  addBody(body, setting, shape, change = () => {}) {
     const [w, x, y, z] = body.q;
     const made = new Jolt.BodyCreationSettings(
-        this.shapeOf(body), this.place(body.p), this.take(new Jolt.Quat(x, y, z, w)), Jolt.EMotionType_Dynamic, moving);
+        shape, this.place(body.p), this.take(new Jolt.Quat(x, y, z, w)), Jolt.EMotionType_Dynamic, moving);
     made.mOverrideMassProperties = Jolt.EOverrideMassProperties_CalculateInertia;
     made.mMassPropertiesOverride.mMass = body.mass;
     made.mLinearVelocity = this.vector(body.v);
     made.mAngularVelocity = this.vector(body.w);
-    if (body.setting === 'best') {
+    if (setting === 'best') {
       made.mApplyGyroscopicForce = true;
       made.mAllowSleeping = false;
       made.mLinearDamping = made.mAngularDamping = 0;
       made.mMaxLinearVelocity = made.mMaxAngularVelocity = 1e30;
     }
-    if (body.planes.length) made.mRestitution = body.planes[0].restitution, made.mFriction = body.planes[0].friction;
-    this.body = this.bodies.CreateBody(made);
+    change(made);
+    const created = this.bodies.CreateBody(made);
     Jolt.destroy(made);
     // in place of the inertia of the shape
     const inverse = this.vector(body.moments.map((x) => 1 / x));
-    this.body.GetMotionProperties().SetInverseInertia(inverse, this.take(new Jolt.Quat(0, 0, 0, 1)));
-    this.bodies.AddBody(this.body.GetID(), Jolt.EActivation_Activate);
-    for (const plane of body.planes) this.addPlane(plane);
-    if (body.pivot) {
-      const joint = new Jolt.PointConstraintSettings();
-      joint.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
-      joint.mPoint1 = this.place(body.pivot), joint.mPoint2 = this.place([0, 0, 0]);
-      this.system.AddConstraint(joint.Create(this.body, Jolt.Body.prototype.sFixedToWorld));
-    }
+    created.GetMotionProperties().SetInverseInertia(inverse, this.take(new Jolt.Quat(0, 0, 0, 1)));
+    this.bodies.AddBody(created.GetID(), Jolt.EActivation_Activate);
+    return created;
   }
   // What is made of numbers alone has to be given back, once nobody looks at it any more.
   take(object) {
@@ -59,6 +56,37 @@ class World {
   }
   vector(a) { return this.take(new Jolt.Vec3(...a)); }
   place(a) { return this.take(new Jolt.RVec3(...a)); }
+  setGravity(g) { this.system.SetGravity(this.vector(g)); }
+  step(h) { this.jolt.Step(h, 1); }
+  free() {
+    for (const object of this.taken) Jolt.destroy(object);
+    Jolt.destroy(this.jolt);
+  }
+}
+
+function motionOf(body) {
+  const q = body.GetRotation();
+  return {
+    q: [q.GetW(), q.GetX(), q.GetY(), q.GetZ()], w: array(body.GetAngularVelocity()),
+    p: array(body.GetCenterOfMassPosition()), v: array(body.GetLinearVelocity())
+  };
+}
+
+class World extends Taking {
+  constructor(body) {
+    super();
+    this.start(body.gravity);
+    this.body = this.addBody(body, body.setting, this.shapeOf(body), (made) => {
+      if (body.planes.length) made.mRestitution = body.planes[0].restitution, made.mFriction = body.planes[0].friction;
+    });
+    for (const plane of body.planes) this.addPlane(plane);
+    if (body.pivot) {
+      const joint = new Jolt.PointConstraintSettings();
+      joint.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
+      joint.mPoint1 = this.place(body.pivot), joint.mPoint2 = this.place([0, 0, 0]);
+      this.system.AddConstraint(joint.Create(this.body, Jolt.Body.prototype.sFixedToWorld));
+    }
+  }
   shapeOf(body) {
     if (body.ball || !body.hull.length) return new Jolt.SphereShape(body.ball ?? 0.1);
     const settings = new Jolt.ConvexHullShapeSettings();
@@ -77,34 +105,51 @@ class World {
     this.bodies.AddBody(this.bodies.CreateBody(settings).GetID(), Jolt.EActivation_DontActivate);
     Jolt.destroy(settings);
   }
-  motion() {
-    const q = this.body.GetRotation();
-    return {
-      q: [q.GetW(), q.GetX(), q.GetY(), q.GetZ()], w: array(this.body.GetAngularVelocity()),
-      p: array(this.body.GetCenterOfMassPosition()), v: array(this.body.GetLinearVelocity())
-    };
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) {
     const id = this.body.GetID();
     this.bodies.ActivateBody(id);
     this.body.SetAngularVelocity(this.vector(w)), this.body.SetLinearVelocity(this.vector(v));
   }
-  setGravity(g) { this.system.SetGravity(this.vector(g)); }
   apply(force, torque) {
     const push = new Jolt.Vec3(...force), turn = new Jolt.Vec3(...torque);
     this.bodies.ActivateBody(this.body.GetID());
     this.body.AddForce(push), this.body.AddTorque(turn);
     Jolt.destroy(push), Jolt.destroy(turn);
   }
-  step(h) { this.jolt.Step(h, 1); }
   mass() { return 1 / this.body.GetMotionProperties().GetInverseMass(); }
   moments() {
     return array(this.body.GetMotionProperties().GetInverseInertiaDiagonal()).map((x) => 1 / x);
   }
-  free() {
-    for (const object of this.taken) Jolt.destroy(object);
-    Jolt.destroy(this.jolt);
+}
+
+class Mechanism extends Taking {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    super();
+    this.start(gravity);
+    this.made = bodies.map((known) => this.addBody(known, setting, new Jolt.SphereShape(0.1)));
+    for (const joint of [...joints, ...loops]) {
+      const at = (index) => this.made[index] ?? Jolt.Body.prototype.sFixedToWorld;
+      this.system.AddConstraint(this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child)));
+    }
   }
+  settingsOf(bodies, joint) {
+    const settings = {
+      revolute: Jolt.HingeConstraintSettings, prismatic: Jolt.SliderConstraintSettings,
+      spherical: Jolt.PointConstraintSettings, fixed: Jolt.FixedConstraintSettings
+    };
+    const made = new settings[joint.type]();
+    made.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
+    made.mPoint1 = this.place(joint.parent_point), made.mPoint2 = this.place(joint.child_point);
+    framesOf(bodies, joint).forEach((frame, i) => {
+      const axis = (name, along) => made[name + (i + 1)] = this.vector(rotate(frame, along));
+      if (joint.type === 'revolute') axis('mHingeAxis', [0, 0, 1]), axis('mNormalAxis', [1, 0, 0]);
+      if (joint.type === 'prismatic') axis('mSliderAxis', [0, 0, 1]), axis('mNormalAxis', [1, 0, 0]);
+      if (joint.type === 'fixed') axis('mAxisX', [1, 0, 0]), axis('mAxisY', [0, 1, 0]);
+    });
+    return made;
+  }
+  motions() { return this.made.map(motionOf); }
 }
 
 await serve({
@@ -115,8 +160,10 @@ await serve({
     default: 'no gyroscopic term; damping 0.05 of either velocity; a slow body falls asleep; up to 47 rad/s and 500 m/s',
     best: 'the gyroscopic term on (mApplyGyroscopicForce); no damping, never asleep, no limit of speed'
   },
+  joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     Jolt = await (await import('jolt-physics/wasm-compat')).default();
-    return World;
+    return {World, Mechanism};
   }
 });

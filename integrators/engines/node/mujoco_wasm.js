@@ -1,9 +1,15 @@
 // MuJoCo of today.
-import {serve, cross, normalized, rotate, rotateBack, scaled, Unsupported} from './serve.js';
+import {serve, add, conjugate, cross, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
 
 let mujoco;
 
 const integrators = {default: 'Euler', implicit: 'implicit', implicitfast: 'implicitfast', rk4: 'RK4'};
+
+function advance(model, data, h) {
+  model.opt.timestep = h;
+  mujoco.mj_step(model, data);
+  if (!(data.time > 0)) throw new Error('MuJoCo found its state to be bad and began anew');
+}
 
 class World {
   constructor(body) {
@@ -41,14 +47,75 @@ class World {
     this.pushed = true;
   }
   step(h) {
-    this.model.opt.timestep = h;
-    mujoco.mj_step(this.model, this.data);
-    if (!(this.data.time > 0)) throw new Error('MuJoCo found its state to be bad and began anew');
+    advance(this.model, this.data, h);
     if (!this.pushed) return;
     this.data.xfrc_applied.fill(0), this.pushed = false;
   }
   mass() { return this.model.body_mass[1]; }
   moments() { return Array.from(this.model.body_inertia.subarray(3, 6)); }
+  free() { this.data.delete(), this.model.delete(); }
+}
+
+const nameOf = (index) => index < 0 ? 'world' : `b${index}`;
+const bodyType = 1;  // of mjtObj
+
+function jointsText(joint) {
+  if (!joint) return '<freejoint/>';
+  if (joint.type === 'fixed') return '';
+  const type = {spherical: 'ball', prismatic: 'slide'}[joint.type] ?? 'hinge', pos = joint.child_point.join(' ');
+  if (!joint.child_axes.length) return `<joint type="${type}" pos="${pos}"/>`;
+  return joint.child_axes.map((axis) => `<joint type="${type}" pos="${pos}" axis="${axis.join(' ')}"/>`).join('');
+}
+
+// A hinge that closes a loop holds two points of its axis.
+function closureText({parent, child, parent_point, child_point, parent_axes, child_axes}) {
+  const [first, second, point, axes] =
+      parent >= 0 ? [parent, child, parent_point, parent_axes] : [child, -1, child_point, child_axes];
+  const other = second < 0 ? '' : `body2="${nameOf(second)}"`;
+  return [point, ...axes.map((axis) => add(point, axis))]
+      .map((anchor) => `<connect body1="${nameOf(first)}" ${other} anchor="${anchor.join(' ')}"/>`)
+      .join('');
+}
+
+class Mechanism {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    const carrier = (i) => joints.find(({child}) => child === i);
+    const bodyText = (i) => {
+      const joint = carrier(i), body = bodies[i], base = joint && joint.parent >= 0 ? bodies[joint.parent] : undefined;
+      const up = base ? conjugate(base.q) : [1, 0, 0, 0];
+      const place = base ? rotate(up, subtract(body.p, base.p)) : body.p;
+      const children = joints.filter(({parent}) => parent === i).map(({child}) => bodyText(child));
+      return `<body name="${nameOf(i)}" pos="${place.join(' ')}" quat="${product(up, body.q).join(' ')}">${
+          jointsText(joint)}<inertial pos="0 0 0" mass="${body.mass}" diaginertia="${body.moments.join(' ')}"/>${
+          children.join('')}</body>`;
+    };
+    const all = bodies.map((_, i) => i), roots = all.filter((i) => !(carrier(i)?.parent >= 0));
+    this.model = mujoco.MjModel.from_xml_string(`<mujoco><option integrator="${integrators[setting]}" gravity="${
+        gravity.join(' ')}"/><worldbody>${roots.map(bodyText).join('')}</worldbody><equality>${
+        loops.map(closureText).join('')}</equality></mujoco>`);
+    this.data = new mujoco.MjData(this.model);
+    this.ids = all.map((i) => mujoco.mj_name2id(this.model, bodyType, nameOf(i)));
+    for (const i of all) {
+      const joint = carrier(i), body = bodies[i], first = this.model.body_dofadr[this.ids[i]];
+      const turning = rotateBack(body.q, joint ? joint.turning : body.w);
+      if (!joint) this.data.qvel.set([...body.v, ...turning], first);
+      else if (joint.type === 'spherical') this.data.qvel.set(turning, first);
+      else if (joint.rates.length) this.data.qvel.set(joint.rates, first);
+    }
+  }
+  // a step leaves the places and velocities of bodies as they were when it began
+  motions() {
+    const {model, data} = this;
+    mujoco.mj_kinematics(model, data), mujoco.mj_comPos(model, data), mujoco.mj_comVel(model, data);
+    const {xquat, cvel, xipos, subtree_com: centers} = data, {body_rootid: roots} = model;
+    const three = (list, at) => Array.from(list.subarray(at, at + 3));
+    return this.ids.map((id) => {
+      const w = three(cvel, 6 * id), p = three(xipos, 3 * id), center = three(centers, 3 * roots[id]);
+      const v = add(three(cvel, 6 * id + 3), cross(w, subtract(p, center)));
+      return {q: Array.from(xquat.subarray(4 * id, 4 * id + 4)), w, p, v};
+    });
+  }
+  step(h) { advance(this.model, this.data, h); }
   free() { this.data.delete(), this.model.delete(); }
 }
 
@@ -62,8 +129,10 @@ await serve({
     implicitfast: 'its integrator "implicitfast"',
     rk4: 'its integrator "RK4"'
   },
+  joints: ['revolute', 'prismatic', 'spherical', 'universal', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     mujoco = await (await import('@mujoco/mujoco')).default();
-    return World;
+    return {World, Mechanism};
   }
 });

@@ -1,7 +1,7 @@
 // PhysX 5.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve} from './serve.js';
+import {serve, framesOf} from './serve.js';
 
 let PhysX, physics, tolerances;
 
@@ -9,24 +9,60 @@ const array = (v) => [v.x, v.y, v.z];
 // of PxRigidBodyFlag; this build gives it no name
 const gyroscopicForces = 1 << 10;
 
-class World {
-  constructor(body) {
+// What both kinds of worlds are made of.
+class Scene {
+  constructor(gravity) {
     this.taken = [];
     const settings = this.take(new PhysX.PxSceneDesc(tolerances));
-    settings.gravity = this.vector(body.gravity);
+    settings.gravity = this.vector(gravity);
     settings.cpuDispatcher = this.dispatcher = PhysX.DefaultCpuDispatcherCreate(0);
     settings.filterShader = PhysX.DefaultFilterShader();
     this.scene = physics.createScene(settings);
-    this.body = physics.createRigidDynamic(this.place(body.p, body.q));
+  }
+  addBody({mass, moments, p, q}, setting) {
+    const body = physics.createRigidDynamic(this.place(p, q));
     // a new body has a mass of 1 and its moments, and no shape to take them from
-    this.body.setMass(body.mass);
-    this.body.setMassSpaceInertiaTensor(this.vector(body.moments));
-    if (body.setting === 'best') {
-      this.body.setRigidBodyFlag(gyroscopicForces, true);
-      this.body.setLinearDamping(0), this.body.setAngularDamping(0);
-      this.body.setMaxLinearVelocity(1e16), this.body.setMaxAngularVelocity(1e16);
-      this.body.setSleepThreshold(0), this.body.setStabilizationThreshold(0);
+    body.setMass(mass);
+    body.setMassSpaceInertiaTensor(this.vector(moments));
+    if (setting === 'best') {
+      body.setRigidBodyFlag(gyroscopicForces, true);
+      body.setLinearDamping(0), body.setAngularDamping(0);
+      body.setMaxLinearVelocity(1e16), body.setMaxAngularVelocity(1e16);
+      body.setSleepThreshold(0), body.setStabilizationThreshold(0);
     }
+    return body;
+  }
+  // What is made of numbers alone has to be given back.
+  take(object) {
+    this.taken.push(object);
+    return object;
+  }
+  vector(a) { return this.take(new PhysX.PxVec3(...a)); }
+  place(p, [w, x, y, z]) {
+    return this.take(new PhysX.PxTransform(this.vector(p), this.take(new PhysX.PxQuat(x, y, z, w))));
+  }
+  step(h) {
+    this.scene.simulate(h);
+    this.scene.fetchResults(true);
+  }
+  leave() {
+    this.scene.release(), this.dispatcher.release?.();
+    for (const object of this.taken.reverse()) PhysX.destroy(object);
+  }
+}
+
+function motionOf(body) {
+  const {p, q} = body.getGlobalPose();
+  return {
+    q: [q.w, q.x, q.y, q.z], p: array(p), w: array(body.getAngularVelocity()), v: array(body.getLinearVelocity())
+  };
+}
+function setVelocities(body, w, v) { body.setAngularVelocity(w, true), body.setLinearVelocity(v, true); }
+
+class World extends Scene {
+  constructor(body) {
+    super(body.gravity);
+    this.body = this.addBody(body, body.setting);
     if (body.planes.length) this.addContact(body);
     this.scene.addActor(this.body);
     this.setVelocities(body.w, body.v);
@@ -37,15 +73,6 @@ class World {
           this.place([0, 0, 0], one));
     }
     this.push = this.vector([0, 0, 0]);
-  }
-  // What is made of numbers alone has to be given back.
-  take(object) {
-    this.taken.push(object);
-    return object;
-  }
-  vector(a) { return this.take(new PhysX.PxVec3(...a)); }
-  place(p, [w, x, y, z]) {
-    return this.take(new PhysX.PxTransform(this.vector(p), this.take(new PhysX.PxQuat(x, y, z, w))));
   }
   addContact(body) {
     const {restitution, friction} = body.planes[0];
@@ -75,24 +102,14 @@ class World {
     settings.points.count = points.size(), settings.points.stride = 12, settings.points.data = points.begin();
     return PhysX.CreateConvexMesh(this.take(new PhysX.PxCookingParams(tolerances)), settings);
   }
-  motion() {
-    const {p, q} = this.body.getGlobalPose();
-    return {
-      q: [q.w, q.x, q.y, q.z], p: array(p), w: array(this.body.getAngularVelocity()),
-      v: array(this.body.getLinearVelocity())
-    };
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) {
-    this.body.setAngularVelocity(this.vector(w), true), this.body.setLinearVelocity(this.vector(v), true);
+    setVelocities(this.body, this.vector(w), this.vector(v));
   }
   setGravity(g) { this.scene.setGravity(this.vector(g)); }
   apply(force, torque) {
     const set = ([x, y, z]) => (this.push.x = x, this.push.y = y, this.push.z = z, this.push);
     this.body.addForce(set(force)), this.body.addTorque(set(torque));
-  }
-  step(h) {
-    this.scene.simulate(h);
-    this.scene.fetchResults(true);
   }
   mass() { return this.body.getMass(); }
   moments() { return array(this.body.getMassSpaceInertiaTensor()); }
@@ -100,8 +117,7 @@ class World {
     this.joint?.release();
     this.body.release();
     for (const ground of this.grounds ?? []) ground.release();
-    this.scene.release(), this.dispatcher.release?.();
-    for (const object of this.taken.reverse()) PhysX.destroy(object);
+    this.leave();
   }
 }
 
@@ -121,6 +137,35 @@ async function started() {
   }
 }
 
+class Mechanism extends Scene {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    super(gravity);
+    this.made = bodies.map((known) => {
+      const body = this.addBody(known, setting);
+      this.scene.addActor(body);
+      setVelocities(body, this.vector(known.w), this.vector(known.v));
+      return body;
+    });
+    this.joints = [...joints, ...loops].map((joint) => {
+      const make = {
+        revolute: PhysX.RevoluteJointCreate, prismatic: PhysX.PrismaticJointCreate,
+        spherical: PhysX.SphericalJointCreate, fixed: PhysX.FixedJointCreate
+      }[joint.type];
+      const at = (index) => this.made[index] ?? PhysX.wrapPointer(0, PhysX.PxRigidActor);
+      const [out, into] = framesOf(bodies, joint, 'x');
+      return make.call(
+          PhysX, physics, at(joint.parent), this.place(joint.parent_point, out), at(joint.child),
+          this.place(joint.child_point, into));
+    });
+  }
+  motions() { return this.made.map(motionOf); }
+  free() {
+    for (const joint of this.joints) joint.release();
+    for (const body of this.made) body.release();
+    this.leave();
+  }
+}
+
 await serve({
   engine: 'physx',
   packageName: 'physx-js-webidl',
@@ -129,6 +174,8 @@ await serve({
     default: 'no gyroscopic term; damping 0.05 of w; a slow body falls asleep; up to 100 rad/s',
     best: 'eENABLE_GYROSCOPIC_FORCES; no damping, never asleep, no limit of speed'
   },
+  joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     PhysX = await started();
     const version = PhysX.PHYSICS_VERSION;
@@ -136,6 +183,6 @@ await serve({
     tolerances = new PhysX.PxTolerancesScale();
     physics = PhysX.CreatePhysics(version, foundation, tolerances);
     PhysX.InitExtensions(physics);
-    return World;
+    return {World, Mechanism};
   }
 });

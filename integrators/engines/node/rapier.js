@@ -1,24 +1,33 @@
 // Rapier.
-import {serve} from './serve.js';
+import {serve, framesOf} from './serve.js';
 
 let RAPIER;
 
 const vector = ([x, y, z]) => ({x, y, z});
 const array = (v) => [v.x, v.y, v.z];
 
+function descriptionOf(body, setting) {
+  const [w, x, y, z] = body.q;
+  const description = RAPIER.RigidBodyDesc.dynamic()
+                          .setTranslation(...body.p)
+                          .setRotation({w, x, y, z})
+                          .setLinvel(...body.v)
+                          .setAngvel(vector(body.w))
+                          .setAdditionalMassProperties(
+                              body.mass, {x: 0, y: 0, z: 0}, vector(body.moments), {x: 0, y: 0, z: 0, w: 1});
+  if (setting === 'best') description.setCanSleep(false);
+  return description;
+}
+
+function motionOf(b) {
+  const q = b.rotation();
+  return {q: [q.w, q.x, q.y, q.z], w: array(b.angvel()), p: array(b.translation()), v: array(b.linvel())};
+}
+
 class World {
   constructor(body) {
     this.world = new RAPIER.World(vector(body.gravity));
-    const [w, x, y, z] = body.q;
-    const description = RAPIER.RigidBodyDesc.dynamic()
-                            .setTranslation(...body.p)
-                            .setRotation({w, x, y, z})
-                            .setLinvel(...body.v)
-                            .setAngvel(vector(body.w))
-                            .setAdditionalMassProperties(
-                                body.mass, {x: 0, y: 0, z: 0}, vector(body.moments), {x: 0, y: 0, z: 0, w: 1});
-    if (body.setting === 'best') description.setCanSleep(false);
-    this.body = this.world.createRigidBody(description);
+    this.body = this.world.createRigidBody(descriptionOf(body, body.setting));
     if (body.planes.length) this.addContact(body);
     if (body.pivot) {
       const ground = this.world.createRigidBody(RAPIER.RigidBodyDesc.fixed());
@@ -41,10 +50,7 @@ class World {
       this.world.createCollider(touching(space), this.world.createRigidBody(place));
     }
   }
-  motion() {
-    const b = this.body, q = b.rotation();
-    return {q: [q.w, q.x, q.y, q.z], w: array(b.angvel()), p: array(b.translation()), v: array(b.linvel())};
-  }
+  motion() { return motionOf(this.body); }
   setVelocities(w, v) { this.body.setAngvel(vector(w), true), this.body.setLinvel(vector(v), true); }
   setGravity(g) { this.world.gravity = vector(g); }
   apply(force, torque) {
@@ -65,6 +71,37 @@ class World {
   free() { this.world.free(); }
 }
 
+class Mechanism {
+  constructor({bodies, joints, loops, gravity, setting}) {
+    this.world = new RAPIER.World(vector(gravity));
+    this.bodies = bodies.map((body) => {
+      const made = this.world.createRigidBody(descriptionOf(body, setting));
+      made.recomputeMassPropertiesFromColliders();
+      return made;
+    });
+    this.ground = this.world.createRigidBody(RAPIER.RigidBodyDesc.fixed());
+    for (const joint of [...joints, ...loops])
+      this.world.createImpulseJoint(
+          jointOf(bodies, joint), this.bodies[joint.parent] ?? this.ground, this.bodies[joint.child] ?? this.ground, true);
+  }
+  motions() { return this.bodies.map(motionOf); }
+  step(h) {
+    this.world.timestep = h;
+    this.world.step();
+  }
+  free() { this.world.free(); }
+}
+
+function jointOf(bodies, joint) {
+  const out = vector(joint.parent_point), into = vector(joint.child_point);
+  const turn = ([w, x, y, z]) => ({w, x, y, z});
+  if (joint.type === 'spherical') return RAPIER.JointData.spherical(out, into);
+  if (joint.type === 'revolute')
+    return RAPIER.JointData.revoluteWithAxes(out, into, vector(joint.parent_axes[0]), vector(joint.child_axes[0]));
+  const [a, b] = framesOf(bodies, joint).map(turn);
+  return RAPIER.JointData.fixed(out, a, into, b);
+}
+
 await serve({
   engine: 'rapier',
   packageName: '@dimforge/rapier3d-compat',
@@ -73,9 +110,11 @@ await serve({
     default: 'the gyroscopic term in four substeps; a slow body falls asleep; no damping; a turn of at most pi/4 a substep',
     best: 'as default, never asleep'
   },
+  joints: ['revolute', 'spherical', 'fixed'],
+  loops: ['revolute', 'spherical'],
   load: async () => {
     RAPIER = (await import('@dimforge/rapier3d-compat')).default;
     await RAPIER.init();
-    return World;
+    return {World, Mechanism};
   }
 });

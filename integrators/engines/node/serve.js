@@ -9,6 +9,9 @@
 //   step(h)
 //   mass(), moments()     read back from the engine, undefined where it does not tell
 //   free()                gives back what was taken
+// Of several bodies it gives a Mechanism, made of {bodies, joints, loops, gravity, setting} as the request has them:
+//   motions()             of all bodies, in their order
+//   step(h), free()       as above
 import fs from 'node:fs';
 import path from 'node:path';
 import {createRequire} from 'node:module';
@@ -98,6 +101,36 @@ function strike(world, body, impulses) {
   world.setVelocities(add(at.w, rotate(q, change)), v);
 }
 
+// The shortest turn to axes with z along `z`; x along `x`, where that is given, which must be perpendicular.
+export function frameAbout(z, x) {
+  if (!x) {
+    const least = z.map(Math.abs).indexOf(Math.min(...z.map(Math.abs)));
+    x = [0, 0, 0];
+    x[least] = 1;
+    x = normalized(subtract(x, scaled(z[least], z)));
+  }
+  const y = cross(z, x);
+  const candidates = [
+    [1 + x[0] + y[1] + z[2], y[2] - z[1], z[0] - x[2], x[1] - y[0]],
+    [y[2] - z[1], 1 + x[0] - y[1] - z[2], y[0] + x[1], z[0] + x[2]],
+    [z[0] - x[2], y[0] + x[1], 1 - x[0] + y[1] - z[2], z[1] + y[2]],
+    [x[1] - y[0], z[0] + x[2], z[1] + y[2], 1 - x[0] - y[1] + z[2]]
+  ];
+  return normalized(candidates.reduce((a, b) => Math.hypot(...b) > Math.hypot(...a) ? b : a));
+}
+
+// A frame of the world at the start, in the axes of a body or of the world.
+export const within = (bodies, index, frame) => index < 0 ? frame : product(conjugate(bodies[index].q), frame);
+
+// A joint's frame in either body: revolute about `main`, prismatic along it, fixed along the world's axes.
+export function framesOf(bodies, joint, main = 'z') {
+  const axis = joint.axes[0];
+  let frame = [1, 0, 0, 0];
+  if (axis && main === 'z') frame = frameAbout(axis);
+  if (axis && main === 'x') frame = frameAbout(rotate(frameAbout(axis), [1, 0, 0]), axis);
+  return [within(bodies, joint.parent, frame), within(bodies, joint.child, frame)];
+}
+
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
@@ -147,9 +180,42 @@ function march(world, request, samples) {
   return {seconds: (performance.now() - start) / 1e3, steps};
 }
 
-function answerTo(World, settings, line) {
+// The same for several bodies.
+function marchMechanism(world, request, samples) {
+  const {duration, samples: count, steps_per_sample: perSample} = request;
+  const moment = () => samples?.push(world.motions().map(row));
+  const timeOf = (k) => k === count ? duration : duration * k / count;
+  let steps = 0;
+  const start = performance.now();
+  moment();
+  for (let k = 1; k <= count; ++k) {
+    const h = (timeOf(k) - timeOf(k - 1)) / perSample;
+    for (let i = 0; i < perSample; ++i, ++steps) world.step(h);
+    moment();
+  }
+  return {seconds: (performance.now() - start) / 1e3, steps};
+}
+
+function answerForSeveral(Mechanism, request) {
+  if (!Mechanism) throw new Unsupported('this driver knows one body');
+  const samples = [];
+  let seconds = 0, steps = 0;
+  for (let i = 0; i < request.repetitions; ++i) {
+    const world = new Mechanism(request);
+    try {
+      const run = marchMechanism(world, request, i + 1 === request.repetitions ? samples : undefined);
+      seconds += run.seconds, steps = run.steps;
+    } finally {
+      world.free();
+    }
+  }
+  return {status: 'ok', message: '', seconds: seconds / request.repetitions, steps, samples};
+}
+
+function answerTo({World, Mechanism}, settings, line) {
   const request = JSON.parse(line);
   if (!(request.setting in settings)) throw new Error(`it has no setting ${request.setting}`);
+  if (request.bodies) return answerForSeveral(Mechanism, request);
   const gravity = request.pieces[0].gravity ?? zero;
   const samples = [];
   let seconds = 0, steps = 0, readback;
@@ -166,11 +232,12 @@ function answerTo(World, settings, line) {
   return {status: 'ok', message: '', seconds: seconds / request.repetitions, steps, samples, readback};
 }
 
-// Answers requests until there are no more. `load` brings {World, version} or throws where the package is missing.
-export async function serve({engine, packageName, precision, settings, load}) {
+// Answers requests until there are no more. `load` brings {World, Mechanism} or throws where the package is missing;
+// `joints` and `loops` are the types that its Mechanism takes.
+export async function serve({engine, packageName, precision, settings, load, joints = [], loops = []}) {
   let loaded;
   try {
-    loaded = {version: versionOf(packageName), World: await load()};
+    loaded = {version: versionOf(packageName), ...await load()};
   } catch (error) {
     const missing = error.code === 'MODULE_NOT_FOUND' || error.code === 'ERR_MODULE_NOT_FOUND' ?
         `the npm package ${packageName} is not installed; experiments/run engines does it` :
@@ -178,14 +245,14 @@ export async function serve({engine, packageName, precision, settings, load}) {
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;
   }
-  say({engine, version: loaded.version, precision, settings});
+  say({engine, version: loaded.version, precision, settings, joints, loops});
   let unread = '';
   process.stdin.setEncoding('utf8');
   for await (const chunk of process.stdin) {
     unread += chunk;
     for (let end; (end = unread.indexOf('\n')) >= 0; unread = unread.slice(end + 1)) {
       try {
-        say(answerTo(loaded.World, settings, unread.slice(0, end)));
+        say(answerTo(loaded, settings, unread.slice(0, end)));
       } catch (error) {
         const status = error instanceof Unsupported ? 'unsupported' : 'failed';
         say({status, message: String(error?.message ?? error).split('\n')[0]});

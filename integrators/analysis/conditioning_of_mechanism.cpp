@@ -41,6 +41,9 @@ class Variation {
     Variation(const Problem& problem)
         : links_(mechanism_of(problem).tree().links()), scales_(problem.own->scales()), model_(problem.own) {
         y_.resize(size());
+        units_ = scales_;
+        for (const Link<double>& link : links_.links)
+            if (link.kind == LinkJoint::revolute) units_[static_cast<std::size_t>(link.coordinate)] = 1;
         model_->initial(y_.data());
         S_ = directions();
     }
@@ -134,7 +137,7 @@ class Variation {
 
   private:
     Links<double> links_;
-    std::vector<double> scales_;
+    std::vector<double> scales_, units_;  // units_: the scales, but of angles 1 rad
     std::shared_ptr<const ErasedModel> model_;
     std::vector<double> y_;
     Matrix S_;
@@ -148,7 +151,7 @@ class Variation {
         Matrix small(2 * links_.rates, changes.cols());
         for (Eigen::Index c = 0; c < changes.cols(); ++c) {
             Eigen::Index row = 0;
-            const auto scaled = [&](int i) { small(row++, c) = changes(i, c) / scales_[static_cast<std::size_t>(i)]; };
+            const auto scaled = [&](int i) { small(row++, c) = changes(i, c) / units_[static_cast<std::size_t>(i)]; };
             for (const Link<double>& link : links_.links) {
                 int i = link.coordinate;
                 if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
@@ -170,7 +173,7 @@ class Variation {
     Matrix unit_changes() const {
         Matrix all = Matrix::Zero(size(), 2 * links_.rates);
         Eigen::Index column = 0;
-        const auto scaled = [&](int i) { all(i, column++) = scales_[static_cast<std::size_t>(i)]; };
+        const auto scaled = [&](int i) { all(i, column++) = units_[static_cast<std::size_t>(i)]; };
         for (const Link<double>& link : links_.links) {
             int i = link.coordinate;
             if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {

@@ -19,8 +19,9 @@ namespace polhode {
 namespace {
 
 constexpr int digits_asked = 25;
-// of --quick: this part of each motion, and no longer than so many seconds at it
-constexpr double quick_part = 1.0 / 64, quick_seconds = 1;
+// of --quick, and where the whole motion takes longer than allowed: this part of it
+constexpr double part = 1.0 / 64;
+constexpr double quick_seconds = 1;  // allowed then
 
 struct Counted {
     long freedoms = 0, rows = 0, redundant = 0;
@@ -51,12 +52,16 @@ JointViolations<Wide> largest_violations(const Scene& scene, const Reference& tr
 
 std::vector<Cell> truth_row(const PlannedScene& planned, long samples, bool quick, double seconds_limit) {
     Scene scene = planned.scene;
-    if (quick) scene.duration *= quick_part, seconds_limit = quick_seconds;
+    if (quick) scene.duration *= part, seconds_limit = quick_seconds;
+    truth::Truth truth = truth::find_truth(scene, samples, digits_asked, seconds_limit);
+    if (truth.limit_reached && !quick) {
+        scene.duration *= part;
+        truth = truth::find_truth(scene, samples, digits_asked, seconds_limit);
+    }
     const Counted count = counted(scene);
     std::vector<Cell> row{
         planned.label,  static_cast<long>(scene.bodies.size()), count.freedoms, count.rows, count.redundant,
         scene.duration, static_cast<long>(digits_asked)};
-    const truth::Truth truth = truth::find_truth(scene, samples, digits_asked, seconds_limit);
     if (!truth.reference.available) {
         row.insert(row.end(), {Cell(), Cell(), Cell(), Cell(), Cell(), truth.reference.message});
         return row;

@@ -144,7 +144,7 @@ Quaternion<double> best_rotation(const std::vector<Vector3<double>>& rest_B, con
 
 double largest_stretch(const PointBody& body, const double* r) {
     double worst = 0;
-    for (const Link& link : body.links) {
+    for (const PointLink& link : body.links) {
         const double distance = length(vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j));
         worst = std::max(worst, std::abs(distance - link.length) / link.length);
     }

@@ -11,7 +11,7 @@
 namespace polhode {
 
 /// Two points at a distance (m) that is to stay.
-struct Link {
+struct PointLink {
     int i = 0, j = 0;
     double length = 0;
 };
@@ -33,7 +33,7 @@ struct Arrangement {
 struct PointBody {
     double point_mass = 0;                ///< kg, of each
     std::vector<Vector3<double>> rest_B;  ///< from the centre of mass, body axes, m
-    std::vector<Link> links;
+    std::vector<PointLink> links;
     bool pivoted = false;
     /// c_i with sum c_i r_i = the material point held at W's origin, and sum c_i = 1 (empty without a pivot).
     std::vector<double> pivot_weights;

@@ -30,7 +30,7 @@ class Constraints {
     Vector residual(const double* r) const {
         Vector g = Vector::Zero(count());
         for (int e = 0; e < links_; ++e) {
-            const Link& link = body_->links[e];
+            const PointLink& link = body_->links[e];
             const Vector3<double> d = difference(r, link);
             const double length = std::sqrt(dot(d, d));
             g[e] = (length - link.length) * (length + link.length) / (2 * link.length);
@@ -44,7 +44,7 @@ class Constraints {
     Matrix gradient(const double* r, bool pivot = true) const {
         Matrix G = Matrix::Zero(count(), 3 * body_->count());
         for (int e = 0; e < links_; ++e) {
-            const Link& link = body_->links[e];
+            const PointLink& link = body_->links[e];
             const Vector3<double> d = difference(r, link);
             for (int b = 0; b < 3; ++b) {
                 G(e, 3 * link.i + b) = d[b] / link.length;
@@ -59,7 +59,7 @@ class Constraints {
     template <class Block>
     void add_curvature(const double* x, Block&& block) const {
         for (int e = 0; e < links_; ++e) {
-            const Link& link = body_->links[e];
+            const PointLink& link = body_->links[e];
             const double value = x[e] / link.length;
             for (int b = 0; b < 3; ++b) {
                 block(3 * link.i + b, 3 * link.i + b) += value;
@@ -71,7 +71,7 @@ class Constraints {
     }
 
   private:
-    static Vector3<double> difference(const double* r, const Link& link) {
+    static Vector3<double> difference(const double* r, const PointLink& link) {
         return vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
     }
     const PointBody* body_;

@@ -65,7 +65,7 @@ class PositionBased {
     // equal masses: each end goes half the way
     void sweep(double* r) {
         ++sweeps_;
-        for (const Link& link : setup_.body->links) {
+        for (const PointLink& link : setup_.body->links) {
             const Vector3<double> d = vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
             const double length = std::sqrt(dot(d, d));
             const Vector3<double> move = (0.5 * (link.length - length) / length) * d;

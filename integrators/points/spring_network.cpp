@@ -12,7 +12,7 @@ void SpringNetwork::accelerations(const double* y, double* a) const {
     const int n = body_->count();
     const double *r = y, *v = y + 3 * n;
     std::fill(a, a + 3 * n, 0.0);
-    for (const Link& link : body_->links) {
+    for (const PointLink& link : body_->links) {
         const Vector3<double> d = vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
         const double square = dot(d, d), length = std::sqrt(square);
         double pull = (link.length - length) / length;
@@ -39,7 +39,7 @@ Eigen::MatrixXd SpringNetwork::velocity_jacobian(const double* r) const {
 Eigen::MatrixXd SpringNetwork::matrix(const double* r, bool relaxed) const {
     const int n = body_->count();
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3 * n, 3 * n);
-    for (const Link& link : body_->links) {
+    for (const PointLink& link : body_->links) {
         const Vector3<double> d = vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
         const double length = std::sqrt(dot(d, d)), tension = relaxed ? 0 : 1 - link.length / length;
         const Eigen::Vector3d u = Eigen::Vector3d(d[0], d[1], d[2]) / length;

@@ -48,7 +48,7 @@ RC_GTEST_PROP(SpringNetwork, HasTheJacobianOfItsForces, ()) {
     r.resize(2 * n);  // at rest
     const Eigen::MatrixXd J = network.jacobian(r.data());
     // points that (nearly) coincide have a force with (nearly) a corner
-    for (const Link& link : body.links)
+    for (const PointLink& link : body.links)
         RC_PRE(distance(vector_at(r.data(), 3 * link.i), vector_at(r.data(), 3 * link.j)) > 0.05 * body.extent);
     const double h = 1e-5 * body.extent;
     for (std::size_t k = 0; k < n; ++k) {
@@ -75,7 +75,7 @@ RC_GTEST_PROP(SpringNetwork, LosesEnergyByItsDampersAlone, ()) {
     SpringNetwork(body, k).accelerations(y.data(), without.data());
     double power = 0, taken = 0;
     for (int i = 0; i < 3 * n; ++i) power += body.point_mass * (with[i] - without[i]) * y[3 * n + i];
-    for (const Link& link : body.links) {
+    for (const PointLink& link : body.links) {
         const Vector3<double> d = vector_at(y.data(), 3 * link.i) - vector_at(y.data(), 3 * link.j);
         const double rate =
             dot(d, vector_at(y.data(), 3 * (n + link.i)) - vector_at(y.data(), 3 * (n + link.j))) / length(d);

@@ -25,6 +25,11 @@ std::string step_text(double step) {
                                                            : fmt::format("{:g} s", step);
 }
 
+// Whether scenes come in rows of one parameter's values.
+bool is_varied(const Plan& plan) {
+    return plan.experiment.vary.size() == 1 && plan.experiment.vary[0].values.size() > 1;
+}
+
 std::vector<double> all_steps(const Plan& plan) {
     for (const PlannedCurve& curve : plan.curves)
         if (curve.kind == SettingKind::step) return curve.settings;
@@ -33,7 +38,8 @@ std::vector<double> all_steps(const Plan& plan) {
 
 // What a run has to say of itself: the number, or how it ended.
 Cell told(const Result& row, const char* measure) {
-    return row.status == Status::ok ? cell_of(row.errors[measure].max) : Cell(std::string(name_of(row.status)));
+    if (row.status != Status::ok) return std::string(name_of(row.status));
+    return cell_of(row.errors[measure].max);
 }
 
 const Result* at_step(const std::vector<const Result*>& rows, double step) {
@@ -79,13 +85,13 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
             }
             const auto add = [&](const char* measure) {
                 for (const double step : steps) {
-                    const Result* r = at_step(own, step);
-                    row.push_back(r ? told(*r, measure) : Cell());
+                    row.emplace_back();
+                    if (const Result* r = at_step(own, step)) row.back() = told(*r, measure);
                 }
             };
             add("attitude");
             const auto order = observed_order(reached, error, lost_attitude);
-            row.push_back(order ? Cell(order->order) : Cell());
+            row.push_back(cell_of(order ? std::optional(order->order) : std::nullopt));
             add("joint_gap");
             add("energy");
             row.push_back(cell_of(step_nanoseconds(own)));
@@ -137,7 +143,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
 // Against the step, or against the value that varies, at the largest step.
 std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
-    const bool varied = plan.experiment.vary.size() == 1;
+    const bool varied = is_varied(plan);
     const std::vector<std::string> no_values;
     const std::vector<std::string>& values = varied ? plan.experiment.vary[0].values : no_values;
     Figure figure;
@@ -181,7 +187,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows) {
     if (all_steps(plan).empty()) return {};
     std::vector<NamedTable> tables{scenes_table(plan, rows)};
-    if (plan.experiment.vary.empty()) tables.push_back(methods_table(plan, rows));
+    if (!is_varied(plan)) tables.push_back(methods_table(plan, rows));
     return {std::move(tables), joint_figures(plan, rows)};
 }
 

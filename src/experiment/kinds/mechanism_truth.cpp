@@ -69,7 +69,7 @@ std::vector<Cell> truth_row(const PlannedScene& planned, long samples, bool quic
     const double bound = truth.reference.bound;
     const JointViolations<Wide> open = largest_violations(scene, truth.reference);
     row.insert(row.end(),
-               {bound > 0 ? Cell(static_cast<long>(std::floor(-std::log10(bound)))) : Cell(), bound,
+               {static_cast<long>(std::floor(-std::log10(std::max(bound, 1e-99)))), bound,
                 static_cast<double>(open.gap), static_cast<double>(open.turn), truth.seconds, truth.reference.message});
     return row;
 }

@@ -5,11 +5,14 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "integrators/maximal/system.h"
 #include "integrators/truth/motion.h"
 #include "motion/problem.h"
+#include "motion/traced.h"
 
 namespace polhode::truth {
 
@@ -21,6 +24,20 @@ class MaximalForm : public maximal::System<P> {
     static constexpr const char* name = "maximal coordinates";
 
     using Base::Base;
+
+    /// As the system's; and finds what never changes from here on.
+    void enter(double begin, P* y) {
+        Base::enter(begin, y);
+        find_constants(y);
+    }
+
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        if (constants_.empty()) return Base::derivative(y, dy);
+        std::vector<S> seen(y, y + this->dimension());
+        for (const auto& [i, value] : constants_) seen[i] = S(value);
+        Base::derivative(seen.data(), dy);
+    }
 
     /// `scales`: estimates over all bodies.
     std::vector<Block> blocks(const Scales& scales) const {
@@ -50,6 +67,31 @@ class MaximalForm : public maximal::System<P> {
         for (const BodyMotion<P>& m : this->motions(y))
             all.push_back({normalized(m.q), m.angular_velocity_B, m.position_W, m.velocity_W});
         return all;
+    }
+
+  private:
+    std::vector<std::pair<int, P>> constants_;  // components of y with their values
+
+    // A planar mechanism has no third dimension, here too: of all variables those are left out whose rates vanish
+    // identically, whatever values the others take, once they are left out. What folds to zero is zero exactly.
+    void find_constants(const P* y) {
+        const int n = this->dimension();
+        constants_.clear();
+        for (int i = 0; i < n; ++i) constants_.emplace_back(i, y[i]);
+        for (std::size_t before = 0; before != constants_.size();) {
+            before = constants_.size();
+            Tape<P> tape;
+            std::vector<Traced<P>> state, rates(n);
+            for (int i = 0; i < n; ++i) {
+                tape.nodes.push_back({Node<P>::Kind::state, i, 0, P(0), P(0)});
+                state.emplace_back(P(1), i, &tape);
+            }
+            derivative(state.data(), rates.data());
+            std::erase_if(constants_, [&](const auto& constant) {
+                const Traced<P>& rate = rates[constant.first];
+                return rate.node != Traced<P>::constant || rate.factor != 0;
+            });
+        }
     }
 };
 

@@ -122,6 +122,7 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
     const std::vector<NamedTable>& tables = findings.tables;
     std::string text = "# Physics engines against the truth\n\n";
     if (!plan.experiment.about.empty()) text += plan.experiment.about + ".\n\n";
+    text += "The second page, [of their joints](engine_joints.md), has them on mechanisms.\n\n";
     text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
     text +=
         "Errors are the largest over a run; attitude is the rotation angle to the truth, momentum and energy are "

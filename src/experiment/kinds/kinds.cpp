@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "experiment/kinds/engine_joints.h"
 #include "experiment/plan/kind.h"
 
 namespace polhode {
@@ -40,6 +41,12 @@ std::span<const Kind> kinds() {
          .sequel = long_runs},
         // physics engines among each other, beside textbook updates and methods of high accuracy
         {.name = "engines", .reads = all_keys, .conclude = conclude_engines},
+        // their joints likewise, on mechanisms
+        {.name = "engine_joints",
+         .reads = all_keys,
+         .conclude = conclude_engine_joints,
+         .sequel = joint_sweeps,
+         .keeps_series = true},
         // mechanisms as games and robotics step them: attitude, gaps and energy at each step
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},

@@ -1,0 +1,157 @@
+// What a heavy body at the end of a rope does to joints, and what a link more costs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/engine_joints.h"
+#include "experiment/kinds/kinds.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+constexpr double sweep_step = 1.0 / 240;
+constexpr std::array ratios{1, 10, 100, 1000};
+constexpr std::array lengths{10, 25, 50, 100};
+
+std::string rope_label(int ratio) { return fmt::format("rope 1:{}", ratio); }
+std::string chain_label(int links) { return fmt::format("chain of {}", links); }
+
+PlannedScene named_scene(Scene scene, const std::string& label) {
+    scene.name = label;
+    return {label, scene, write_scene(scene)};
+}
+
+// mechanisms/rope_mass_ratio with a ball of so many times a link's mass
+PlannedScene rope_of(int ratio) {
+    Scene scene = find_scene("mechanisms/rope_mass_ratio");
+    Body& ball = scene.bodies.back().body;
+    const double mass = ratio * scene.bodies.front().body.mass, factor = mass / ball.mass;
+    ball.mass = mass;
+    for (int i = 0; i < 3; ++i) ball.inertia_B[i] = factor * ball.inertia_B[i];
+    ball.source = nullptr;
+    return named_scene(std::move(scene), rope_label(ratio));
+}
+
+// mechanisms/chain_10 with more links, let go a little out of the plumb line
+PlannedScene chain_of(int links) {
+    const Scene ten = find_scene("mechanisms/chain_10");
+    Scene scene = ten;
+    scene.bodies.clear(), scene.joints.clear();
+    std::erase_if(scene.loads, [](const Load& load) { return std::holds_alternative<Impulse>(load); });
+    scene.duration = 0.5;
+    for (int i = 0; i < links; ++i) {
+        const std::size_t like = static_cast<std::size_t>(i % 2);
+        NamedBody body = ten.bodies[like];
+        body.name = fmt::format("link_{}", i + 1);
+        body.body.source = nullptr;
+        Joint joint = ten.joints[i == 0 ? 0 : 1 + like];
+        if (i > 1) joint.axes = ten.joints[like].axes;
+        joint.name = fmt::format("hinge_{}", i + 1), joint.child = body.name;
+        joint.parent = i == 0 ? "world" : fmt::format("link_{}", i);
+        joint.parent_point = i == 0 ? Vector3<double>() : ten.joints[1].parent_point;
+        joint.coordinate[0] = i < 2 ? 0.25 : 0;
+        scene.bodies.push_back(std::move(body)), scene.joints.push_back(std::move(joint));
+    }
+    return named_scene(std::move(scene), chain_label(links));
+}
+
+const Result* row_at(const Plan& plan, const std::vector<Result>& rows, const PlannedCurve& curve,
+                     const std::string& label) {
+    for (const PlannedScene& scene : plan.scenes)
+        if (scene.label == label)
+            for (const Result* row : rows_of(rows, scene, curve)) return row;
+    return nullptr;
+}
+
+NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<ColumnChoice> columns{{"method", "method"}};
+    for (const int ratio : ratios)
+        columns.push_back({fmt::format("gap_{}", ratio), fmt::format("gap 1:{} (m)", ratio)});
+    for (const int ratio : ratios)
+        columns.push_back({fmt::format("attitude_{}", ratio), fmt::format("attitude 1:{} (rad)", ratio)});
+    columns.push_back({"message", "message"});
+    NamedTable named = headed_table("mass_ratio", "A heavy ball on a rope of ten links", columns);
+    for (const PlannedCurve& curve : plan.curves) {
+        std::vector<Cell> gaps, attitudes;
+        std::string message;
+        for (const int ratio : ratios) {
+            const Result* row = row_at(plan, rows, curve, rope_label(ratio));
+            const bool ran = row && row->status == Status::ok;
+            if (row && !ran && message.empty()) message = row->message;
+            gaps.push_back(ran ? cell_of(row->errors["joint_gap"].max) : Cell());
+            attitudes.push_back(ran ? cell_of(row->errors["attitude"].max) : Cell());
+        }
+        std::vector<Cell> cells{std::string(curve.method->name)};
+        cells.insert(cells.end(), gaps.begin(), gaps.end());
+        cells.insert(cells.end(), attitudes.begin(), attitudes.end());
+        cells.push_back(message);
+        named.table.rows.push_back(std::move(cells));
+    }
+    return named;
+}
+
+NamedTable costs_table(const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<ColumnChoice> columns{{"method", "method"}};
+    for (const int links : lengths)
+        columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us a step)", links)});
+    columns.insert(columns.end(),
+                   {{"exponent", "grows with the power"}, {"gap_100", "gap of 100 links (m)"}, {"message", "message"}});
+    NamedTable named = headed_table("cost", "What a step costs against the number of links", columns);
+    for (const PlannedCurve& curve : plan.curves) {
+        std::vector<Cell> cells{std::string(curve.method->name)};
+        std::vector<double> seconds;
+        std::string message;
+        std::optional<double> gap;
+        for (const int links : lengths) {
+            const Result* row = row_at(plan, rows, curve, chain_label(links));
+            const bool ran = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
+            if (row && !ran && message.empty()) message = row->message;
+            if (ran) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
+            if (ran) gap = row->errors["joint_gap"].max;
+            cells.push_back(ran ? Cell(1e6 * seconds.back()) : Cell());
+        }
+        const bool all = seconds.size() == lengths.size();
+        cells.push_back(all ? Cell(std::log(seconds.back() / seconds.front()) /
+                                   std::log(static_cast<double>(lengths.back()) / lengths.front()))
+                            : Cell());
+        cells.push_back(all ? cell_of(gap) : Cell());
+        cells.push_back(message);
+        named.table.rows.push_back(std::move(cells));
+    }
+    return named;
+}
+
+Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows) {
+    Findings findings{{ropes_table(plan, rows), costs_table(plan, rows)}};
+    const std::string step = step_name(sweep_step);
+    findings.page = fmt::format(
+        "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
+        "1 s "
+        "at {}: the largest gap of a joint and the largest error of an attitude.\n\n{}\n",
+        step, markdown(page_of(findings.tables[0])));
+    findings.page += fmt::format(
+        "## Cost against the number of links\n\nHanging chains of hinges, 0.5 s at {}: the time of a step, and the "
+        "power "
+        "of the number of links with which it grows from 10 to 100.\n\n{}\n",
+        step, markdown(page_of(findings.tables[1])));
+    return findings;
+}
+
+}  // namespace
+
+Plan joint_sweeps(const Plan& plan) {
+    static const Kind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
+    Plan sweeps{plan.experiment, {}, {}, plan.quick};
+    sweeps.experiment.kind = &kind, sweeps.experiment.samples = 30;
+    for (const int ratio : ratios) sweeps.scenes.push_back(rope_of(ratio));
+    for (const int links : lengths) sweeps.scenes.push_back(chain_of(links));
+    for (const PlannedCurve& curve : plan.curves)
+        if (curve.kind == SettingKind::step) sweeps.curves.emplace_back(curve).settings = {sweep_step};
+    return sweeps;
+}
+
+}  // namespace polhode

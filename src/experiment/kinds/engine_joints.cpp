@@ -1,0 +1,277 @@
+// The joints of engines among each other: places, gaps and errors scene by scene.
+#include "experiment/kinds/engine_joints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "experiment/kinds/cells.h"
+#include "experiment/kinds/curves.h"
+#include "experiment/kinds/kinds.h"
+#include "measure/observed_order.h"
+
+namespace polhode {
+namespace {
+
+constexpr double lost_attitude = 1;     // rad: an attitude beyond it is as wrong as any
+constexpr double alike_attitude = 1.1;  // errors within this factor share a place
+
+bool is_at(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
+std::optional<double> largest(const Result& row, const char* measure) {
+    return row.status == Status::ok ? row.errors[measure].max : std::nullopt;
+}
+// One radian at the most; infinite of a run that did not come to its end.
+double standing_of(const Result& row) {
+    const auto error = largest(row, "attitude");
+    return error ? std::min(*error, lost_attitude) : std::numeric_limits<double>::infinity();
+}
+void note(std::vector<double>& values, const std::optional<double>& value) {
+    if (value) values.push_back(*value);
+}
+void note(std::vector<std::string>& words, const std::string& word) {
+    if (std::ranges::find(words, word) == words.end()) words.push_back(word);
+}
+
+std::optional<double> order_in(const std::vector<const Result*>& rows, const char* measure, double lost) {
+    std::vector<double> step, error;
+    for (const Result* row : rows)
+        if (const auto e = largest(*row, measure); e && *e > 1e-12)
+            step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*e);
+    const auto observed = observed_order(step, error, lost);
+    // what does not converge has no order
+    return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
+}
+
+// "cannon_es: it has no universal joint" without the name
+std::string reason_of(const Result& row) {
+    const std::size_t colon = row.message.find(": ");
+    return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
+}
+
+void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<double> standing, attitude, gap, turn, energy, fine_attitude, fine_gap, orders, gap_orders, seconds;
+    for (const PlannedScene& scene : plan.scenes) {
+        const std::vector<const Result*> own = rows_of(rows, scene, *place.curve);
+        if (place.curve->kind == SettingKind::step) {
+            note(orders, order_in(own, "attitude", lost_attitude));
+            note(gap_orders, order_in(own, "joint_gap", std::numeric_limits<double>::infinity()));
+        }
+        for (const Result* row : own) {
+            const double error = standing_of(*row);
+            long better = 0;
+            for (const Result& other : rows)
+                if (other.scene == row->scene && other.setting == row->setting &&
+                    other.method.find(':') != std::string::npos)
+                    better += standing_of(other) * alike_attitude < error;
+            standing.push_back(static_cast<double>(better + 1));
+            if (row->status == Status::unsupported) note(place.refused, reason_of(*row));
+            if (row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0)
+                seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
+            const bool by_step = place.curve->kind == SettingKind::step;
+            if (by_step && is_at(*row, fine_step)) {
+                note(fine_attitude, largest(*row, "attitude")), note(fine_gap, largest(*row, "joint_gap"));
+            }
+            // of a tolerance the loosest is what counts
+            if (by_step ? !is_at(*row, usual_step) : row != own.front()) continue;
+            if (row->status != Status::ok) {
+                if (row->status != Status::unsupported) place.lost.push_back(scene.label);
+                continue;
+            }
+            ++place.scenes;
+            note(attitude, largest(*row, "attitude")), note(gap, largest(*row, "joint_gap"));
+            note(turn, largest(*row, "joint_turn")), note(energy, largest(*row, "energy"));
+            if (const auto g = largest(*row, "joint_gap"); g && *g >= place.worst_gap.value_or(0))
+                place.worst_gap = g, place.worst_gap_scene = scene.label;
+        }
+    }
+    if (!standing.empty()) {
+        place.median_place = median(standing);
+        place.mean_place =
+            std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
+    }
+    place.attitude = median_if_any(attitude), place.gap = median_if_any(gap), place.turn = median_if_any(turn);
+    place.energy = median_if_any(energy), place.fine_attitude = median_if_any(fine_attitude);
+    place.fine_gap = median_if_any(fine_gap), place.order = median_if_any(orders);
+    place.gap_order = median_if_any(gap_orders), place.step_seconds = median_if_any(seconds);
+}
+
+std::vector<ColumnChoice> place_columns(bool engines) {
+    std::vector<ColumnChoice> columns{{"scenes", "scenes"},
+                                      {"attitude_error", "attitude at 1/60 s (rad)"},
+                                      {"fine_attitude_error", "at 1/1000 s"},
+                                      {"joint_gap", "gap at 1/60 s (m)"},
+                                      {"fine_joint_gap", "at 1/1000 s"},
+                                      {"worst_joint_gap", "worst gap (m)"},
+                                      {"joint_turn", "turn (rad)"},
+                                      {"energy_error", "energy"},
+                                      {"order", "order"},
+                                      {"step_nanoseconds", "ns a step"}};
+    if (engines) {
+        columns.insert(
+            columns.begin(),
+            {{"place", "place"}, {"engine", "engine"}, {"setting", "setting"}, {"median_place", "median place"}});
+        columns.push_back({"message", "takes no part"});
+    } else {
+        columns.insert(columns.begin(), {"method", "method"});
+    }
+    return columns;
+}
+
+NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
+    NamedTable named = engines ? headed_table("leaderboard", "The order of the engines", place_columns(true))
+                               : headed_table("solvers", "Solvers of joints by their sources", place_columns(false));
+    for (const JointPlace& p : places) {
+        if ((p.engine != nullptr) != engines) continue;
+        std::vector<Cell> row{p.scenes,
+                              cell_of(p.attitude),
+                              cell_of(p.fine_attitude),
+                              cell_of(p.gap),
+                              cell_of(p.fine_gap),
+                              cell_of(p.worst_gap),
+                              cell_of(p.turn),
+                              cell_of(p.energy),
+                              cell_of(p.order),
+                              p.step_seconds ? Cell(1e9 * *p.step_seconds) : Cell()};
+        if (engines) {
+            row.insert(row.begin(), {p.place > 0 ? Cell(p.place) : Cell(), p.engine->engine, p.engine->setting,
+                                     p.place > 0 ? Cell(p.median_place) : Cell()});
+            row.push_back(p.report.fault);
+        } else {
+            row.insert(row.begin(), curve_label(*p.curve));
+        }
+        named.table.rows.push_back(std::move(row));
+    }
+    return named;
+}
+
+// Of each scene and method: errors at each step, and what joints do at the usual one.
+NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
+    const std::vector<double>& steps = plan.experiment.steps;
+    for (const double step : steps)
+        columns.push_back({fmt::format("attitude_{:.6g}", step), "attitude at " + step_name(step)});
+    for (const double step : steps) columns.push_back({fmt::format("gap_{:.6g}", step), "gap at " + step_name(step)});
+    for (const char* name : {"joint_turn", "energy_error", "final_energy_error", "momentum_error"})
+        columns.push_back({name, name});
+    columns.insert(columns.end(), {{"step_nanoseconds", "ns a step"}, {"message", "message"}});
+    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    for (const PlannedScene& scene : plan.scenes)
+        for (const PlannedCurve& curve : plan.curves) {
+            if (curve.kind != SettingKind::step) continue;
+            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            if (own.empty()) continue;
+            std::vector<Cell> row{scene.label, std::string(curve.method->name)};
+            const Result* usual = own.front();
+            std::vector<double> seconds;
+            std::string message;
+            for (const char* measure : {"attitude", "joint_gap"})
+                for (const double step : steps) {
+                    const auto at = std::ranges::find_if(own, [&](const Result* r) { return is_at(*r, step); });
+                    row.push_back(at == own.end() ? Cell() : cell_of(largest(**at, measure)));
+                }
+            for (const Result* r : own) {
+                if (is_at(*r, usual_step)) usual = r;
+                if (message.empty() && r->status != Status::ok) message = r->message;
+                if (r->status == Status::ok && r->seconds_min && r->steps.value_or(0) > 0)
+                    seconds.push_back(*r->seconds_min / static_cast<double>(*r->steps));
+            }
+            row.push_back(cell_of(largest(*usual, "joint_turn"))), row.push_back(cell_of(largest(*usual, "energy")));
+            row.push_back(cell_of(usual->errors["energy"].final));
+            row.push_back(cell_of(largest(*usual, "momentum")));
+            row.push_back(seconds.empty() ? Cell() : Cell(1e9 * median(seconds)));
+            row.push_back(message);
+            named.table.rows.push_back(std::move(row));
+        }
+    return named;
+}
+
+// Energy over time at the usual step: a picture of some scenes, of each engine its best setting.
+std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Result>& rows) {
+    Figure figure;
+    figure.title = fmt::format("{}: energy error against time at {}", plan.experiment.name, step_name(usual_step));
+    figure.columns = 2;
+    for (const PlannedScene& scene : plan.scenes) {
+        Panel panel;
+        panel.title = scene.scene.name, panel.x_label = "time (s)", panel.y_label = "|E - E_ref| / max E";
+        panel.log_x = false;
+        int color = 0;
+        for (const PlannedCurve& planned : plan.curves) {
+            const EngineMethod* engine = engine_of(*planned.method);
+            if (!engine) continue;
+            const bool is_chosen =
+                engine->setting == "best" ||
+                (engine->setting == "default" && std::ranges::none_of(plan.curves, [&](const PlannedCurve& other) {
+                     const EngineMethod* one = engine_of(*other.method);
+                     return one && one->engine == engine->engine && one->setting == "best";
+                 }));
+            if (!is_chosen) continue;
+            const int own_color = color++;
+            for (const Result* row : rows_of(rows, scene, planned)) {
+                if (!is_at(*row, usual_step) || row->series.t.empty()) continue;
+                Curve curve;
+                curve.label = std::string(planned.method->name), curve.color = own_color;
+                curve.points = own_color >= palette_size;
+                const std::vector<double>& energy = row->series["energy"];
+                const std::size_t count = std::min(energy.size(), row->series.t.size());
+                curve.x.assign(row->series.t.begin(), row->series.t.begin() + static_cast<long>(count));
+                curve.y.assign(energy.begin(), energy.begin() + static_cast<long>(count));
+                panel.curves.push_back(std::move(curve));
+            }
+        }
+        if (!panel.curves.empty()) figure.panels.push_back(std::move(panel));
+    }
+    if (figure.panels.empty()) return {};
+    figure.note = figure_note(plan, false);
+    return {{plan.experiment.name + "_energy", std::move(figure)}};
+}
+
+}  // namespace
+
+std::optional<double> median_if_any(const std::vector<double>& values) {
+    if (values.empty()) return {};
+    return median(values);
+}
+
+std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>& rows) {
+    std::vector<JointPlace> places;
+    for (const PlannedCurve& curve : plan.curves) {
+        const auto is_own = [&](const Result& row) { return row.method == curve.method->name; };
+        if (std::ranges::none_of(rows, is_own)) continue;
+        JointPlace place;
+        place.curve = &curve, place.engine = engine_of(*curve.method);
+        if (place.engine) {
+            place.report = place.engine->inspect(nullptr);
+            for (const auto& [name, what] : place.report.hello.settings)
+                if (name == place.engine->setting) place.about_setting = what;
+            if (place.is_here() && place.report.hello.joints.empty()) place.report.fault = "its driver takes no joints";
+        }
+        place_among(place, plan, rows);
+        places.push_back(std::move(place));
+    }
+    std::ranges::stable_sort(places, [](const JointPlace& a, const JointPlace& b) {
+        const auto rank = [](const JointPlace& p) { return !p.engine ? 2 : p.is_here() ? 0 : 1; };
+        if (rank(a) != rank(b)) return rank(a) < rank(b);
+        if (rank(a) != 0) return false;
+        if (a.median_place != b.median_place) return a.median_place < b.median_place;
+        return a.mean_place < b.mean_place;
+    });
+    for (std::size_t i = 0; i < places.size() && places[i].engine && places[i].is_here(); ++i) {
+        const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
+                               places[i].mean_place == places[i - 1].mean_place;
+        places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
+    }
+    return places;
+}
+
+Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& rows) {
+    const std::vector<JointPlace> places = joint_places(plan, rows);
+    Findings findings{{places_table(places, true), places_table(places, false), joint_scenes_table(plan, rows)}};
+    findings.figures = energy_figures(plan, rows);
+    findings.page = engine_joints_page(plan, places, findings);
+    return findings;
+}
+
+}  // namespace polhode

@@ -25,9 +25,11 @@ std::string step_text(double step) {
                                                            : fmt::format("{:g} s", step);
 }
 
-// Whether scenes come in rows of one parameter's values.
-bool is_varied(const Plan& plan) {
-    return plan.experiment.vary.size() == 1 && plan.experiment.vary[0].values.size() > 1;
+// The one parameter that takes several values, where there is just one.
+const Variation* varied(const Plan& plan) {
+    const auto many = [](const Variation& v) { return v.values.size() > 1; };
+    const std::vector<Variation>& vary = plan.experiment.vary;
+    return std::ranges::count_if(vary, many) == 1 ? &*std::ranges::find_if(vary, many) : nullptr;
 }
 
 std::vector<double> all_steps(const Plan& plan) {
@@ -116,7 +118,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.kind != SettingKind::step) continue;
         for (const double step : curve.settings) {
-            std::vector<double> attitude, gap, energy, seconds;
+            std::vector<double> attitudes, gaps, energies, seconds;
             std::map<std::string, long> others;
             long ok = 0;
             for (const PlannedScene& scene : plan.scenes) {
@@ -130,11 +132,12 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
                 const auto note = [&](std::vector<double>& list, const char* measure) {
                     if (const std::optional<double> value = r->errors[measure].max) list.push_back(*value);
                 };
-                note(attitude, "attitude"), note(gap, "joint_gap"), note(energy, "energy");
+                note(attitudes, "attitude"), note(gaps, "joint_gap"), note(energies, "energy");
                 if (const auto time = step_nanoseconds({r})) seconds.push_back(*time);
             }
             named.table.rows.push_back({std::string(curve.method->name), step_text(step), ok, listed_counts(others),
-                                        middle(attitude), middle(gap), most(gap), middle(energy), middle(seconds)});
+                                        middle(attitudes), middle(gaps), most(gaps), middle(energies),
+                                        middle(seconds)});
         }
     }
     return named;
@@ -143,18 +146,16 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
 // Against the step, or against the value that varies, at the largest step.
 std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
-    const bool varied = is_varied(plan);
-    const std::vector<std::string> no_values;
-    const std::vector<std::string>& values = varied ? plan.experiment.vary[0].values : no_values;
+    const Variation* const parameter = varied(plan);
     Figure figure;
     figure.title = plan.experiment.name, figure.columns = 2;
-    const std::size_t scenes_a_panel = varied ? values.size() : 1;
+    const std::size_t scenes_a_panel = parameter ? parameter->values.size() : 1;
     for (std::size_t first = 0; first < plan.scenes.size(); first += scenes_a_panel)
         for (const auto& [measure, label] :
              {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
             Panel panel{
                 varied ? plan.scenes[first].scene.name + ", " + step_text(steps.front()) : plan.scenes[first].label,
-                varied ? plan.experiment.vary[0].pointer : "step (s)",
+                parameter ? parameter->pointer : "step (s)",
                 label,
                 true,
                 true,
@@ -169,8 +170,8 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
                 };
                 for (std::size_t i = 0; i < scenes_a_panel; ++i) {
                     const auto own = rows_of(rows, plan.scenes[first + i], planned);
-                    if (varied)
-                        add(parse_decimal(values[i]).value_or(0), at_step(own, steps.front()));
+                    if (parameter)
+                        add(parse_decimal(parameter->values[i]).value_or(0), at_step(own, steps.front()));
                     else
                         for (const Result* row : own) add(row->step_taken.value_or(row->setting), row);
                 }
@@ -187,7 +188,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows) {
     if (all_steps(plan).empty()) return {};
     std::vector<NamedTable> tables{scenes_table(plan, rows)};
-    if (!is_varied(plan)) tables.push_back(methods_table(plan, rows));
+    if (!varied(plan)) tables.push_back(methods_table(plan, rows));
     return {std::move(tables), joint_figures(plan, rows)};
 }
 

@@ -162,9 +162,9 @@ void add_andrews(Comparison& comparison, const Set& set) {
 
 void add_babyboot(Comparison& comparison, const figures::BabybootFigures& set) {
     const JointNow a = comparison.joint("hinge"), b = comparison.joint("swivel");
-    const Wide degree = Elementary<Wide>::pi() / 180;
-    comparison.add_angle("q_A (deg)", set.q_A, a.coordinate, degree);
-    comparison.add_angle("q_B (deg)", set.q_B, b.coordinate, degree);
+    const Wide one_degree = Elementary<Wide>::pi() / 180;
+    comparison.add_angle("q_A (deg)", set.q_A, a.coordinate, one_degree);
+    comparison.add_angle("q_B (deg)", set.q_B, b.coordinate, one_degree);
     comparison.add("q_A' (rad/s)", set.rate_A, a.rate);
     comparison.add("q_B' (rad/s)", set.rate_B, b.rate);
     comparison.add("q_A'' (rad/s^2)", set.accel_A, a.acceleration);

@@ -97,9 +97,9 @@ Wide nearest_turn(const Wide& angle, const Wide& to) {
 }
 
 /// Gathers the figures of one mechanism.
-class Comparison {
+class FigureComparison {
   public:
-    Comparison(std::vector<ComparedFigure>& all, std::string mechanism, const EndOfTruth& end)
+    FigureComparison(std::vector<ComparedFigure>& all, std::string mechanism, const EndOfTruth& end)
         : all_(all), mechanism_(std::move(mechanism)), end_(end) {}
 
     void from(std::string source) { source_ = std::move(source); }
@@ -147,7 +147,7 @@ class Comparison {
 };
 
 template <class Set>
-void add_andrews(Comparison& comparison, const Set& set) {
+void add_andrews(FigureComparison& comparison, const Set& set) {
     for (std::size_t j = 0; j < figures::andrews_joints.size(); ++j) {
         const char* name = figures::andrews_joints[j];
         const JointNow now = comparison.joint(name);
@@ -160,7 +160,7 @@ void add_andrews(Comparison& comparison, const Set& set) {
                        comparison.force(figures::andrews_loops[i / 2])[static_cast<int>(i % 2)]);
 }
 
-void add_babyboot(Comparison& comparison, const figures::BabybootFigures& set) {
+void add_babyboot(FigureComparison& comparison, const figures::BabybootFigures& set) {
     const JointNow a = comparison.joint("hinge"), b = comparison.joint("swivel");
     const Wide one_degree = Elementary<Wide>::pi() / 180;
     comparison.add_angle("q_A (deg)", set.q_A, a.coordinate, one_degree);
@@ -187,7 +187,7 @@ Scene four_bar_as_pendulum() {
     return scene;
 }
 
-void add_four_bar(Comparison& comparison, const figures::FourBarFigures& set) {
+void add_four_bar(FigureComparison& comparison, const figures::FourBarFigures& set) {
     const JointNow foot = comparison.joint("foot");
     Wide sine, cosine;
     sine_cosine(foot.coordinate, sine, cosine);
@@ -246,14 +246,14 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
     std::vector<ComparedFigure> all;
     if (!quick) {
         const EndOfTruth andrews = end_of_truth(find_scene("mechanisms/andrews_squeezer"), samples);
-        Comparison squeezer(all, "andrews_squeezer", andrews);
+        FigureComparison squeezer(all, "andrews_squeezer", andrews);
         squeezer.from("IVP Test Set 2.4");
         add_andrews(squeezer, figures::andrews_published);
         squeezer.from("its equations by extrapolation in 32 digits");
         add_andrews(squeezer, figures::andrews_recomputed);
 
         const EndOfTruth kane = end_of_truth(find_scene("mechanisms/babyboot"), samples);
-        Comparison babyboot(all, "babyboot", kane);
+        FigureComparison babyboot(all, "babyboot", kane);
         for (const auto& [source, set] : {std::pair{"Drake, expected", figures::babyboot_expected},
                                           std::pair{"Drake, simulation A", figures::babyboot_simulation_a},
                                           std::pair{"Drake, simulation B", figures::babyboot_simulation_b},
@@ -269,7 +269,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
         babyboot.add("q_B' (rad/s)", figures::babyboot_recomputed[3], b.rate);
     }
     const EndOfTruth pendulum = end_of_truth(four_bar_as_pendulum(), samples);
-    Comparison four_bar(all, "double_four_bar over 10 s", pendulum);
+    FigureComparison four_bar(all, "double_four_bar over 10 s", pendulum);
     four_bar.from("Exudyn");
     add_four_bar(four_bar, figures::double_four_bar_exudyn);
     four_bar.from("quadrature of the pendulum's equation");

@@ -154,7 +154,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
         for (const auto& [measure, label] :
              {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
             Panel panel{
-                varied ? plan.scenes[first].scene.name + ", " + step_text(steps.front()) : plan.scenes[first].label,
+                parameter ? plan.scenes[first].scene.name + ", " + step_text(steps.front()) : plan.scenes[first].label,
                 parameter ? parameter->pointer : "step (s)",
                 label,
                 true,

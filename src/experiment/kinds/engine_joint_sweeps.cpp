@@ -14,30 +14,30 @@ namespace polhode {
 namespace {
 
 constexpr double sweep_step = 1.0 / 240;
-constexpr std::array ratios{1, 10, 100, 1000};
-constexpr std::array lengths{10, 25, 50, 100};
+constexpr std::array mass_ratios{1, 10, 100, 1000};
+constexpr std::array chain_lengths{10, 25, 50, 100};
 
 std::string rope_label(int ratio) { return fmt::format("rope 1:{}", ratio); }
 std::string chain_label(int links) { return fmt::format("chain of {}", links); }
 
-PlannedScene named_scene(Scene scene, const std::string& label) {
+PlannedScene relabelled(Scene scene, const std::string& label) {
     scene.name = label;
     return {label, scene, write_scene(scene)};
 }
 
 // mechanisms/rope_mass_ratio with a ball of so many times a link's mass
-PlannedScene rope_of(int ratio) {
+PlannedScene heavy_rope(int ratio) {
     Scene scene = find_scene("mechanisms/rope_mass_ratio");
     Body& ball = scene.bodies.back().body;
     const double mass = ratio * scene.bodies.front().body.mass, factor = mass / ball.mass;
     ball.mass = mass;
     for (int i = 0; i < 3; ++i) ball.inertia_B[i] = factor * ball.inertia_B[i];
     ball.source = nullptr;
-    return named_scene(std::move(scene), rope_label(ratio));
+    return relabelled(std::move(scene), rope_label(ratio));
 }
 
 // mechanisms/chain_10 with more links, let go a little out of the plumb line
-PlannedScene chain_of(int links) {
+PlannedScene hanging_chain(int links) {
     const Scene ten = find_scene("mechanisms/chain_10");
     Scene scene = ten;
     scene.bodies.clear(), scene.joints.clear();
@@ -56,11 +56,11 @@ PlannedScene chain_of(int links) {
         joint.coordinate[0] = i < 2 ? 0.25 : 0;
         scene.bodies.push_back(std::move(body)), scene.joints.push_back(std::move(joint));
     }
-    return named_scene(std::move(scene), chain_label(links));
+    return relabelled(std::move(scene), chain_label(links));
 }
 
-const Result* row_at(const Plan& plan, const std::vector<Result>& rows, const PlannedCurve& curve,
-                     const std::string& label) {
+const Result* swept_row(const Plan& plan, const std::vector<Result>& rows, const PlannedCurve& curve,
+                        const std::string& label) {
     for (const PlannedScene& scene : plan.scenes)
         if (scene.label == label)
             for (const Result* row : rows_of(rows, scene, curve)) return row;
@@ -69,17 +69,17 @@ const Result* row_at(const Plan& plan, const std::vector<Result>& rows, const Pl
 
 NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"method", "method"}};
-    for (const int ratio : ratios)
+    for (const int ratio : mass_ratios)
         columns.push_back({fmt::format("gap_{}", ratio), fmt::format("gap 1:{} (m)", ratio)});
-    for (const int ratio : ratios)
+    for (const int ratio : mass_ratios)
         columns.push_back({fmt::format("attitude_{}", ratio), fmt::format("attitude 1:{} (rad)", ratio)});
     columns.push_back({"message", "message"});
     NamedTable named = headed_table("mass_ratio", "A heavy ball on a rope of ten links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> gaps, attitudes;
         std::string message;
-        for (const int ratio : ratios) {
-            const Result* row = row_at(plan, rows, curve, rope_label(ratio));
+        for (const int ratio : mass_ratios) {
+            const Result* row = swept_row(plan, rows, curve, rope_label(ratio));
             const bool ran = row && row->status == Status::ok;
             if (row && !ran && message.empty()) message = row->message;
             gaps.push_back(ran ? cell_of(row->errors["joint_gap"].max) : Cell());
@@ -94,9 +94,9 @@ NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
     return named;
 }
 
-NamedTable costs_table(const Plan& plan, const std::vector<Result>& rows) {
+NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"method", "method"}};
-    for (const int links : lengths)
+    for (const int links : chain_lengths)
         columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us a step)", links)});
     columns.insert(columns.end(),
                    {{"exponent", "grows with the power"}, {"gap_100", "gap of 100 links (m)"}, {"message", "message"}});
@@ -106,17 +106,17 @@ NamedTable costs_table(const Plan& plan, const std::vector<Result>& rows) {
         std::vector<double> seconds;
         std::string message;
         std::optional<double> gap;
-        for (const int links : lengths) {
-            const Result* row = row_at(plan, rows, curve, chain_label(links));
+        for (const int links : chain_lengths) {
+            const Result* row = swept_row(plan, rows, curve, chain_label(links));
             const bool ran = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
             if (row && !ran && message.empty()) message = row->message;
             if (ran) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
             if (ran) gap = row->errors["joint_gap"].max;
             cells.push_back(ran ? Cell(1e6 * seconds.back()) : Cell());
         }
-        const bool all = seconds.size() == lengths.size();
+        const bool all = seconds.size() == chain_lengths.size();
         cells.push_back(all ? Cell(std::log(seconds.back() / seconds.front()) /
-                                   std::log(static_cast<double>(lengths.back()) / lengths.front()))
+                                   std::log(static_cast<double>(chain_lengths.back()) / chain_lengths.front()))
                             : Cell());
         cells.push_back(all ? cell_of(gap) : Cell());
         cells.push_back(message);
@@ -126,7 +126,7 @@ NamedTable costs_table(const Plan& plan, const std::vector<Result>& rows) {
 }
 
 Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows) {
-    Findings findings{{ropes_table(plan, rows), costs_table(plan, rows)}};
+    Findings findings{{ropes_table(plan, rows), step_costs_table(plan, rows)}};
     const std::string step = step_name(sweep_step);
     findings.page = fmt::format(
         "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
@@ -147,8 +147,8 @@ Plan joint_sweeps(const Plan& plan) {
     static const Kind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
     Plan sweeps{plan.experiment, {}, {}, plan.quick};
     sweeps.experiment.kind = &kind, sweeps.experiment.samples = 30;
-    for (const int ratio : ratios) sweeps.scenes.push_back(rope_of(ratio));
-    for (const int links : lengths) sweeps.scenes.push_back(chain_of(links));
+    for (const int ratio : mass_ratios) sweeps.scenes.push_back(heavy_rope(ratio));
+    for (const int links : chain_lengths) sweeps.scenes.push_back(hanging_chain(links));
     for (const PlannedCurve& curve : plan.curves)
         if (curve.kind == SettingKind::step) sweeps.curves.emplace_back(curve).settings = {sweep_step};
     return sweeps;

@@ -16,29 +16,29 @@
 namespace polhode {
 namespace {
 
-constexpr double lost_attitude = 1;     // rad: an attitude beyond it is as wrong as any
-constexpr double alike_attitude = 1.1;  // errors within this factor share a place
+constexpr double hopeless_attitude = 1;  // rad: an attitude beyond it is as wrong as any
+constexpr double alike_attitude = 1.1;   // errors within this factor share a place
 
 bool is_at(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
-std::optional<double> largest(const Result& row, const char* measure) {
+std::optional<double> largest_error(const Result& row, const char* measure) {
     return row.status == Status::ok ? row.errors[measure].max : std::nullopt;
 }
 // One radian at the most; infinite of a run that did not come to its end.
 double standing_of(const Result& row) {
-    const auto error = largest(row, "attitude");
-    return error ? std::min(*error, lost_attitude) : std::numeric_limits<double>::infinity();
+    const auto error = largest_error(row, "attitude");
+    return error ? std::min(*error, hopeless_attitude) : std::numeric_limits<double>::infinity();
 }
-void note(std::vector<double>& values, const std::optional<double>& value) {
+void gather(std::vector<double>& values, const std::optional<double>& value) {
     if (value) values.push_back(*value);
 }
-void note(std::vector<std::string>& words, const std::string& word) {
+void gather(std::vector<std::string>& words, const std::string& word) {
     if (std::ranges::find(words, word) == words.end()) words.push_back(word);
 }
 
 std::optional<double> order_in(const std::vector<const Result*>& rows, const char* measure, double lost) {
     std::vector<double> step, error;
     for (const Result* row : rows)
-        if (const auto e = largest(*row, measure); e && *e > 1e-12)
+        if (const auto e = largest_error(*row, measure); e && *e > 1e-12)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*e);
     const auto observed = observed_order(step, error, lost);
     // what does not converge has no order
@@ -56,8 +56,8 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
     for (const PlannedScene& scene : plan.scenes) {
         const std::vector<const Result*> own = rows_of(rows, scene, *place.curve);
         if (place.curve->kind == SettingKind::step) {
-            note(orders, order_in(own, "attitude", lost_attitude));
-            note(gap_orders, order_in(own, "joint_gap", std::numeric_limits<double>::infinity()));
+            gather(orders, order_in(own, "attitude", hopeless_attitude));
+            gather(gap_orders, order_in(own, "joint_gap", std::numeric_limits<double>::infinity()));
         }
         for (const Result* row : own) {
             const double error = standing_of(*row);
@@ -67,12 +67,13 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                     other.method.find(':') != std::string::npos)
                     better += standing_of(other) * alike_attitude < error;
             standing.push_back(static_cast<double>(better + 1));
-            if (row->status == Status::unsupported) note(place.refused, reason_of(*row));
+            if (row->status == Status::unsupported) gather(place.refused, reason_of(*row));
             if (row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0)
                 seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
             const bool by_step = place.curve->kind == SettingKind::step;
             if (by_step && is_at(*row, fine_step)) {
-                note(fine_attitude, largest(*row, "attitude")), note(fine_gap, largest(*row, "joint_gap"));
+                gather(fine_attitude, largest_error(*row, "attitude")),
+                    gather(fine_gap, largest_error(*row, "joint_gap"));
             }
             // of a tolerance the loosest is what counts
             if (by_step ? !is_at(*row, usual_step) : row != own.front()) continue;
@@ -81,9 +82,9 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                 continue;
             }
             ++place.scenes;
-            note(attitude, largest(*row, "attitude")), note(gap, largest(*row, "joint_gap"));
-            note(turn, largest(*row, "joint_turn")), note(energy, largest(*row, "energy"));
-            if (const auto g = largest(*row, "joint_gap"); g && *g >= place.worst_gap.value_or(0))
+            gather(attitude, largest_error(*row, "attitude")), gather(gap, largest_error(*row, "joint_gap"));
+            gather(turn, largest_error(*row, "joint_turn")), gather(energy, largest_error(*row, "energy"));
+            if (const auto g = largest_error(*row, "joint_gap"); g && *g >= place.worst_gap.value_or(0))
                 place.worst_gap = g, place.worst_gap_scene = scene.label;
         }
     }
@@ -170,7 +171,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
             for (const char* measure : {"attitude", "joint_gap"})
                 for (const double step : steps) {
                     const auto at = std::ranges::find_if(own, [&](const Result* r) { return is_at(*r, step); });
-                    row.push_back(at == own.end() ? Cell() : cell_of(largest(**at, measure)));
+                    row.push_back(at == own.end() ? Cell() : cell_of(largest_error(**at, measure)));
                 }
             for (const Result* r : own) {
                 if (is_at(*r, usual_step)) usual = r;
@@ -178,9 +179,10 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
                 if (r->status == Status::ok && r->seconds_min && r->steps.value_or(0) > 0)
                     seconds.push_back(*r->seconds_min / static_cast<double>(*r->steps));
             }
-            row.push_back(cell_of(largest(*usual, "joint_turn"))), row.push_back(cell_of(largest(*usual, "energy")));
+            row.push_back(cell_of(largest_error(*usual, "joint_turn"))),
+                row.push_back(cell_of(largest_error(*usual, "energy")));
             row.push_back(cell_of(usual->errors["energy"].final));
-            row.push_back(cell_of(largest(*usual, "momentum")));
+            row.push_back(cell_of(largest_error(*usual, "momentum")));
             row.push_back(seconds.empty() ? Cell() : Cell(1e9 * median(seconds)));
             row.push_back(message);
             named.table.rows.push_back(std::move(row));

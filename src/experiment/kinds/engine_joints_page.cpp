@@ -9,12 +9,12 @@
 namespace polhode {
 namespace {
 
-std::string listed(const std::vector<std::string>& words) {
+std::string listed_words(const std::vector<std::string>& words) {
     std::string text;
     for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
     return text;
 }
-std::string amount(const std::optional<double>& value, const char* unit) {
+std::string amount_of(const std::optional<double>& value, const char* unit) {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
 
@@ -24,16 +24,16 @@ std::string sentence_of_joints(const JointPlace& place) {
     std::string text;
     if (place.closes())
         text = fmt::format(" Its joints have no gap but round-off ({}): they are its coordinates",
-                           amount(place.worst_gap, " m"));
+                           amount_of(place.worst_gap, " m"));
     else
         text = fmt::format(" At {} its joints part by {} in the median of {} scene{}, by {} at worst (`{}`)",
-                           step_name(usual_step), amount(place.gap, " m"), place.scenes, place.scenes == 1 ? "" : "s",
-                           amount(place.worst_gap, " m"), place.worst_gap_scene);
+                           step_name(usual_step), amount_of(place.gap, " m"), place.scenes,
+                           place.scenes == 1 ? "" : "s", amount_of(place.worst_gap, " m"), place.worst_gap_scene);
     if (!place.closes() && place.fine_gap)
-        text += fmt::format(", by {} at {}", amount(place.fine_gap, " m"), step_name(fine_step));
+        text += fmt::format(", by {} at {}", amount_of(place.fine_gap, " m"), step_name(fine_step));
     const bool is_lost = place.attitude && *place.attitude >= 1;
     text += fmt::format("; the attitude is {} off, the energy {}",
-                        is_lost ? "1 rad or more" : amount(place.attitude, " rad"), amount(place.energy, ""));
+                        is_lost ? "1 rad or more" : amount_of(place.attitude, " rad"), amount_of(place.energy, ""));
     text += place.order ? fmt::format(", and smaller steps help with order {:.1f}.", *place.order)
                         : ", and smaller steps show no order.";
     return text;
@@ -41,9 +41,9 @@ std::string sentence_of_joints(const JointPlace& place) {
 
 std::string sentence_of_refusals(const JointPlace& place) {
     std::string text;
-    if (!place.refused.empty()) text += " Left out: " + listed(place.refused) + ".";
+    if (!place.refused.empty()) text += " Left out: " + listed_words(place.refused) + ".";
     if (!place.lost.empty())
-        text += " Not run to the end at " + step_name(usual_step) + ": " + listed(place.lost) + ".";
+        text += " Not run to the end at " + step_name(usual_step) + ": " + listed_words(place.lost) + ".";
     return text;
 }
 
@@ -53,8 +53,8 @@ std::string paragraph_of_joints(const std::vector<const JointPlace*>& own) {
     std::string text =
         fmt::format("### {}{}{}\n\n", first.engine->engine, hello.version.empty() ? "" : " ", hello.version);
     if (!first.is_here()) return text + fmt::format("It takes no part: {}.\n", first.report.fault);
-    text += fmt::format("Joints: {}. Loops closed by: {}.\n\n", listed(hello.joints),
-                        hello.loops.empty() ? "none" : listed(hello.loops));
+    text += fmt::format("Joints: {}. Loops closed by: {}.\n\n", listed_words(hello.joints),
+                        hello.loops.empty() ? "none" : listed_words(hello.loops));
     for (const JointPlace* place : own)
         text += fmt::format("- `{}`{}: place {}.{}{}\n", place->engine->setting,
                             place->about_setting.empty() ? "" : " (" + place->about_setting + ")", place->place,

@@ -3,44 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <numbers>
 
 #include "body/orientation.h"
-#include "integrators/engines/engine_methods.h"
 #include "scene/scene_file.h"
+#include "tests/integrators/engines/engines_here.h"
 
 namespace polhode {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The engines that stand beside the program and can be started.
-const std::vector<EngineMethod>& engines_here() {
-    static const std::vector<EngineMethod> all = [] {
-        std::vector<EngineMethod> here;
-        const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
-        if (!std::filesystem::exists(list)) return here;
-        for (EngineMethod& engine : read_engines(list.string())) {
-            const EngineReport report = engine.inspect(nullptr);
-            if (report.fault.empty())
-                here.push_back(std::move(engine));
-            else
-                std::fprintf(stderr, "%s is left out: %s\n", std::string(engine.method->name).c_str(),
-                             report.fault.c_str());
-        }
-        return here;
-    }();
-    return all;
-}
-
-/// Damping and limits are off in every setting but the default of some.
-bool is_undamped(const EngineMethod& engine) {
-    return engine.setting != "default" ||
-           !(engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "havok" ||
-             engine.engine == "cannon_es" || engine.engine == "bullet_multibody");
-}
 bool has_gyroscopic_term(const EngineMethod& engine) {
     if (engine.setting == "none" || engine.engine == "havok" || engine.engine == "cannon_es" || engine.engine == "oimo")
         return false;
@@ -70,9 +44,6 @@ Trajectory moved(const EngineMethod& engine, const Scene& scene, double step = 1
     settings.step = step, settings.samples = 10, settings.seconds_limit = 60;
     return solve(scene, *engine.method, settings);
 }
-
-#define SKIP_WITHOUT_ENGINES() \
-    if (engines_here().empty()) GTEST_SKIP() << "no engine is here: build with POLHODE_ENGINES"
 
 // A ball keeps its w in world axes, whatever turned it before: frame, sign and order of w and q.
 TEST(RealEngines, TurnABallAboutAFixedAxis) {

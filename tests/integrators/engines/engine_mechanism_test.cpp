@@ -1,0 +1,172 @@
+// Mechanisms as engines are asked for them, with shell scripts in the engines' place.
+#include "integrators/engines/engine_mechanism.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "body/orientation.h"
+#include "integrators/engines/engine_methods.h"
+#include "motion/mechanism.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::json;
+
+/// What an engine that goes by a script makes of a scene.
+Trajectory scripted(const std::string& script, const Scene& scene) {
+    std::string path = (std::filesystem::temp_directory_path() / "polhode-mechanism-XXXXXX").string();
+    close(mkstemp(path.data()));
+    std::ofstream(path) << json{{"engines", {{{"name", "scripted"}, {"command", {"sh", "-c", script}}}}}};
+    const std::vector<EngineMethod> engines = read_engines(path);
+    unlink(path.c_str());
+    Settings settings;
+    settings.step = scene.duration / 4, settings.samples = 1;
+    return solve(scene, *engines.front().method, settings);
+}
+
+std::string greeting(const std::string& joints, const std::string& loops = "[]") {
+    return R"(echo '{"version": "1", "settings": {"default": ""}, "joints": )" + joints + R"(, "loops": )" + loops +
+           "}' >&3; ";
+}
+
+// A rod of 2 kg, its centre of mass 1 m below a hinge about y, held out by a quarter turn and turning.
+Scene rod() {
+    return parse_scene(R"({"name": "rod", "duration": 1,
+      "bodies": [{"name": "rod", "body": {"mass": 2, "inertia": [1, 2, 3], "center_of_mass": [0, 0, -1]}}],
+      "joints": [{"name": "hinge", "type": "revolute", "parent": "world", "child": "rod", "parent_point": [0, 0, 5],
+                  "axis": [0, 3, 0], "parent_orientation": [1, 0, 0, 0],
+                  "initial": {"angle": 1.5707963267948966, "rate": 4}}],
+      "loads": [{"type": "gravity", "acceleration": [0, 0, -9.81]}]})",
+                       "rod");
+}
+
+// By hand: the rod points along -x from (0, 0, 5), and its centre of mass rises.
+TEST(EngineMechanism, IsAskedForInPlainNumbers) {
+    const Scene scene = rod();
+    Settings settings;
+    settings.samples = 7;
+    const json asked = json::parse(mechanism_request(engine_mechanism(pose(scene)), "best", 1, settings, 3));
+    EXPECT_EQ(asked.at("setting"), "best");
+    EXPECT_EQ(asked.at("samples"), 7);
+    EXPECT_EQ(asked.at("steps_per_sample"), 3);
+    EXPECT_EQ(asked.at("gravity"), json({0.0, 0.0, -9.81}));
+    EXPECT_EQ(asked.at("loops"), json::array());
+    const json& body = asked.at("bodies").at(0);
+    EXPECT_EQ(body.at("name"), "rod");
+    EXPECT_EQ(body.at("mass"), 2.0);
+    EXPECT_EQ(body.at("moments"), json({1.0, 2.0, 3.0}));
+    const auto near = [](const json& got, std::vector<double> expected) {
+        ASSERT_EQ(got.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(got.at(i).get<double>(), expected[i], 1e-15);
+    };
+    near(body.at("q"), {std::sqrt(0.5), 0, std::sqrt(0.5), 0});
+    near(body.at("w"), {0, 4, 0});
+    near(body.at("p"), {-1, 0, 5});
+    near(body.at("v"), {0, 0, 4});
+    const json& joint = asked.at("joints").at(0);
+    EXPECT_EQ(joint.at("type"), "revolute");
+    EXPECT_EQ(joint.at("parent"), -1);
+    EXPECT_EQ(joint.at("child"), 0);
+    near(joint.at("anchor"), {0, 0, 5}), near(joint.at("parent_point"), {0, 0, 5});
+    near(joint.at("child_point"), {0, 0, 1});
+    near(joint.at("axes").at(0), {0, 1, 0}), near(joint.at("child_axes").at(0), {0, 1, 0});
+    near(joint.at("turning"), {0, 4, 0}), near(joint.at("rates"), {4});
+}
+
+// What is told of one joint in three ways is one thing: points meet, axes too, rates make up the turning.
+TEST(EngineMechanism, AgreesWithItselfOnTheCatalogue) {
+    int asked = 0;
+    for (const std::string& name : builtin_scene_names()) {
+        const Scene scene = find_scene(name);
+        if (!is_mechanism(scene) || scene.bodies.size() > 20) continue;
+        SCOPED_TRACE(name);
+        EngineMechanism known;
+        try {
+            known = engine_mechanism(pose(scene));
+        } catch (const std::invalid_argument&) {
+            continue;
+        }
+        ++asked;
+        const auto placed = [&](int index, const Vector3<double>& point) {
+            if (index < 0) return point;
+            const EngineBody& body = known.bodies[static_cast<std::size_t>(index)];
+            return body.p_W + rotate(body.q, point);
+        };
+        const auto turned = [&](int index, const Vector3<double>& axis) {
+            return index < 0 ? axis : rotate(known.bodies[static_cast<std::size_t>(index)].q, axis);
+        };
+        for (const std::vector<EngineJoint>* list : {&known.joints, &known.loops})
+            for (const EngineJoint& joint : *list) {
+                SCOPED_TRACE(joint.name);
+                EXPECT_LT(hypotenuse(placed(joint.child, joint.child_point) - joint.anchor_W), 1e-12);
+                if (joint.type != "distance") {
+                    EXPECT_LT(hypotenuse(placed(joint.parent, joint.parent_point) - joint.anchor_W), 1e-8);
+                }
+                Vector3<double> turning;
+                for (std::size_t i = 0; i < joint.axes_W.size(); ++i) {
+                    EXPECT_NEAR(hypotenuse(joint.axes_W[i]), 1, 1e-14);
+                    EXPECT_LT(hypotenuse(turned(joint.parent, joint.parent_axes[i]) - joint.axes_W[i]), 1e-13);
+                    EXPECT_LT(hypotenuse(turned(joint.child, joint.child_axes[i]) - joint.axes_W[i]), 1e-13);
+                    if (i < joint.rates.size() && joint.type != "prismatic")
+                        turning = turning + joint.rates[i] * joint.axes_W[i];
+                }
+                if (list == &known.joints && joint.type != "spherical") {
+                    EXPECT_LT(hypotenuse(turning - joint.turning_W), 1e-11 * (1 + hypotenuse(turning)));
+                }
+            }
+    }
+    EXPECT_GT(asked, 10);
+}
+
+TEST(EngineMechanism, AnEngineWithoutJointsIsToldSo) {
+    const Trajectory silent =
+        scripted(R"(echo '{"version": "1", "settings": {"default": ""}}' >&3; read -r request)", rod());
+    EXPECT_EQ(silent.status, Status::unsupported);
+    EXPECT_EQ(silent.message, "scripted: its driver takes no joints");
+    const Trajectory balls = scripted(greeting(R"(["spherical"])") + "read -r request", rod());
+    EXPECT_EQ(balls.status, Status::unsupported);
+    EXPECT_EQ(balls.message, "scripted: it has no revolute joint");
+    Scene loop = find_scene("mechanisms/four_bar");
+    const Trajectory open = scripted(greeting(R"(["revolute"])") + "read -r request", loop);
+    EXPECT_EQ(open.status, Status::unsupported);
+    EXPECT_EQ(open.message, "scripted: it closes no loop by a revolute joint");
+}
+
+TEST(EngineMechanism, SpringsAreRefusedBeforeAnybodyIsAsked) {
+    const Trajectory run = scripted("exit 1", find_scene("mechanisms/ball_joint_arm"));
+    EXPECT_EQ(run.status, Status::unsupported);
+    EXPECT_EQ(run.message, "springs and dampers of joints are not asked of engines");
+}
+
+TEST(EngineMechanism, AnAnswerHasAllBodiesAtEachTime) {
+    const std::string row = "[1, 0, 0, 0, 0, 2, 0, 1, 2, 3, 4, 5, 6]";
+    const auto answer = [&](const std::string& samples) {
+        return scripted(greeting(R"(["revolute"])") + "read -r request; echo '" +
+                            R"({"status": "ok", "seconds": 0.5, "steps": 4, "samples": )" + samples +
+                            "}' >&3; read -r x",
+                        rod());
+    };
+    const Trajectory run = answer("[[" + row + "], [" + row + "]]");
+    ASSERT_EQ(run.status, Status::ok) << run.message;
+    EXPECT_EQ(run.moments(), 2u);
+    EXPECT_EQ(run.steps, 4);
+    EXPECT_EQ(run.samples[1].t, 1);
+    EXPECT_EQ(run.samples[1].position_W, Vector3<double>(1, 2, 3));
+    EXPECT_EQ(run.samples[1].angular_velocity_B, Vector3<double>(0, 2, 0));
+    const Trajectory two = answer("[[" + row + "," + row + "], [" + row + "]]");
+    EXPECT_EQ(two.status, Status::failed);
+    EXPECT_NE(two.message.find("2 bodies where there are 1"), std::string::npos) << two.message;
+    const Trajectory short_one = answer("[[" + row + "]]");
+    EXPECT_EQ(short_one.status, Status::failed);
+    EXPECT_NE(short_one.message.find("1 samples where 2"), std::string::npos) << short_one.message;
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,43 @@
+// The engines that stand beside the program and can be started; those that are missing are named and left out.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "integrators/engines/engine_methods.h"
+
+namespace polhode {
+
+inline const std::vector<EngineMethod>& engines_here() {
+    static const std::vector<EngineMethod> all = [] {
+        std::vector<EngineMethod> here;
+        const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
+        if (!std::filesystem::exists(list)) return here;
+        for (EngineMethod& engine : read_engines(list.string())) {
+            const EngineReport report = engine.inspect(nullptr);
+            if (report.fault.empty())
+                here.push_back(std::move(engine));
+            else
+                std::fprintf(stderr, "%s is left out: %s\n", std::string(engine.method->name).c_str(),
+                             report.fault.c_str());
+        }
+        return here;
+    }();
+    return all;
+}
+
+/// Damping and limits are off in every setting but the default of some.
+inline bool is_undamped(const EngineMethod& engine) {
+    return engine.setting != "default" ||
+           !(engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "havok" ||
+             engine.engine == "cannon_es" || engine.engine == "bullet_multibody");
+}
+
+}  // namespace polhode
+
+#define SKIP_WITHOUT_ENGINES() \
+    if (engines_here().empty()) GTEST_SKIP() << "no engine is here: build with POLHODE_ENGINES"

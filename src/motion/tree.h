@@ -227,3 +227,4 @@ class Tree {
 #include "motion/tree_loops.h"
 #include "motion/tree_reactions.h"
 #include "motion/tree_start.h"
+#include "motion/tree_instances.h"

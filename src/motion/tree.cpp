@@ -1,0 +1,9 @@
+#include "motion/tree.h"
+
+namespace polhode {
+
+template class Tree<double>;
+POLHODE_TREE_INSTANCES(, double)
+POLHODE_TREE_INSTANCES(, Dual<tree_directions>)
+
+}  // namespace polhode

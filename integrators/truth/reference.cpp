@@ -94,7 +94,9 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     const truth::KeptConstants constants;
     Truth made = compute(scene, times, digits);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    made.limit_reached = !made.reference.available && truth::Allowance::is_spent();
+    // of the other thread's time, its fault tells
+    made.limit_reached = !made.reference.available &&
+                         (truth::Allowance::is_spent() || made.reference.message.ends_with(truth::Allowance::fault));
     if (made.limit_reached)
         made.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
     else

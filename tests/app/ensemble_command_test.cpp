@@ -65,7 +65,7 @@ TEST_F(EnsembleCommand, ARowEach) {
     EXPECT_EQ(rows[1].back(), "");
     // the first row is the scene itself
     const Outcome alone = run({"solve", scene(), "--samples", "1"});
-    const Sample last = samples_of(parse_trajectory(alone.out, "solve"), {}).back();
+    const Sample last = samples_of(parse_trajectory(alone.out, "solve"), Vector3<double>()).back();
     const auto& row = rows[1];
     const auto number = [&](std::size_t i) { return std::stod(row[i]); };
     EXPECT_LT(testing::attitude_error({number(4), number(5), number(6), number(7)}, last.q), 1e-13);

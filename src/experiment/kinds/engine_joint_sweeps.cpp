@@ -33,6 +33,8 @@ PlannedScene heavy_rope(int ratio) {
     ball.mass = mass;
     for (int i = 0; i < 3; ++i) ball.inertia_B[i] = factor * ball.inertia_B[i];
     ball.source = nullptr;
+    // light links turn fast between heavy ends: a second of it costs the truth an hour
+    scene.duration = 0.25;
     return relabelled(std::move(scene), rope_label(ratio));
 }
 
@@ -42,7 +44,8 @@ PlannedScene hanging_chain(int links) {
     Scene scene = ten;
     scene.bodies.clear(), scene.joints.clear();
     std::erase_if(scene.loads, [](const Load& load) { return std::holds_alternative<Impulse>(load); });
-    scene.duration = 0.5;
+    // of which only the cost is told
+    scene.duration = 0.05;
     for (int i = 0; i < links; ++i) {
         const std::size_t like = static_cast<std::size_t>(i % 2);
         NamedBody body = ten.bodies[like];
@@ -98,27 +101,23 @@ NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"method", "method"}};
     for (const int links : chain_lengths)
         columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us a step)", links)});
-    columns.insert(columns.end(),
-                   {{"exponent", "grows with the power"}, {"gap_100", "gap of 100 links (m)"}, {"message", "message"}});
+    columns.insert(columns.end(), {{"exponent", "grows with the power"}, {"message", "message"}});
     NamedTable named = headed_table("cost", "What a step costs against the number of links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> cells{std::string(curve.method->name)};
         std::vector<double> seconds;
         std::string message;
-        std::optional<double> gap;
         for (const int links : chain_lengths) {
             const Result* row = swept_row(plan, rows, curve, chain_label(links));
             const bool ran = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
             if (row && !ran && message.empty()) message = row->message;
             if (ran) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
-            if (ran) gap = row->errors["joint_gap"].max;
             cells.push_back(ran ? Cell(1e6 * seconds.back()) : Cell());
         }
         const bool all = seconds.size() == chain_lengths.size();
         cells.push_back(all ? Cell(std::log(seconds.back() / seconds.front()) /
                                    std::log(static_cast<double>(chain_lengths.back()) / chain_lengths.front()))
                             : Cell());
-        cells.push_back(all ? cell_of(gap) : Cell());
         cells.push_back(message);
         named.table.rows.push_back(std::move(cells));
     }
@@ -130,11 +129,11 @@ Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows
     const std::string step = step_name(sweep_step);
     findings.page = fmt::format(
         "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
-        "1 s "
+        "0.25 s "
         "at {}: the largest gap of a joint and the largest error of an attitude.\n\n{}\n",
         step, markdown(page_of(findings.tables[0])));
     findings.page += fmt::format(
-        "## Cost against the number of links\n\nHanging chains of hinges, 0.5 s at {}: the time of a step, and the "
+        "## Cost against the number of links\n\nHanging chains of hinges, 0.05 s at {}: the time of a step, and the "
         "power "
         "of the number of links with which it grows from 10 to 100.\n\n{}\n",
         step, markdown(page_of(findings.tables[1])));
@@ -146,7 +145,7 @@ Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows
 Plan joint_sweeps(const Plan& plan) {
     static const Kind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
     Plan sweeps{plan.experiment, {}, {}, plan.quick};
-    sweeps.experiment.kind = &kind, sweeps.experiment.samples = 30;
+    sweeps.experiment.kind = &kind, sweeps.experiment.samples = 6;
     for (const int ratio : mass_ratios) sweeps.scenes.push_back(heavy_rope(ratio));
     for (const int links : chain_lengths) sweeps.scenes.push_back(hanging_chain(links));
     for (const PlannedCurve& curve : plan.curves)

@@ -15,7 +15,7 @@
 namespace polhode {
 namespace {
 
-Trajectory moved(const EngineMethod& engine, const Scene& scene, double step) {
+Trajectory jointed_motion(const EngineMethod& engine, const Scene& scene, double step) {
     Settings settings;
     settings.step = step, settings.samples = 10, settings.seconds_limit = 60;
     return solve(scene, *engine.method, settings);
@@ -64,7 +64,7 @@ TEST(EngineJoints, FollowPendulums) {
         for (const EngineMethod* engine : jointed()) {
             SCOPED_TRACE(fmt::format("{} {}", engine->method->name, name));
             const bool is_single = engine->method->precision == Precision::binary32;
-            const Trajectory coarse = moved(*engine, scene, 2e-3), fine = moved(*engine, scene, 1e-3);
+            const Trajectory coarse = jointed_motion(*engine, scene, 2e-3), fine = jointed_motion(*engine, scene, 1e-3);
             ASSERT_EQ(coarse.status, Status::ok) << coarse.message;
             ASSERT_EQ(fine.status, Status::ok) << fine.message;
             ASSERT_EQ(fine.bodies, static_cast<int>(scene.bodies.size()));
@@ -95,7 +95,7 @@ TEST(EngineJoints, KeepEachTypeOfJoint) {
             SCOPED_TRACE(fmt::format("{} {}", engine->method->name, name));
             // neither has the gyroscopic term; what that does to a motion in space is no joint's fault
             if (engine->engine == "havok" || engine->engine == "cannon_es" || engine->setting == "none") continue;
-            const Trajectory run = moved(*engine, scene, 2.5e-4);
+            const Trajectory run = jointed_motion(*engine, scene, 2.5e-4);
             if (run.status == Status::unsupported) {
                 EXPECT_NE(run.message, "");
                 continue;
@@ -113,7 +113,7 @@ TEST(EngineJoints, RepeatTheirNumbers) {
     scene.duration = 0.2;
     for (const EngineMethod* engine : jointed()) {
         SCOPED_TRACE(engine->method->name);
-        const Trajectory first = moved(*engine, scene, 1e-2), second = moved(*engine, scene, 1e-2);
+        const Trajectory first = jointed_motion(*engine, scene, 1e-2), second = jointed_motion(*engine, scene, 1e-2);
         ASSERT_EQ(first.samples.size(), 22u) << first.message;
         for (std::size_t k = 0; k < first.samples.size(); ++k) EXPECT_EQ(first.samples[k].q, second.samples[k].q);
     }

@@ -303,9 +303,13 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
         const std::string& name = names[i];
         const Outcome outcome = run({"describe", name});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        for (const char* part : {"Mass properties", "System posed", "Left out, and why", "What auto takes",
-                                 "Invariants", "Conditioning", "Polhode"})
-            EXPECT_NE(outcome.out.find(part), std::string::npos) << name << ": " << part;
+        std::vector<const char*> parts{"System posed", "Left out, and why", "What auto takes", "Invariants",
+                                       "Conditioning"};
+        if (is_mechanism(find_scene(name)))
+            parts.insert(parts.end(), {"Tree", "Bodies at the start"});
+        else
+            parts.insert(parts.end(), {"Mass properties", "Polhode"});
+        for (const char* part : parts) EXPECT_NE(outcome.out.find(part), std::string::npos) << name << ": " << part;
     }
     for (const Method* method : methods()) {
         const Outcome outcome = run({"describe", std::string(method->name)});

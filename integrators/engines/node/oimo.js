@@ -52,5 +52,5 @@ await serve({
     default: 'no gyroscopic term to switch on; a slow body falls asleep',
     best: 'never asleep; still no gyroscopic term'
   },
-  load: async () => (OIMO = (await import('oimo')).default, World)
+  load: async () => (OIMO = (await import('oimo')).default, {World})
 });

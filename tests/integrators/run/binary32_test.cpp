@@ -116,6 +116,8 @@ TEST(Binary32, KeepsWhatTheMethodKeeps) {
 
 /// Motions that binary32 cannot hold.
 TEST_P(Binary32Method, RefusesNumbersBeyondItsRange) {
+    if (refusal(*find_method(GetParam()->name), pose(free_body(1))).find("several bodies") != std::string::npos)
+        GTEST_SKIP() << "a free body is none of its motions";
     const auto refused = [&](const Scene& scene, double h) {
         const Trajectory trajectory = with_step(scene, GetParam()->name.data(), h);
         EXPECT_EQ(trajectory.status, Status::unsupported) << trajectory.message;

@@ -124,7 +124,6 @@ class Mechanism extends Scene {
     const [out, into] = framesOf(bodies, joint, joint.type === 'prismatic' ? 'x' : 'z');
     const frames = [this.place(joint.parent_point, out), this.place(joint.child_point, into)];
     if (joint.type === 'revolute') return new Ammo.btHingeConstraint(a, b, ...frames);
-    if (joint.type === 'fixed') return new Ammo.btFixedConstraint(a, b, ...frames);
     const slider = new Ammo.btSliderConstraint(a, b, ...frames, true);
     slider.setLowerLinLimit(1), slider.setUpperLinLimit(-1);
     slider.setLowerAngLimit(0), slider.setUpperAngLimit(0);
@@ -145,7 +144,8 @@ await serve({
     default: 'no gyroscopic term; a slow body falls asleep; no damping; a turn of at most pi/4 a step',
     best: 'the gyroscopic term by an explicit step (setFlags(1)), never asleep'
   },
-  joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
+  // no fixed one: the constraint of this build gives way, 1.1 rad on a welded pendulum in a quarter of a second
+  joints: ['revolute', 'prismatic', 'spherical'],
   loops: ['revolute', 'spherical'],
   load: async () => {
     Ammo = await (await import('ammojs-typed')).default();

@@ -9,6 +9,7 @@
 #include "experiment/kinds/engine_joints.h"
 #include "experiment/kinds/kinds.h"
 #include "scene/scene_file.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -84,7 +85,7 @@ NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
         for (const int ratio : mass_ratios) {
             const Result* row = swept_row(plan, rows, curve, rope_label(ratio));
             const bool ran = row && row->status == Status::ok;
-            if (row && !ran && message.empty()) message = row->message;
+            if (row && !ran && message.empty()) message = one_line(row->message, 100);
             gaps.push_back(ran ? cell_of(row->errors["joint_gap"].max) : Cell());
             attitudes.push_back(ran ? cell_of(row->errors["attitude"].max) : Cell());
         }
@@ -110,7 +111,7 @@ NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
         for (const int links : chain_lengths) {
             const Result* row = swept_row(plan, rows, curve, chain_label(links));
             const bool ran = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
-            if (row && !ran && message.empty()) message = row->message;
+            if (row && !ran && message.empty()) message = one_line(row->message, 100);
             if (ran) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
             cells.push_back(ran ? Cell(1e6 * seconds.back()) : Cell());
         }
@@ -146,6 +147,8 @@ Plan joint_sweeps(const Plan& plan) {
     static const Kind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
     Plan sweeps{plan.experiment, {}, {}, plan.quick};
     sweeps.experiment.kind = &kind, sweeps.experiment.samples = 6;
+    // the least of several: other work on the machine only ever adds
+    sweeps.experiment.repeats = plan.quick ? 3 : 9;
     for (const int ratio : mass_ratios) sweeps.scenes.push_back(heavy_rope(ratio));
     for (const int links : chain_lengths) sweeps.scenes.push_back(hanging_chain(links));
     for (const PlannedCurve& curve : plan.curves)

@@ -12,6 +12,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "measure/observed_order.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -175,7 +176,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
                 }
             for (const Result* r : own) {
                 if (is_at(*r, usual_step)) usual = r;
-                if (message.empty() && r->status != Status::ok) message = r->message;
+                if (message.empty() && r->status != Status::ok) message = one_line(r->message, 100);
                 if (r->status == Status::ok && r->seconds_min && r->steps.value_or(0) > 0)
                     seconds.push_back(*r->seconds_min / static_cast<double>(*r->steps));
             }

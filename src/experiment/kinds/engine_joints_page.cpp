@@ -25,11 +25,16 @@ std::string sentence_of_joints(const JointPlace& place) {
     if (place.closes())
         text = fmt::format(" Its joints have no gap but round-off ({}): they are its coordinates",
                            amount_of(place.worst_gap, " m"));
+    else if (place.gap && *place.gap < 1e-9)
+        text = fmt::format(
+            " Its joints are its coordinates and have no gap but round-off; at the closure of a loop "
+            "they part by {} at worst (`{}` at {})",
+            amount_of(place.worst_gap, " m"), place.worst_gap_scene, step_name(usual_step));
     else
         text = fmt::format(" At {} its joints part by {} in the median of {} scene{}, by {} at worst (`{}`)",
                            step_name(usual_step), amount_of(place.gap, " m"), place.scenes,
                            place.scenes == 1 ? "" : "s", amount_of(place.worst_gap, " m"), place.worst_gap_scene);
-    if (!place.closes() && place.fine_gap)
+    if (place.gap && *place.gap >= 1e-9 && place.fine_gap)
         text += fmt::format(", by {} at {}", amount_of(place.fine_gap, " m"), step_name(fine_step));
     const bool is_lost = place.attitude && *place.attitude >= 1;
     text += fmt::format("; the attitude is {} off, the energy {}",

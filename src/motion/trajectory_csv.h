@@ -1,4 +1,4 @@
-// Trajectories as CSV files: t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz; of several bodies t,body,qw,..
+// Trajectories as CSV files: t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz; of several bodies, body stands after t.
 #pragma once
 
 #include <span>

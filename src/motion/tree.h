@@ -224,7 +224,7 @@ class Tree {
 
 #include "motion/tree_cast.h"
 #include "motion/tree_equations.h"
+#include "motion/tree_instances.h"
 #include "motion/tree_loops.h"
 #include "motion/tree_reactions.h"
 #include "motion/tree_start.h"
-#include "motion/tree_instances.h"

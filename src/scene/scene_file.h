@@ -17,8 +17,8 @@ Scene parse_scene(std::string_view text, const std::string& file, const std::str
 Scene read_scene(const std::string& path);
 
 /// The scene as canonical JSON: every number as its shortest decimal that reads back to the same binary64, keys in
-/// the contract's order; files it names keep their names, with the hash of their bytes in a comment, but a robot that it
-/// imports stands as the bodies and joints that it became. Its hash is the scene's identity. Throws
+/// the contract's order; files it names keep their names, with the hash of their bytes in a comment, but a robot that
+/// it imports stands as the bodies and joints that it became. Its hash is the scene's identity. Throws
 /// std::invalid_argument on a UserTorque.
 std::string write_scene(const Scene& scene);
 

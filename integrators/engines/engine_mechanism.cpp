@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-using engine_json::array, engine_json::json, engine_json::number, engine_json::quaternion_at, engine_json::vector_at;
+using engine_json::array, engine_json::json, engine_json::quaternion_at, engine_json::vector_at;
 
 const char* word(JointType type) {
     switch (type) {

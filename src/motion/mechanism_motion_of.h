@@ -189,7 +189,7 @@ P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motion
     const Vector3<P> w = rotate_back(attitude(link.child, motions), rate_W(link.child) - rate_W(link.parent));
     const auto unwrapped = [&](std::size_t axis, const P& angle, const P& rate) {
         const double turns = coordinates.turns(joint, axis, t, static_cast<double>(angle), static_cast<double>(rate));
-        const P x = angle + P(turns) * P(2) * Elementary<P>::pi();
+        P x = angle + P(turns) * P(2) * Elementary<P>::pi();
         coordinates.keep(joint, axis, t, static_cast<double>(x), static_cast<double>(rate));
         return x;
     };

@@ -133,7 +133,7 @@ class Drawing {
     std::size_t lines_ = 0;
 
     static std::string name(const std::string& words) { return one_line(words, 60); }
-    std::size_t at(const std::string& body) const { return static_cast<std::size_t>(body_index(scene_, body) + 1); }
+    std::size_t at(const std::string& body) const { return static_cast<std::size_t>(body_index(scene_, body)) + 1; }
 
     void line(std::size_t depth, const std::string& words) {
         if (++lines_ > most_lines) return;

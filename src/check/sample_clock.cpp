@@ -69,7 +69,8 @@ std::optional<double> restore_clock(TrajectoryFile& file, double duration) {
     const double steps = std::round(duration / dt);
     const bool divides = steps >= 1 && steps < 1e15 && duration / steps == dt;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double count = first + static_cast<double>(k / at_once);
+        const std::size_t moment = k / at_once;
+        const double count = first + static_cast<double>(moment);
         rows[k].t = divides ? (count == steps ? duration : duration * count / steps) : count * dt;
     }
     return dt;

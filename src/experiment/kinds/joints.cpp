@@ -164,7 +164,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
                 if (planned.kind != SettingKind::step) continue;
                 Curve curve;
                 curve.label = curve_label(planned), curve.color = planned.color;
-                const auto add = [&](double x, const Result* row) {
+                const auto add = [&, measure = measure](double x, const Result* row) {
                     if (!row || row->status != Status::ok || !row->errors[measure].max) return;
                     curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);
                 };

@@ -228,7 +228,7 @@ std::string decimal_of_wide(const Wide& value, int digits) {
         if (i == 0) all += '.';
         rest = 10 * (rest - digit);
     }
-    const std::string scientific = truth::rounded_decimal(all + "e" + std::to_string(exponent), digits);
+    std::string scientific = truth::rounded_decimal(all + "e" + std::to_string(exponent), digits);
     const std::size_t mark = scientific.find('e');
     exponent = std::stoi(scientific.substr(mark + 1));
     if (exponent < -4 || exponent > 8) return scientific;

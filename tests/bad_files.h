@@ -57,8 +57,8 @@ inline void expect_whole_catalogue(const std::string& room, const std::string& e
 /// Whether `polhode check` reads a trajectory file that the strict reader refuses: for names of columns, which it knows
 /// in other programs' spelling, or ignores with a remark; or whether a scene of one body has another fault to tell.
 inline bool is_read_by_check(const BadFile& bad) {
-    for (const char* name :
-         {"/motion/bad/unknown_column.csv", "/motion/bad/column_in_capitals.csv", "/motion/bad/quoted_header.csv"})
+    for (const char* name : {"/motion/bad/unknown_column.csv", "/motion/bad/column_in_capitals.csv",
+                             "/motion/bad/quoted_header.csv", "/motion/bad/duplicate_body.csv"})
         if (bad.path.ends_with(name)) return true;
     // to one body two rows at one time are the fault
     return bad.path.find("/motion/bad/body_") != std::string::npos;

@@ -7,15 +7,6 @@ namespace {
 
 using Wrench = Pair6<double>;
 
-Symmetric3<double> less(const Symmetric3<double>& a, const Symmetric3<double>& b) {
-    return {a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.xz - b.xz, a.yz - b.yz};
-}
-
-// u v^T, where that is symmetric
-Symmetric3<double> outer(const Vector3<double>& u, const Vector3<double>& v) {
-    return {u[0] * v[0], u[1] * v[1], u[2] * v[2], u[0] * v[1], u[0] * v[2], u[1] * v[2]};
-}
-
 }  // namespace
 
 void ArmatureSolver::take(const Tree<double>& tree, const TreeWork<double>& at) {
@@ -33,7 +24,7 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
         const double* const d = armature.data() + (link.rate - all.coordinates);
         if (link.kind == LinkJoint::free) {
             w.inverse_mass = inverse(I.M);
-            w.inverse = inverse(less(I.J, polhode::turned(I.B, w.inverse_mass)));
+            w.inverse = inverse(I.J - polhode::turned(I.B, w.inverse_mass));
             continue;
         }
         Symmetric3<double> J, M;
@@ -44,8 +35,8 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
                 inverse(Symmetric3<double>{I.J.xx + d[0], I.J.yy + d[1], I.J.zz + d[2], I.J.xy, I.J.xz, I.J.yz});
             if (link.parent < 0) continue;
             const Matrix3<double> full = full_matrix(I.J);
-            J = less(I.J, polhode::turned(full, w.inverse));
-            M = less(I.M, polhode::turned(transposed(I.B), w.inverse));
+            J = I.J - polhode::turned(full, w.inverse);
+            M = I.M - polhode::turned(transposed(I.B), w.inverse);
             const Matrix3<double> gives = full * full_matrix(w.inverse) * I.B;
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - gives[r];
         } else {
@@ -59,7 +50,7 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
             w.inverse.xx = per;
             if (link.parent < 0) continue;
             const Vector3<double> N = per * U_n, F = per * U_f;
-            J = less(I.J, outer(N, U_n)), M = less(I.M, outer(F, U_f));
+            J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - N[r] * U_f;
         }
         hang(w, J, B, M, Vector3<double>(), Vector3<double>(), links_[static_cast<std::size_t>(link.parent)].inertia);

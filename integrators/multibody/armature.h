@@ -22,7 +22,6 @@ class ArmatureSolver {
 
   private:
     std::vector<LinkWork<double>> links_;
-    std::vector<Vector3<double>> left_;
 };
 
 }  // namespace polhode::multibody

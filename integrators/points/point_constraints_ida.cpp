@@ -10,6 +10,7 @@
 
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
+#include "integrators/sundials/ida_counts.h"
 #include "integrators/sundials/sundials_run.h"
 
 namespace polhode {
@@ -113,7 +114,7 @@ class ConstraintSession : public PointSession {
     void restart() {
         begin();
         N_VConst(0, rate_of_state_.get());
-        steps_ = rejected_steps_ = newton_failures_ = 0, running_ = false;
+        counts_ = {}, running_ = false;
     }
     int enter(const Segment& segment) {
         close();
@@ -131,7 +132,7 @@ class ConstraintSession : public PointSession {
         rethrow();
         if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
             leap();
-            ++steps_;
+            ++counts_.steps;
             return IDA_TSTOP_RETURN;
         }
         t_ = flag == IDA_TSTOP_RETURN ? end_ : reached;
@@ -148,11 +149,11 @@ class ConstraintSession : public PointSession {
     }
     long steps() {
         close();
-        return steps_;
+        return counts_.steps;
     }
     SolverCounts counts() {
         close();
-        return {rejected_steps_, newton_failures_, {}};
+        return {counts_.rejected_steps, counts_.newton_failures, {}};
     }
 
   private:
@@ -224,11 +225,7 @@ class ConstraintSession : public PointSession {
     void close() {
         if (!running_) return;
         running_ = false;
-        long steps = 0, rejected = 0, failures = 0;
-        IDAGetNumSteps(memory_.get(), &steps);
-        IDAGetNumErrTestFails(memory_.get(), &rejected);
-        IDAGetNumNonlinSolvConvFails(memory_.get(), &failures);
-        steps_ += steps, rejected_steps_ += rejected, newton_failures_ += failures;
+        counts_.add(memory_.get());
     }
 
     Constraints constraints_;
@@ -237,7 +234,7 @@ class ConstraintSession : public PointSession {
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
-    long steps_ = 0, rejected_steps_ = 0, newton_failures_ = 0;
+    IdaCounts counts_;
     bool running_ = false;
 };
 

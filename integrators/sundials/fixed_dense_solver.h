@@ -2,13 +2,13 @@
 // with partial pivoting. They go with FixedVector.
 #pragma once
 
-#include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <new>
 
+#include "integrators/sundials/direct_solver.h"
 #include "integrators/sundials/fixed_vector.h"
 
 namespace polhode {
@@ -67,59 +67,26 @@ class FixedMatrix {
 };
 
 template <int N>
-class FixedDenseSolver {
+class FixedFactors {
   public:
-    /// To be freed by SUNLinSolFree; nullptr where there is no memory.
-    static SUNLinearSolver make(SUNContext context) {
-        Storage* s = new (std::nothrow) Storage;
-        if (!s) return nullptr;
-        s->content = s, s->ops = &operations(), s->sunctx = context;
-        return s;
+    bool factorize(SUNMatrix a) {
+        factors_.compute(FixedMatrix<N>::entries(a));
+        const auto pivots = factors_.matrixLU().diagonal();
+        for (int i = 0; i < N; ++i)
+            if (pivots[i] == 0 || !std::isfinite(pivots[i])) return false;
+        return true;
+    }
+    void solve(N_Vector b, N_Vector x) const {
+        using Column = Eigen::Map<Eigen::Matrix<double, N, 1>>;
+        const Eigen::Matrix<double, N, 1> right = Column(FixedVector<N>::data(b));
+        Column(FixedVector<N>::data(x)) = factors_.solve(right);
     }
 
   private:
-    struct Storage : _generic_SUNLinearSolver {
-        Eigen::PartialPivLU<Eigen::Matrix<double, N, N>> factors;
-    };
-
-    static SUNLinearSolver_Type type(SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; }
-    static SUNLinearSolver_ID id(SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; }
-    static int initialize(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    // a positive value asks CVODE to try again with a smaller step
-    static int setup(SUNLinearSolver s, SUNMatrix a) {
-        auto& factors = static_cast<Storage*>(s)->factors;
-        factors.compute(FixedMatrix<N>::entries(a));
-        const auto pivots = factors.matrixLU().diagonal();
-        for (int i = 0; i < N; ++i)
-            if (pivots[i] == 0 || !std::isfinite(pivots[i])) return SUNLS_LUFACT_FAIL;
-        return SUNLS_SUCCESS;
-    }
-    static int solve(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, double) {
-        using Column = Eigen::Map<Eigen::Matrix<double, N, 1>>;
-        const Eigen::Matrix<double, N, 1> right = Column(FixedVector<N>::data(b));
-        Column(FixedVector<N>::data(x)) = static_cast<Storage*>(s)->factors.solve(right);
-        return SUNLS_SUCCESS;
-    }
-    static sunindextype last_flag(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    static int destroy(SUNLinearSolver s) {
-        delete static_cast<Storage*>(s);
-        return SUNLS_SUCCESS;
-    }
-
-    static _generic_SUNLinearSolver_Ops& operations() {
-        static _generic_SUNLinearSolver_Ops table = [] {
-            _generic_SUNLinearSolver_Ops o{};
-            o.gettype = type;
-            o.getid = id;
-            o.initialize = initialize;
-            o.setup = setup;
-            o.solve = solve;
-            o.lastflag = last_flag;
-            o.free = destroy;
-            return o;
-        }();
-        return table;
-    }
+    Eigen::PartialPivLU<Eigen::Matrix<double, N, N>> factors_;
 };
+
+template <int N>
+using FixedDenseSolver = DirectSolver<FixedFactors<N>>;
 
 }  // namespace polhode

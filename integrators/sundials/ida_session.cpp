@@ -1,7 +1,5 @@
 #include "integrators/sundials/ida_session.h"
 
-#include <numbers>
-
 namespace polhode {
 namespace {
 
@@ -9,33 +7,20 @@ namespace {
 // not converge further
 constexpr double multiplier_share = 1e-3;
 
-}  // namespace
-
-std::vector<std::array<double, 2>> starting_coordinates(const Scene& scene,
-                                                        const std::vector<BodyMotion<double>>& start) {
-    std::vector<std::array<double, 2>> all;
-    const auto attitude = [&](const std::string& name) {
-        for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-            if (scene.bodies[b].name == name) return start[b].q;
-        return Quaternion<double>{};
-    };
-    for (const Joint& joint : scene.joints) {
-        all.push_back(joint.coordinate);
-        if (!joint.dependent || joint.type != JointType::revolute) continue;
-        const Quaternion<double> base = attitude(joint.parent) * normalized(joint.parent_orientation);
-        const Quaternion<double> turn = conjugate(base) * attitude(joint.child);
-        const Vector3<double>& axis = joint.axes[0];
-        const double angle = 2 * std::atan2(dot(vector_part(turn), axis) / length(axis), turn.w);
-        constexpr double round = 2 * std::numbers::pi;
-        all.back()[0] = angle + round * std::nearbyint((joint.coordinate[0] - angle) / round);
-    }
-    return all;
+// where the joints' coordinates begin, those of dependent ones included
+std::vector<std::array<double, 2>> starting_coordinates(const Problem& problem) {
+    const Tree<double>& tree = mechanism_of(problem).tree();
+    std::vector<double> y(static_cast<std::size_t>(tree.dimension()));
+    tree.initial(y.data());
+    return tree.joint_coordinates(y.data());
 }
+
+}  // namespace
 
 IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tolerance)
     : problem_(&problem),
       start_(mechanism_initial_motions(problem.scene)),
-      system_(problem.scene, start_, starting_coordinates(problem.scene, start_), maximal::LoopRows::independent),
+      system_(problem.scene, start_, starting_coordinates(problem), maximal::LoopRows::independent),
       equations_(system_, index),
       n_(equations_.unknowns()),
       // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
@@ -96,7 +81,7 @@ void IdaSession::set_tolerances() {
 void IdaSession::restart() {
     N_VConst(0, state_.get()), N_VConst(0, rate_of_state_.get());
     system_.initial(y());
-    evaluations_ = steps_ = rejected_steps_ = newton_failures_ = 0;
+    evaluations_ = 0, counts_ = {};
     running_ = false;
     not_finite_at_.reset();
 }
@@ -122,7 +107,7 @@ int IdaSession::step() {
         for (int i = 0; i < equations_.differential(); ++i) y()[i] += (end_ - t_) * rate[i];
         t_ = end_;
         message_.clear();
-        ++steps_;
+        ++counts_.steps;
         return IDA_TSTOP_RETURN;
     }
     t_ = flag == IDA_TSTOP_RETURN ? end_ : reached;
@@ -158,11 +143,7 @@ void IdaSession::make_consistent() {
 void IdaSession::close() {
     if (!running_) return;
     running_ = false;
-    long steps = 0, rejected = 0, failures = 0;
-    IDAGetNumSteps(memory_.get(), &steps);
-    IDAGetNumErrTestFails(memory_.get(), &rejected);
-    IDAGetNumNonlinSolvConvFails(memory_.get(), &failures);
-    steps_ += steps, rejected_steps_ += rejected, newton_failures_ += failures;
+    counts_.add(memory_.get());
 }
 
 // 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side

@@ -20,6 +20,7 @@
 #include "integrators/maximal/constrained.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/run/watch.h"
+#include "integrators/sundials/ida_counts.h"
 #include "integrators/sundials/sparse_solver.h"
 #include "integrators/sundials/sundials_handles.h"
 #include "motion/dual.h"
@@ -27,11 +28,6 @@
 #include "motion/mechanism.h"
 
 namespace polhode {
-
-/// Where the joints' coordinates begin: the scene's, and of a joint that is moved until the loops close the one nearest
-/// to it.
-std::vector<std::array<double, 2>> starting_coordinates(const Scene& scene,
-                                                        const std::vector<BodyMotion<double>>& start);
 
 /// Not to be moved: the library points into it.
 class IdaSession {
@@ -61,12 +57,12 @@ class IdaSession {
     SolverFailure failure(int flag);
     long steps() {
         close();
-        return steps_;
+        return counts_.steps;
     }
     long rhs_evaluations() const { return evaluations_; }
     SolverCounts counts() {
         close();
-        return {rejected_steps_, newton_failures_, {}};
+        return {counts_.rejected_steps, counts_.newton_failures, {}};
     }
 
   private:
@@ -86,7 +82,8 @@ class IdaSession {
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
     double t_ = 0, end_ = 0;
-    long evaluations_ = 0, steps_ = 0, rejected_steps_ = 0, newton_failures_ = 0;
+    long evaluations_ = 0;
+    IdaCounts counts_;
     bool running_ = false;
     std::optional<double> not_finite_at_;
     std::string message_;

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <nvector/nvector_serial.h>
-#include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
 #include <Eigen/Sparse>
 #include <new>
+
+#include "integrators/sundials/direct_solver.h"
 
 namespace polhode {
 
@@ -57,59 +58,24 @@ class SparseMatrix {
 };
 
 /// The pattern of all matrices that it is given is the first one's.
-class SparseSolver {
+class SparseFactors {
   public:
-    /// To be freed by SUNLinSolFree; nullptr where there is no memory.
-    static SUNLinearSolver make(SUNContext context) {
-        Storage* s = new (std::nothrow) Storage;
-        if (!s) return nullptr;
-        s->content = s, s->ops = &operations(), s->sunctx = context;
-        return s;
+    bool factorize(SUNMatrix a) {
+        if (!analyzed_) factors_.analyzePattern(SparseMatrix::entries(a)), analyzed_ = true;
+        factors_.factorize(SparseMatrix::entries(a));
+        return factors_.info() == Eigen::Success;
+    }
+    void solve(N_Vector b, N_Vector x) const {
+        const Eigen::Index n = factors_.rows();
+        const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(b), n);
+        Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(x), n) = factors_.solve(right);
     }
 
   private:
-    struct Storage : _generic_SUNLinearSolver {
-        Storage() : _generic_SUNLinearSolver{} {}
-        Eigen::SparseLU<SparseMatrix::Entries> factors;
-        bool analyzed = false;
-    };
-
-    static SUNLinearSolver_Type type(SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; }
-    static SUNLinearSolver_ID id(SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; }
-    static int initialize(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    // a positive value asks for another try with a smaller step
-    static int setup(SUNLinearSolver s, SUNMatrix a) {
-        Storage* self = static_cast<Storage*>(s);
-        if (!self->analyzed) self->factors.analyzePattern(SparseMatrix::entries(a)), self->analyzed = true;
-        self->factors.factorize(SparseMatrix::entries(a));
-        return self->factors.info() == Eigen::Success ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL;
-    }
-    static int solve(SUNLinearSolver s, SUNMatrix a, N_Vector x, N_Vector b, double) {
-        const Eigen::Index n = SparseMatrix::entries(a).rows();
-        const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(b), n);
-        Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(x), n) = static_cast<Storage*>(s)->factors.solve(right);
-        return SUNLS_SUCCESS;
-    }
-    static sunindextype last_flag(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    static int destroy(SUNLinearSolver s) {
-        delete static_cast<Storage*>(s);
-        return SUNLS_SUCCESS;
-    }
-
-    static _generic_SUNLinearSolver_Ops& operations() {
-        static _generic_SUNLinearSolver_Ops table = [] {
-            _generic_SUNLinearSolver_Ops o{};
-            o.gettype = type;
-            o.getid = id;
-            o.initialize = initialize;
-            o.setup = setup;
-            o.solve = solve;
-            o.lastflag = last_flag;
-            o.free = destroy;
-            return o;
-        }();
-        return table;
-    }
+    Eigen::SparseLU<SparseMatrix::Entries> factors_;
+    bool analyzed_ = false;
 };
+
+using SparseSolver = DirectSolver<SparseFactors>;
 
 }  // namespace polhode

@@ -55,15 +55,8 @@ class TreeForm {
         }
         return all;
     }
-    /// The coordinates of each joint at y: rad, with all their turns, or m.
-    std::vector<std::array<P, 2>> joint_coordinates(const P* y) const {
-        std::vector<std::array<P, 2>> all(scene_->joints.size(), std::array<P, 2>{P(0), P(0)});
-        for (const polhode::Link<P>& link : tree_.links().links)
-            if (link.joint >= 0 && link.coordinates() == 1)
-                all[static_cast<std::size_t>(link.joint)][static_cast<std::size_t>(link.axis)] =
-                    y[static_cast<std::size_t>(link.coordinate)];
-        return all;
-    }
+    /// Those of each joint, as the tree has them.
+    std::vector<std::array<P, 2>> joint_coordinates(const P* y) const { return tree_.joint_coordinates(y); }
 
   private:
     const Scene* scene_;

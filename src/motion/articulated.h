@@ -66,6 +66,17 @@ Symmetric3<S> operator+(const Symmetric3<S>& a, const Symmetric3<S>& b) {
     return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
 }
 
+template <class S>
+Symmetric3<S> operator-(const Symmetric3<S>& a, const Symmetric3<S>& b) {
+    return {a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.xz - b.xz, a.yz - b.yz};
+}
+
+/// u v^T, where that is symmetric.
+template <class S>
+Symmetric3<S> outer(const Vector3<S>& u, const Vector3<S>& v) {
+    return {u[0] * v[0], u[1] * v[1], u[2] * v[2], u[0] * v[1], u[0] * v[2], u[1] * v[2]};
+}
+
 /// R m R^T.
 template <class S>
 Symmetric3<S> turned(const Matrix3<S>& R, const Symmetric3<S>& m) {

@@ -106,6 +106,9 @@ struct Elementary<Dual<N, S, P>> {
 };
 /// @endcond
 
+/// As many columns of a Jacobian of a size that only the program knows are found in one evaluation.
+inline constexpr int own_directions = 8;
+
 /// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
 template <class SystemType>
 requires(SystemType::dimension > 0) void jacobian(const SystemType& system, double t, const double* y, double* J) {

@@ -14,6 +14,7 @@
 
 #include "body/elementary.h"
 #include "body/mass_properties.h"
+#include "motion/mechanism_motion.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -89,19 +90,6 @@ struct Links {
     std::vector<int> link_of_joint;  ///< of each joint its link (the last, of a universal one); world_link where fixed
     int coordinates = 0, rates = 0;  ///< of the state y = (coordinates, rates)
 };
-
-/// The index of a body by its name; -1 for "world".
-inline int body_index(const Scene& scene, const std::string& name) {
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-        if (scene.bodies[i].name == name) return static_cast<int>(i);
-    return -1;
-}
-/// The index of a joint by its name; -1 where there is none.
-inline int joint_index(const Scene& scene, const std::string& name) {
-    for (std::size_t i = 0; i < scene.joints.size(); ++i)
-        if (scene.joints[i].name == name) return static_cast<int>(i);
-    return -1;
-}
 
 /// A unit quaternion that turns z into the axis, of any length but zero: exact where the axis is one of the frame.
 template <class P>

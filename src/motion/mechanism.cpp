@@ -7,22 +7,15 @@
 
 #include "motion/contact.h"
 #include "motion/own_system.h"
-#include "scene/body_source.h"
+#include "motion/scout.h"
 
 namespace polhode {
 namespace {
 
 // of components moved, so that a thousand bodies wait no longer than one
 constexpr long scout_work = 4'000'000, most_scout_steps = 20000, least_scout_steps = 200;
-constexpr double scout_tolerance = 1e-3;
 
 }  // namespace
-
-std::vector<MassProperties<Wide>> wide_mass_properties(const Scene& scene) {
-    std::vector<MassProperties<Wide>> all;
-    for (const NamedBody& body : scene.bodies) all.push_back(mass_properties<Wide>(body.body));
-    return all;
-}
 
 std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<double>>& motions) {
     std::vector<Sample> samples;
@@ -32,7 +25,7 @@ std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<dou
 }
 
 std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene) {
-    const Tree<Wide> tree(scene, wide_mass_properties(scene));
+    const Tree<Wide> tree(scene, bodies_mass_properties<Wide>(scene));
     std::vector<Wide> y(static_cast<std::size_t>(tree.dimension()));
     tree.initial(y.data());
     std::vector<BodyMotion<double>> all;
@@ -44,7 +37,7 @@ std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene) {
 
 MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
     : scene_(std::move(scene)),
-      exact_(std::make_shared<const Tree<Wide>>(*scene_, wide_mass_properties(*scene_))),
+      exact_(std::make_shared<const Tree<Wide>>(*scene_, bodies_mass_properties<Wide>(*scene_))),
       tree_(*exact_) {
     for (const Carried<double>& body : tree_.links().bodies)
         masses_.push_back(body.mass), inertias_.push_back(body.inertia_B);
@@ -54,9 +47,7 @@ MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
 std::vector<Sample> MechanismModel::motion(const double* y) const { return samples_of_bodies(0, tree_.motions(y)); }
 
 void MechanismModel::enter(double t, double* y) {
-    Tree<Wide> exact(*exact_);
-    exact.set_loads(*scene_, t);
-    tree_.take_loads(exact);
+    tree_.take_loads(exact_->loads_at(*scene_, t));
     tree_.strike(*scene_, t, y);
 }
 
@@ -70,7 +61,7 @@ double MechanismModel::kinetic_energy(const Bodies& bodies) const {
     return energy;
 }
 
-// Bogacki & Shampine (1989), orders 3 and 2, each component against its kind's largest.
+// Each component against its kind's largest.
 void MechanismModel::scout() {
     const std::size_t n = static_cast<std::size_t>(dimension());
     // the kinds of components: angles and quaternions by 1; places; turning rates; speeds
@@ -101,45 +92,32 @@ void MechanismModel::scout() {
     };
     using Y = std::vector<double>;
     MechanismModel model(*this);
-    Y y(n), k1(n), k2(n), k3(n), k4(n), z(n), next(n);
+    Y y(n);
     model.initial(y.data());
     note(y);
-    const long most_steps = std::clamp(scout_work / static_cast<long>(n), least_scout_steps, most_scout_steps);
+    // the attempt that is one too many has been made
+    const long most_steps = std::clamp(scout_work / static_cast<long>(n), least_scout_steps, most_scout_steps) + 1;
     long steps = 0;
     bool going = true;
+    const auto rate = [&](double, const Y& at, Y& dy) { model.derivative(at.data(), dy.data()); };
+    const auto change_of = [&](const Y& difference, const Y& next) {
+        double worst = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double change = std::abs(difference[i]), size = std::max(largest[kind[i]], std::abs(next[i]));
+            if (!(change <= 0)) worst = std::max(worst, size > 0 ? change / size : 1.0);
+            if (!std::isfinite(next[i])) worst = std::numeric_limits<double>::infinity();
+        }
+        return worst;
+    };
+    const auto arrived = [&](double, Y& at) {
+        if (model.projects()) model.project(at.data());
+        note(at);
+        return model.projects();
+    };
     for (const Leg& leg : itinerary(*scene_)) {
         model.enter(leg.begin, y.data());
         note(y);
-        double t = leg.begin, h = (leg.end - leg.begin) / 100;
-        model.derivative(y.data(), k1.data());
-        while (going && t < leg.end) {
-            if (++steps > most_steps) going = false;
-            h = std::min(h, leg.end - t);
-            for (std::size_t i = 0; i < n; ++i) z[i] = y[i] + h / 2 * k1[i];
-            model.derivative(z.data(), k2.data());
-            for (std::size_t i = 0; i < n; ++i) z[i] = y[i] + h * 3 / 4 * k2[i];
-            model.derivative(z.data(), k3.data());
-            for (std::size_t i = 0; i < n; ++i) next[i] = y[i] + h / 9 * (2 * k1[i] + 3 * k2[i] + 4 * k3[i]);
-            model.derivative(next.data(), k4.data());
-            double error = 0;
-            for (std::size_t i = 0; i < n; ++i) {
-                const double change = std::abs(h * (-5.0 / 72 * k1[i] + k2[i] / 12 + k3[i] / 9 - k4[i] / 8));
-                const double size = std::max(largest[kind[i]], std::abs(next[i]));
-                if (!(change <= 0)) error = std::max(error, size > 0 ? change / size : 1.0);
-                if (!std::isfinite(next[i])) error = std::numeric_limits<double>::infinity();
-            }
-            error /= scout_tolerance;
-            if (!std::isfinite(error) || error > 1) {
-                h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::cbrt(1 / error)) : 0.1;
-                if (t + h == t) going = false;
-                continue;
-            }
-            t = leg.end - t <= h ? leg.end : t + h;
-            y = next, k1 = k4;
-            if (model.projects()) model.project(y.data()), model.derivative(y.data(), k1.data());
-            note(y);
-            h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
-        }
+        going = going && scout_leg(leg, y, steps, most_steps, rate, change_of, arrived);
     }
     // a motion at rest has no scale of its own: one radian, metre over the duration
     const double T = scene_->duration;

@@ -11,10 +11,6 @@
 
 namespace polhode {
 
-/// The mass properties of all bodies of a scene, exact in P. Made for double and Wide; for any other scalar include
-/// scene/body_source.h.
-std::vector<MassProperties<Wide>> wide_mass_properties(const Scene& scene);
-
 /// A mechanism as a model (motion/own_system.h): its equations in binary64, each constant rounded once from 113 bits.
 class MechanismModel {
   public:

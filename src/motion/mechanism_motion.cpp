@@ -2,6 +2,20 @@
 
 namespace polhode {
 
+namespace {
+
+template <class Named>
+int index_of(const std::vector<Named>& all, const std::string& name) {
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i].name == name) return static_cast<int>(i);
+    return -1;
+}
+
+}  // namespace
+
+int body_index(const Scene& scene, const std::string& name) { return index_of(scene.bodies, name); }
+int joint_index(const Scene& scene, const std::string& name) { return index_of(scene.joints, name); }
+
 std::vector<std::string> body_names(const Scene& scene) {
     std::vector<std::string> names;
     for (const NamedBody& body : scene.bodies) names.push_back(body.name);

@@ -26,6 +26,10 @@ struct BodyMotion {
 
 /// The names of a scene's bodies, in its order; empty in a scene of one.
 std::vector<std::string> body_names(const Scene& scene);
+/// The index of a body by its name; -1 for "world".
+int body_index(const Scene& scene, const std::string& name);
+/// The index of a joint by its name; -1 where there is none.
+int joint_index(const Scene& scene, const std::string& name);
 /// The names of a scene's joints, then of its loops, in the scene's order.
 std::vector<std::string> joint_names(const Scene& scene);
 

@@ -56,13 +56,8 @@ std::vector<MassProperties<P>> bodies_mass_properties(const Scene& scene) {
 
 template <class P>
 MechanismMeasure<P>::MechanismMeasure(const Scene& scene) : bodies_(bodies_mass_properties<P>(scene)) {
-    const auto index = [&](const std::string& name) {
-        for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-            if (scene.bodies[i].name == name) return static_cast<int>(i);
-        return -1;
-    };
     const auto point = [&](const std::string& body, const Vector3<double>& from_origin) {
-        const int b = index(body);
+        const int b = body_index(scene, body);
         Point p{b, cast<P>(from_origin)};
         if (b >= 0) p.arm = p.arm - bodies_[static_cast<std::size_t>(b)].center;
         return p;
@@ -104,7 +99,7 @@ MechanismMeasure<P>::MechanismMeasure(const Scene& scene) : bodies_(bodies_mass_
             if (force->frame == Frame::world && force->point_frame == Frame::body)
                 pulls_.push_back({point(force->body, force->point), cast<P>(force->vector), force->window});
         } else if (const auto* spring = std::get_if<Spring>(&load)) {
-            twists_.push_back({index(spring->body), P(spring->stiffness),
+            twists_.push_back({body_index(scene, spring->body), P(spring->stiffness),
                                conjugate(normalized(cast<P>(spring->rest_orientation))), spring->window});
         } else if (const auto* strut = std::get_if<PointSpring>(&load)) {
             struts_.push_back({point(strut->first, strut->first_point), point(strut->second, strut->second_point),

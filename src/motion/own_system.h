@@ -32,9 +32,6 @@ namespace polhode {
 /// The size of a state that the compiler does not know.
 inline constexpr int run_time = -1;
 
-/// As many columns of a Jacobian are found in one evaluation of an own system.
-inline constexpr int own_directions = 8;
-
 /// What a model of one's own has:
 ///
 ///  * `int dimension() const`: the number n of components of the state y, at least one.

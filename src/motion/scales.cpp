@@ -4,13 +4,13 @@
 
 #include "motion/contact.h"
 #include "motion/needs.h"
+#include "motion/scout.h"
 #include "motion/systems.h"
 
 namespace polhode {
 namespace {
 
 constexpr long scout_steps = 20000;
-constexpr double scout_tolerance = 1e-3;
 
 template <class SystemType, std::size_t N>
 double largest_change(const std::array<double, N>& difference, const std::array<double, N>& y) {
@@ -36,11 +36,9 @@ void note(const Problem& problem, const Sample& sample, Scales& scales) {
     raise(scales.velocity, length(sample.velocity_W));
 }
 
-// Bogacki & Shampine (1989), orders 3 and 2.
 template <class SystemType>
 void scout(const Problem& problem, Scales& scales) {
-    constexpr int N = SystemType::dimension;
-    using Y = std::array<double, N>;
+    using Y = std::array<double, SystemType::dimension>;
     Y y{};
     SystemType f(problem);
     f.initial(y.data());
@@ -48,35 +46,17 @@ void scout(const Problem& problem, Scales& scales) {
     for (const Segment& segment : problem.segments) {
         f.enter(segment, y.data());
         note(problem, f.motion(segment.begin, y.data()), scales);
-        double t = segment.begin;
-        Y k1{}, k2{}, k3{}, k4{}, z{}, next{}, difference{};
-        f.derivative(t, y.data(), k1.data());
-        double h = (segment.end - segment.begin) / 100;
-        while (t < segment.end) {
-            if (++steps > scout_steps) return;
-            h = std::min(h, segment.end - t);
-            for (int i = 0; i < N; ++i) z[i] = y[i] + h / 2 * k1[i];
-            f.derivative(t + h / 2, z.data(), k2.data());
-            for (int i = 0; i < N; ++i) z[i] = y[i] + h * 3 / 4 * k2[i];
-            f.derivative(t + h * 3 / 4, z.data(), k3.data());
-            for (int i = 0; i < N; ++i) next[i] = y[i] + h / 9 * (2 * k1[i] + 3 * k2[i] + 4 * k3[i]);
-            f.derivative(t + h, next.data(), k4.data());
-            for (int i = 0; i < N; ++i) difference[i] = h * (-5.0 / 72 * k1[i] + k2[i] / 12 + k3[i] / 9 - k4[i] / 8);
-            const double error = largest_change<SystemType>(difference, next) / scout_tolerance;
-            if (!std::isfinite(error) || error > 1) {
-                h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::cbrt(1 / error)) : 0.1;
-                if (t + h == t) return;
-                continue;
-            }
-            t = segment.end - t <= h ? segment.end : t + h;
-            y = next, k1 = k4;
+        const auto rate = [&](double t, const Y& at, Y& dy) { f.derivative(t, at.data(), dy.data()); };
+        const auto arrived = [&](double t, Y& at) {
+            bool struck = false;
             if constexpr (SystemType::has_translation)
                 // as impact_stepping: what is too deep is sent back
-                if (problem.body.geometry->any() && strike_planes(problem, 0, y.data()).struck)
-                    f.derivative(t, y.data(), k1.data());
-            note(problem, f.motion(t, y.data()), scales);
-            h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
-        }
+                struck = problem.body.geometry->any() && strike_planes(problem, 0, at.data()).struck;
+            note(problem, f.motion(t, at.data()), scales);
+            return struck;
+        };
+        if (!scout_leg(segment, y, steps, scout_steps, rate, largest_change<SystemType, std::tuple_size_v<Y>>, arrived))
+            return;
     }
 }
 

@@ -4,6 +4,7 @@
 // The constants are exact in the scalar P; the equations are a template over the scalar S of the state.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,10 +136,12 @@ class Tree {
     /// y at t = 0, before any impulse there.
     void initial(P* y) const { std::copy(start_.begin(), start_.end(), y); }
     /// Takes up the loads that act from `begin` (s) on.
-    void set_loads(const Scene& scene, double begin);
-    /// Takes over the loads of another one, each number made by P(theirs).
+    void set_loads(const Scene& scene, double begin) { loads_ = loads_at(scene, begin); }
+    /// What acts from `begin` (s) on.
+    LinkLoads<P> loads_at(const Scene& scene, double begin) const;
+    /// Takes over loads, each number made by P(theirs).
     template <class Other>
-    void take_loads(const Tree<Other>& other);
+    void take_loads(const LinkLoads<Other>& loads);
     /// Applies the impulses at that time (s) to y; whether there were any.
     bool strike(const Scene& scene, double at, P* y) const;
 
@@ -155,6 +158,8 @@ class Tree {
     /// The motion of every body, in the scene's order, with the quaternions as they come.
     template <class S>
     std::vector<BodyMotion<S>> motions(const S* y) const;
+    /// The coordinates of each joint at y, in the scene's order: rad, with all their turns, or m.
+    std::vector<std::array<P, 2>> joint_coordinates(const P* y) const;
     /// What each joint, then each loop does to its child or its second body, in the scene's order.
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
@@ -190,9 +195,11 @@ class Tree {
     std::vector<int> chosen_;  ///< independent rows
     std::vector<P> start_;
 
+    /// Whether the accelerations need the world's view of the links.
+    bool sees() const { return has_loops() || loads_.needs_frames(); }
     void find_loops(const Scene& scene);
     void find_start(const Scene& scene);
-    void close_by_dependent(const Scene& scene, const std::vector<int>& dependent);
+    void close_by_dependent(const std::vector<int>& dependent);
     void choose_rows();
     LinkPoint<P> point_of(const Scene& scene, const std::string& body, const Vector3<double>& point) const;
     void displace(const P* by, P* y) const;

@@ -85,8 +85,8 @@ Tree<P>::Tree(const Tree<Other>& other)
 
 template <class P>
 template <class Other>
-void Tree<P>::take_loads(const Tree<Other>& other) {
-    loads_ = cast<P>(other.loads_);
+void Tree<P>::take_loads(const LinkLoads<Other>& loads) {
+    loads_ = cast<P>(loads);
 }
 
 }  // namespace polhode

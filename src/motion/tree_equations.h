@@ -223,10 +223,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
         if (link.kind == LinkJoint::free) {
             // f = B^T alpha + M a = -f0,  (J - B M^-1 B^T) alpha = -n0 + B M^-1 f0
             w.inverse_mass = inverse(I.M);
-            Symmetric3<S> schur = turned(I.B, w.inverse_mass);
-            schur = {I.J.xx - schur.xx, I.J.yy - schur.yy, I.J.zz - schur.zz,
-                     I.J.xy - schur.xy, I.J.xz - schur.xz, I.J.yz - schur.yz};
-            w.inverse = inverse(schur);
+            w.inverse = inverse(I.J - turned(I.B, w.inverse_mass));
             continue;
         }
         const bool hangs = link.parent >= 0;
@@ -240,8 +237,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
             const Vector3<S> torque = w.force;
             w.force = torque - I.n;
             if (!hangs) continue;
-            M = turned(transposed(I.B), w.inverse);
-            M = {I.M.xx - M.xx, I.M.yy - M.yy, I.M.zz - M.zz, I.M.xy - M.xy, I.M.xz - M.xz, I.M.yz - M.yz};
+            M = I.M - turned(transposed(I.B), w.inverse);
             n = torque;
             f = I.f + M * c_v + transposed_times(I.B, w.inverse * w.force);
         } else {
@@ -263,14 +259,12 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
                 J.xx = I.J.xx - N[0] * U_n[0], J.yy = I.J.yy - N[1] * U_n[1], J.xy = I.J.xy - N[0] * U_n[1];
                 for (std::size_t r = 0; r < 2; ++r)
                     for (std::size_t c = 0; c < 3; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
-                M = {I.M.xx - F[0] * U_f[0], I.M.yy - F[1] * U_f[1], I.M.zz - F[2] * U_f[2],
-                     I.M.xy - F[0] * U_f[1], I.M.xz - F[0] * U_f[2], I.M.yz - F[1] * U_f[2]};
+                M = I.M - outer(F, U_f);
                 n = {I.n[0] + J.xx * c_w[0] + J.xy * c_w[1] + dot(B[0], c_v) + U_n[0] * step,
                      I.n[1] + J.xy * c_w[0] + J.yy * c_w[1] + dot(B[1], c_v) + U_n[1] * step, force};
                 f = I.f + transposed_times(B, c_w) + M * c_v + step * U_f;
             } else {
-                J = {I.J.xx - N[0] * U_n[0], I.J.yy - N[1] * U_n[1], I.J.zz - N[2] * U_n[2],
-                     I.J.xy - N[0] * U_n[1], I.J.xz - N[0] * U_n[2], I.J.yz - N[1] * U_n[2]};
+                J = I.J - outer(N, U_n);
                 for (std::size_t r = 0; r < 3; ++r)
                     for (std::size_t c = 0; c < 2; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
                 M.xx = I.M.xx - F[0] * U_f[0], M.yy = I.M.yy - F[1] * U_f[1], M.xy = I.M.xy - F[0] * U_f[1];
@@ -326,7 +320,7 @@ template <class P>
 template <class S>
 void Tree<P>::accelerate(const S* y, TreeWork<S>& at, S* dy) const {
     move(y, at);
-    if (has_loops() || loads_.needs_frames()) see(y, at);
+    if (sees()) see(y, at);
     load(y, at);
     articulate(at);
     sweep_out(at, dy + links_.coordinates);

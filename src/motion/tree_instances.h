@@ -7,9 +7,6 @@
 
 namespace polhode {
 
-/// As many columns of a mechanism's Jacobian are found in one evaluation.
-inline constexpr int tree_directions = 8;
-
 #define POLHODE_TREE_INSTANCES(EXTERN, S)                                                                     \
     EXTERN template TreeWork<S>& Tree<double>::work<S>() const;                                               \
     EXTERN template void Tree<double>::derivative(const S*, S*) const;                                        \
@@ -33,6 +30,6 @@ inline constexpr int tree_directions = 8;
 
 extern template class Tree<double>;
 POLHODE_TREE_INSTANCES(extern, double)
-POLHODE_TREE_INSTANCES(extern, Dual<tree_directions>)
+POLHODE_TREE_INSTANCES(extern, Dual<own_directions>)
 
 }  // namespace polhode

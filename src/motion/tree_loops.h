@@ -255,8 +255,8 @@ void Tree<P>::project(P* y) const {
     };
     // Newton's method, until round-off stops it
     P before(-1);
+    look();
     for (int step = 0; step < most_steps; ++step) {
-        look();
         P worst(0);
         for (const int row : chosen_) {
             const P size = Elementary<P>::magnitude(at.rows[static_cast<std::size_t>(row)].value);
@@ -266,13 +266,22 @@ void Tree<P>::project(P* y) const {
         before = worst;
         answer(&LoopRow<P>::value);
         displace(change.data(), y);
+        look();
     }
-    look();
     answer(&LoopRow<P>::velocity);
     for (std::size_t k = 0; k < rates; ++k) {
         P& rate = y[static_cast<std::size_t>(links_.coordinates) + k];
         rate = rate + change[k];
     }
+}
+
+template <class P>
+std::vector<std::array<P, 2>> Tree<P>::joint_coordinates(const P* y) const {
+    std::vector<std::array<P, 2>> all(links_.link_of_joint.size(), std::array<P, 2>{P(0), P(0)});
+    for (const Link<P>& link : links_.links)
+        if (link.joint >= 0 && link.coordinates() == 1)
+            all[static_cast<std::size_t>(link.joint)][static_cast<std::size_t>(link.axis)] = y[link.coordinate];
+    return all;
 }
 
 template <class P>

@@ -12,7 +12,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     TreeWork<S>& at = work<S>();
     std::vector<S> dy(static_cast<std::size_t>(dimension()));
     accelerate(y, at, dy.data());
-    see(y, at);
+    if (!sees()) see(y, at);
     // of a body: where its centre of mass is, how it moves, and the force and torque about that centre that the joint
     // and what hangs on the body have yet to bring about, world axes
     struct Needed {

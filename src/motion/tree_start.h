@@ -70,7 +70,7 @@ void Tree<P>::find_start(const Scene& scene) {
         }
     }
     if (loops_.empty()) return;
-    if (!dependent.empty()) close_by_dependent(scene, dependent);
+    if (!dependent.empty()) close_by_dependent(dependent);
     const double off = static_cast<double>(loop_gap(start_.data()));
     constexpr double closed = 1e-9;
     if (!(off <= closed)) {
@@ -110,7 +110,7 @@ std::pair<std::size_t, std::size_t> largest_left(const std::vector<P>& matrix, s
 }
 
 template <class P>
-void Tree<P>::close_by_dependent(const Scene& scene, const std::vector<int>& dependent) {
+void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
     constexpr int most_steps = 60;
     const std::size_t m = dependent.size();
     std::vector<P> y = start_;
@@ -182,7 +182,6 @@ void Tree<P>::close_by_dependent(const Scene& scene, const std::vector<int>& dep
     const std::vector<P> rates = solved(slopes(), std::move(right));
     for (std::size_t c = 0; c < m; ++c)
         y[static_cast<std::size_t>(links_.links[static_cast<std::size_t>(dependent[c])].rate)] = rates[c];
-    (void)scene;
     start_ = std::move(y);
 }
 
@@ -236,9 +235,9 @@ void Tree<P>::choose_rows() {
 }
 
 template <class P>
-void Tree<P>::set_loads(const Scene& scene, double begin) {
-    loads_ = {};
-    loads_.motors.assign(links_.links.size(), P(0));
+LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
+    LinkLoads<P> loads;
+    loads.motors.assign(links_.links.size(), P(0));
     bool motors = false;
     int b = -1;  // the body that is acted on
     const auto body = [&](const std::string& name) -> const Carried<P>& {
@@ -248,48 +247,49 @@ void Tree<P>::set_loads(const Scene& scene, double begin) {
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<Impulse>(load) || !acts(window_of(load), begin)) continue;
         if (const auto* gravity = std::get_if<Gravity>(&load)) {
-            loads_.gravity_W = loads_.gravity_W + cast<P>(gravity->acceleration_W);
+            loads.gravity_W = loads.gravity_W + cast<P>(gravity->acceleration_W);
         } else if (const auto* motor = std::get_if<Motor>(&load)) {
             const int link = links_.link_of_joint[static_cast<std::size_t>(joint_index(scene, motor->joint))];
-            P& sum = loads_.motors[static_cast<std::size_t>(link)];
+            P& sum = loads.motors[static_cast<std::size_t>(link)];
             sum = sum + P(motor->force), motors = true;
         } else if (const auto* torque = std::get_if<Torque>(&load)) {
             const Carried<P>& on = body(torque->body);
             const Vector3<P> v = cast<P>(torque->vector);
             if (torque->frame == Frame::body)
-                loads_.constant.push_back({on.link, b, {on.turn * v, {}}});
+                loads.constant.push_back({on.link, b, {on.turn * v, {}}});
             else
-                loads_.in_world.push_back({on.link, b, v, {}, {}});
+                loads.in_world.push_back({on.link, b, v, {}, {}});
         } else if (const auto* force = std::get_if<Force>(&load)) {
             const Carried<P>& on = body(force->body);
             const Vector3<P> F = cast<P>(force->vector), point = cast<P>(force->point);
             const bool in_body = force->frame == Frame::body;
             const Vector3<P> F_link = in_body ? on.turn * F : F;
             if (force->point_frame == Frame::world) {
-                loads_.at_world_points.push_back({on.link, b, F_link, point, in_body});
+                loads.at_world_points.push_back({on.link, b, F_link, point, in_body});
                 continue;
             }
             const Vector3<P> at = on.origin + on.turn * point;
             if (in_body)
-                loads_.constant.push_back({on.link, b, {cross(at, F_link), F_link}});
+                loads.constant.push_back({on.link, b, {cross(at, F_link), F_link}});
             else
-                loads_.in_world.push_back({on.link, b, {}, F, at});
+                loads.in_world.push_back({on.link, b, {}, F, at});
         } else if (const auto* drag = std::get_if<Drag>(&load)) {
             const Carried<P>& on = body(drag->body);
             const Matrix3<P> C = on.turn * diagonal(cast<P>(drag->rotational)) * transposed(on.turn);
-            loads_.drags.push_back({on.link, b, C, P(drag->translational), on.center});
+            loads.drags.push_back({on.link, b, C, P(drag->translational), on.center});
         } else if (const auto* spring = std::get_if<Spring>(&load)) {
             const Carried<P>& on = body(spring->body);
             if (spring->stiffness == 0) continue;
             const Quaternion<P> rest = normalized(cast<P>(spring->rest_orientation));
-            loads_.springs.push_back({on.link, b, P(spring->stiffness), on.q, rest});
+            loads.springs.push_back({on.link, b, P(spring->stiffness), on.q, rest});
         } else if (const auto* between = std::get_if<PointSpring>(&load)) {
-            loads_.between.push_back({point_of(scene, between->first, between->first_point),
-                                      point_of(scene, between->second, between->second_point), P(between->stiffness),
-                                      P(between->rest_length)});
+            loads.between.push_back({point_of(scene, between->first, between->first_point),
+                                     point_of(scene, between->second, between->second_point), P(between->stiffness),
+                                     P(between->rest_length)});
         }
     }
-    if (!motors) loads_.motors.clear();
+    if (!motors) loads.motors.clear();
+    return loads;
 }
 
 template <class P>

@@ -69,11 +69,9 @@ struct TimedChain {
 
   private:
     static Tree<double> loaded(const Scene& scene) {
-        Tree<Wide> exact(scene, wide_mass_properties(scene));
+        Tree<Wide> exact(scene, bodies_mass_properties<Wide>(scene));
         exact.set_loads(scene, 0);
-        Tree<double> rounded(exact);
-        rounded.take_loads(exact);
-        return rounded;
+        return Tree<double>(exact);
     }
 };
 

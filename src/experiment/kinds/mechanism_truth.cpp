@@ -28,7 +28,7 @@ struct Counted {
 };
 
 Counted counted(const Scene& scene) {
-    const Tree<Wide> tree(scene, wide_mass_properties(scene));
+    const Tree<Wide> tree(scene, bodies_mass_properties<Wide>(scene));
     const long rows = static_cast<long>(tree.loop_rows()),
                independent = static_cast<long>(tree.independent_loop_rows());
     return {tree.links().rates - independent, rows, rows - independent};

@@ -57,7 +57,7 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
     for (std::size_t b = 0; b < n; ++b)
         bodies[scene.bodies[b].name] = true_motion<Wide>(truth.samples[truth.samples.size() - n + b]);
     bodies["world"].q = {1, 0, 0, 0};
-    Tree<Wide> tree(scene, wide_mass_properties(scene));
+    Tree<Wide> tree(scene, bodies_mass_properties<Wide>(scene));
     std::vector<Wide> y(static_cast<std::size_t>(tree.dimension())), rates(y.size());
     const auto place = [&](const Link<Wide>& link) -> JointNow& {
         return end.joints[scene.joints[static_cast<std::size_t>(link.joint)].name];

@@ -1,0 +1,21 @@
+// What IDA tells of a run, added up over its restarts at events.
+#pragma once
+
+#include <ida/ida.h>
+
+namespace polhode {
+
+struct IdaCounts {
+    long steps = 0, rejected_steps = 0, newton_failures = 0;
+
+    /// Adds those since IDA began last.
+    void add(void* memory) {
+        long taken = 0, rejected = 0, failures = 0;
+        IDAGetNumSteps(memory, &taken);
+        IDAGetNumErrTestFails(memory, &rejected);
+        IDAGetNumNonlinSolvConvFails(memory, &failures);
+        steps += taken, rejected_steps += rejected, newton_failures += failures;
+    }
+};
+
+}  // namespace polhode

@@ -51,10 +51,7 @@ std::pair<Run<P, Motions<P>>, Beside<P>> taken_apart(Run<P, MechanismMoment<P>> 
 template <unsigned working>
 Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
     using P = Real<working>;
-    constexpr long max_steps = 400'000;
-    // as of one body: attempt_taylor.h
-    const TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, max_steps};
-    const TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits + 2, 0.93, max_steps};
+    const TaylorRuns runs(local_digits, most_taylor_steps);
     const Scene& scene = problem.scene;
     const std::vector<Leg> legs = itinerary(scene);
     Telling<P, TreeForm<P>> tree(scene);
@@ -65,16 +62,17 @@ Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& 
     auto second = in_thread([&] {
         Telling<P, MaximalForm<P>> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));
         std::vector<Block> blocks = bodies.blocks(problem.scales);
-        return taken_apart(taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), problem.scales, coarse));
+        return taken_apart(
+            taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), problem.scales, runs.coarse));
     });
     std::vector<Block> blocks = tree.blocks(mechanism_of(problem).scales());
     const auto first =
-        taken_apart(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, fine));
+        taken_apart(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, runs.fine));
     const auto other = second.get();
     return compared(problem, sample_times, first.first, other.first,
                     fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps",
-                                working, TreeForm<P>::name, fine.order, first.first.steps, MaximalForm<P>::name,
-                                coarse.order, other.first.steps),
+                                working, TreeForm<P>::name, runs.fine.order, first.first.steps, MaximalForm<P>::name,
+                                runs.coarse.order, other.first.steps),
                     static_cast<int>(working), first.second, other.second);
 }
 

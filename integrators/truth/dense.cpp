@@ -163,15 +163,15 @@ DenseTruth dense_reference(const Scene& scene, double end) {
             other = second.get();
             how = fmt::format("collocation polynomials of {} and {} stages", fine.stages, coarse.stages);
         } else {
-            const truth::TaylorSettings coarse{static_cast<int>(std::ceil(1.15 * local)) + 2, local, 1, most_steps};
-            const truth::TaylorSettings fine{static_cast<int>(std::ceil(1.3 * local)) + 5, local + 2, 0.93, most_steps};
+            const truth::TaylorRuns runs(local, most_steps);
             auto second = truth::in_thread([&] {
-                return truth::taylor<P, truth::MomentumForm<P>>(dense.scene_, times, problem.scales, moments, coarse);
+                return truth::taylor<P, truth::MomentumForm<P>>(dense.scene_, times, problem.scales, moments,
+                                                                runs.coarse);
             });
-            first =
-                truth::taylor<P, truth::EulerForm<P>>(dense.scene_, times, problem.scales, moments, fine, keep_series);
+            first = truth::taylor<P, truth::EulerForm<P>>(dense.scene_, times, problem.scales, moments, runs.fine,
+                                                          keep_series);
             other = second.get();
-            how = fmt::format("Taylor polynomials of order {} and {}", fine.order, coarse.order);
+            how = fmt::format("Taylor polynomials of order {} and {}", runs.fine.order, runs.coarse.order);
         }
         fault = first.fault.empty() ? other.fault : first.fault;
         if (!fault.empty()) break;

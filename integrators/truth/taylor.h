@@ -36,6 +36,17 @@ struct TaylorSettings {
     long max_steps;
 };
 
+/// The settings of the two runs of a truth with `digits` digits a step. The work order^2 / step is least near order =
+/// ln(10) / 2 digits (Jorba & Zou 2005); the other run goes by a higher order, a finer tolerance and a step shortened
+/// by an odd factor.
+struct TaylorRuns {
+    TaylorSettings coarse, fine;
+
+    TaylorRuns(double digits, long max_steps)
+        : coarse{static_cast<int>(std::ceil(1.15 * digits)) + 2, digits, 1, max_steps},
+          fine{static_cast<int>(std::ceil(1.3 * digits)) + 5, digits + 2, 0.93, max_steps} {}
+};
+
 /// log2 of the largest component of a block of y.
 template <class P, class Component>
 double log2_size(const Block& block, Component&& component) {

@@ -12,31 +12,13 @@
 #include "integrators/engines/engine_json.h"
 #include "integrators/run/watch.h"
 #include "motion/mechanism.h"
+#include "scene/joint_file.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
 using engine_json::array, engine_json::json, engine_json::quaternion_at, engine_json::vector_at;
-
-const char* word(JointType type) {
-    switch (type) {
-        case JointType::revolute:
-            return "revolute";
-        case JointType::prismatic:
-            return "prismatic";
-        case JointType::spherical:
-            return "spherical";
-        case JointType::universal:
-            return "universal";
-        case JointType::fixed:
-            return "fixed";
-    }
-    return "";
-}
-const char* word(LoopType type) {
-    return type == LoopType::spherical ? "spherical" : type == LoopType::revolute ? "revolute" : "distance";
-}
 
 // Gravity that always acts; impulses at t = 0 are in the start.
 Vector3<double> gravity_of(const Scene& scene) {
@@ -113,7 +95,7 @@ EngineJoint joint_of(const Joint& joint, const Starts& starts) {
     if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
         throw std::invalid_argument("springs and dampers of joints are not asked of engines");
     EngineJoint known;
-    known.name = joint.name, known.type = word(joint.type);
+    known.name = joint.name, known.type = name_of(joint.type);
     known.parent = starts.index(joint.parent), known.child = starts.index(joint.child);
     known.child_point = starts.point(known.child, joint.child_point);
     known.anchor_W = starts.placed(known.child, known.child_point);
@@ -139,7 +121,7 @@ EngineJoint joint_of(const Joint& joint, const Starts& starts) {
 
 EngineJoint closure_of(const Loop& loop, const Starts& starts) {
     EngineJoint known;
-    known.name = loop.name, known.type = word(loop.type), known.length = loop.length;
+    known.name = loop.name, known.type = name_of(loop.type), known.length = loop.length;
     known.parent = starts.index(loop.first), known.child = starts.index(loop.second);
     known.parent_point = starts.point(known.parent, loop.first_point);
     known.child_point = starts.point(known.child, loop.second_point);

@@ -108,6 +108,14 @@ class MaximalState {
         }
     }
 
+    /// x += h v, q = exp(h w) q.
+    static void move(MovingBody<S>& body, S h, const Vector3<S>& v, const Vector3<S>& w) {
+        if (!body.movable) return;
+        body.x = body.x + h * v;
+        body.turn(h * w);
+        body.turned();
+    }
+
     std::vector<MovingBody<S>> bodies_;  ///< in the scene's order, then the world
     long steps_ = 0;
 

@@ -69,7 +69,7 @@ class SequentialImpulses : public MaximalState<S> {
         if constexpr (options.split) {
             go_on_with_corrections(h, mend);
         } else {
-            for (MovingBody<S>& body : bodies_) move(body, h, body.v, body.w);
+            for (MovingBody<S>& body : bodies_) this->move(body, h, body.v, body.w);
         }
         ++steps_;
     }
@@ -97,12 +97,6 @@ class SequentialImpulses : public MaximalState<S> {
             masses_[k][i] = 1 / coupling(row, row, a, b);
         });
     }
-    static void move(MovingBody<S>& body, S h, const Vector3<S>& v, const Vector3<S>& w) {
-        if (!body.movable) return;
-        body.x = body.x + h * v;
-        body.turn(h * w);
-        body.turned();
-    }
     // the same iteration for the corrections' velocities, which begin at rest
     void go_on_with_corrections(S h, S mend) {
         const std::vector<MovingBody<S>> real = bodies_;
@@ -113,7 +107,7 @@ class SequentialImpulses : public MaximalState<S> {
             });
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             MovingBody<S>& body = bodies_[b];
-            move(body, h, real[b].v + body.v, real[b].w + body.w);
+            this->move(body, h, real[b].v + body.v, real[b].w + body.w);
             body.v = real[b].v, body.w = real[b].w;
         }
     }

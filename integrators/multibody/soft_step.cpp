@@ -46,12 +46,7 @@ class SoftStep : public multibody::MaximalState<S> {
                     rows.row[r].push(impulses_[k][r], bodies_[pair.from], bodies_[pair.to]);
             }
             go_round(soft);
-            for (auto& body : bodies_) {
-                if (!body.movable) continue;
-                body.x = body.x + h * body.v;
-                body.turn(h * body.w);
-                body.turned();
-            }
+            for (auto& body : bodies_) this->move(body, h, body.v, body.w);
             find_rows();
             go_round(rigid);
             ++steps_;

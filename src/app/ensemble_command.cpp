@@ -107,6 +107,21 @@ std::string csv_of(const std::vector<std::vector<EnsembleRow>>& solved, const En
     return text;
 }
 
+// The first row that did not end well, and those that were refused, a line each.
+template <class Row>
+void append_troubles(std::string& text, const std::vector<Row>& rows, const std::vector<std::size_t>& numbers,
+                     const std::vector<RefusedRow>& refused) {
+    const auto failed = std::ranges::find_if(rows, [](const Row& row) { return row.status != Status::ok; });
+    if (failed != rows.end())
+        text += fmt::format("first    row {}: {}: {}\n", numbers[static_cast<std::size_t>(failed - rows.begin())],
+                            name_of(failed->status), one_line(failed->message, 500));
+    constexpr std::size_t most_told = 100;
+    for (std::size_t i = 0; i < std::min(most_told, refused.size()); ++i)
+        text += fmt::format("refused  row {}: {}\n", refused[i].row, one_line(refused[i].fault, 500));
+    if (refused.size() > most_told)
+        text += fmt::format("refused  {} rows more; all stand in the table\n", refused.size() - most_told);
+}
+
 // What the run did, for people: a line each.
 std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, const EnsembleTable& table,
                     const std::vector<std::size_t>& numbers, const EnsembleSettings& settings, double seconds) {
@@ -124,15 +139,7 @@ std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, co
         separator = ", ";
     }
     text += '\n';
-    const auto failed = std::ranges::find_if(rows, [](const EnsembleRow& row) { return row.status != Status::ok; });
-    if (failed != rows.end())
-        text += fmt::format("first    row {}: {}: {}\n", numbers[static_cast<std::size_t>(failed - rows.begin())],
-                            name_of(failed->status), one_line(failed->message, 500));
-    constexpr std::size_t most_told = 100;
-    for (std::size_t i = 0; i < std::min(most_told, table.refused.size()); ++i)
-        text += fmt::format("refused  row {}: {}\n", table.refused[i].row, one_line(table.refused[i].fault, 500));
-    if (table.refused.size() > most_told)
-        text += fmt::format("refused  {} rows more; all stand in the table\n", table.refused.size() - most_told);
+    append_troubles(text, rows, numbers, table.refused);
     return text;
 }
 
@@ -187,16 +194,7 @@ std::string summary(const Scene& scene, const std::vector<MechanismRow>& rows, c
         "status   {}\n",
         one_line(scene.name, 100), rows.size(), scene.bodies.size(), scene.duration, seconds, settings.threads,
         settings.threads == 1 ? "" : "s", static_cast<double>(rows.size()) / seconds, fmt::join(words, ", "));
-    const auto failed = std::ranges::find_if(rows, [](const MechanismRow& row) { return row.status != Status::ok; });
-    if (failed != rows.end())
-        text +=
-            fmt::format("first    row {}: {}: {}\n", table.row_numbers[static_cast<std::size_t>(failed - rows.begin())],
-                        name_of(failed->status), one_line(failed->message, 500));
-    constexpr std::size_t most_told = 100;
-    for (std::size_t i = 0; i < std::min(most_told, table.refused.size()); ++i)
-        text += fmt::format("refused  row {}: {}\n", table.refused[i].row, one_line(table.refused[i].fault, 500));
-    if (table.refused.size() > most_told)
-        text += fmt::format("refused  {} rows more; all stand in the table\n", table.refused.size() - most_told);
+    append_troubles(text, rows, table.row_numbers, table.refused);
     return text;
 }
 

@@ -69,8 +69,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                     better += standing_of(other) * alike_attitude < error;
             standing.push_back(static_cast<double>(better + 1));
             if (row->status == Status::unsupported) gather(place.refused, reason_of(*row));
-            if (row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0)
-                seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
+            if (const auto time = step_seconds(*row)) seconds.push_back(*time);
             const bool by_step = place.curve->kind == SettingKind::step;
             if (by_step && is_at(*row, fine_step)) {
                 gather(fine_attitude, largest_error(*row, "attitude")),
@@ -177,8 +176,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
             for (const Result* r : own) {
                 if (is_at(*r, usual_step)) usual = r;
                 if (message.empty() && r->status != Status::ok) message = one_line(r->message, 100);
-                if (r->status == Status::ok && r->seconds_min && r->steps.value_or(0) > 0)
-                    seconds.push_back(*r->seconds_min / static_cast<double>(*r->steps));
+                if (const auto time = step_seconds(*r)) seconds.push_back(*time);
             }
             row.push_back(cell_of(largest_error(*usual, "joint_turn"))),
                 row.push_back(cell_of(largest_error(*usual, "energy")));

@@ -46,11 +46,6 @@ std::optional<double> order_of(const std::vector<const Result*>& rows) {
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-std::optional<double> step_seconds(const Result& row) {
-    if (row.status != Status::ok || !row.seconds_min || row.steps.value_or(0) == 0) return {};
-    return *row.seconds_min / static_cast<double>(*row.steps);
-}
-
 // The largest step that keeps the error on half of the scenes at least, as every smaller one does.
 std::optional<double> step_within(const std::map<double, std::vector<double>>& errors, double accuracy,
                                   std::size_t scenes) {

@@ -52,8 +52,7 @@ const Result* at_step(const std::vector<const Result*>& rows, double step) {
 std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
     std::vector<double> all;
     for (const Result* row : rows)
-        if (row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0)
-            all.push_back(1e9 * *row->seconds_min / static_cast<double>(*row->steps));
+        if (const auto seconds = step_seconds(*row)) all.push_back(1e9 * *seconds);
     return all.empty() ? std::nullopt : std::optional(median(all));
 }
 

@@ -202,6 +202,11 @@ std::vector<SeriesColumn> series_columns(SeriesOf which) {
 
 }  // namespace
 
+std::optional<double> step_seconds(const Result& result) {
+    if (result.status != Status::ok || !result.seconds_min || result.steps.value_or(0) == 0) return {};
+    return *result.seconds_min / static_cast<double>(*result.steps);
+}
+
 std::vector<ErrorColumn> error_columns() {
     std::vector<ErrorColumn> all = columns_of(contracted());
     for (const std::vector<std::size_t>& others : {beyond_contract(), of_systems()})

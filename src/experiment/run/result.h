@@ -39,6 +39,9 @@ struct Result {
     ErrorSeries series;                                ///< only of a `drift` or `conservation` experiment
 };
 
+/// The time of one step, s; empty of a run that did not end well or took none.
+std::optional<double> step_seconds(const Result& result);
+
 /// A column of the result table that tells an error.
 struct ErrorColumn {
     std::string name;         ///< "attitude_error_max", ..

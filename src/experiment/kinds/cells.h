@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,10 @@ inline Cell least(const std::vector<double>& values) {
 }
 inline Cell most(const std::vector<double>& values) {
     return values.empty() ? Cell() : Cell(*std::max_element(values.begin(), values.end()));
+}
+/// The median; nothing of no values.
+inline std::optional<double> median_of(const std::vector<double>& values) {
+    return values.empty() ? std::nullopt : std::optional(median(values));
 }
 inline Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
 

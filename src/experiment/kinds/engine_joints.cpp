@@ -17,17 +17,10 @@
 namespace polhode {
 namespace {
 
-constexpr double hopeless_attitude = 1;  // rad: an attitude beyond it is as wrong as any
-constexpr double alike_attitude = 1.1;   // errors within this factor share a place
+constexpr double alike_attitude = 1.1;  // errors within this factor share a place
 
-bool is_at(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
 std::optional<double> largest_error(const Result& row, const char* measure) {
     return row.status == Status::ok ? row.errors[measure].max : std::nullopt;
-}
-// One radian at the most; infinite of a run that did not come to its end.
-double standing_of(const Result& row) {
-    const auto error = largest_error(row, "attitude");
-    return error ? std::min(*error, hopeless_attitude) : std::numeric_limits<double>::infinity();
 }
 void gather(std::vector<double>& values, const std::optional<double>& value) {
     if (value) values.push_back(*value);
@@ -71,12 +64,12 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
             if (row->status == Status::unsupported) gather(place.refused, reason_of(*row));
             if (const auto time = step_seconds(*row)) seconds.push_back(*time);
             const bool by_step = place.curve->kind == SettingKind::step;
-            if (by_step && is_at(*row, fine_step)) {
+            if (by_step && is_step(*row, fine_step)) {
                 gather(fine_attitude, largest_error(*row, "attitude")),
                     gather(fine_gap, largest_error(*row, "joint_gap"));
             }
             // of a tolerance the loosest is what counts
-            if (by_step ? !is_at(*row, usual_step) : row != own.front()) continue;
+            if (by_step ? !is_step(*row, usual_step) : row != own.front()) continue;
             if (row->status != Status::ok) {
                 if (row->status != Status::unsupported) place.lost.push_back(scene.label);
                 continue;
@@ -93,10 +86,10 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
         place.mean_place =
             std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
     }
-    place.attitude = median_if_any(attitude), place.gap = median_if_any(gap), place.turn = median_if_any(turn);
-    place.energy = median_if_any(energy), place.fine_attitude = median_if_any(fine_attitude);
-    place.fine_gap = median_if_any(fine_gap), place.order = median_if_any(orders);
-    place.gap_order = median_if_any(gap_orders), place.step_seconds = median_if_any(seconds);
+    place.attitude = median_of(attitude), place.gap = median_of(gap), place.turn = median_of(turn);
+    place.energy = median_of(energy), place.fine_attitude = median_of(fine_attitude);
+    place.fine_gap = median_of(fine_gap), place.order = median_of(orders);
+    place.gap_order = median_of(gap_orders), place.step_seconds = median_of(seconds);
 }
 
 std::vector<ColumnChoice> place_columns(bool engines) {
@@ -170,11 +163,11 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
             std::string message;
             for (const char* measure : {"attitude", "joint_gap"})
                 for (const double step : steps) {
-                    const auto at = std::ranges::find_if(own, [&](const Result* r) { return is_at(*r, step); });
+                    const auto at = std::ranges::find_if(own, [&](const Result* r) { return is_step(*r, step); });
                     row.push_back(at == own.end() ? Cell() : cell_of(largest_error(**at, measure)));
                 }
             for (const Result* r : own) {
-                if (is_at(*r, usual_step)) usual = r;
+                if (is_step(*r, usual_step)) usual = r;
                 if (message.empty() && r->status != Status::ok) message = one_line(r->message, 100);
                 if (const auto time = step_seconds(*r)) seconds.push_back(*time);
             }
@@ -211,7 +204,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
             if (!is_chosen) continue;
             const int own_color = color++;
             for (const Result* row : rows_of(rows, scene, planned)) {
-                if (!is_at(*row, usual_step) || row->series.t.empty()) continue;
+                if (!is_step(*row, usual_step) || row->series.t.empty()) continue;
                 Curve curve;
                 curve.label = std::string(planned.method->name), curve.color = own_color;
                 curve.points = own_color >= palette_size;
@@ -230,11 +223,6 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
 }
 
 }  // namespace
-
-std::optional<double> median_if_any(const std::vector<double>& values) {
-    if (values.empty()) return {};
-    return median(values);
-}
 
 std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<JointPlace> places;

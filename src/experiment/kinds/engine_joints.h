@@ -36,9 +36,6 @@ struct JointPlace {
 /// All that have rows: engines by their places, the best first, then the others in the plan's order.
 std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>& rows);
 
-/// The median over what is there.
-std::optional<double> median_if_any(const std::vector<double>& values);
-
 /// The page: rule, tables, and a paragraph for each engine.
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings);
 

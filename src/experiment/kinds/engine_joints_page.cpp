@@ -36,7 +36,7 @@ std::string sentence_of_joints(const JointPlace& place) {
                            place.scenes == 1 ? "" : "s", amount_of(place.worst_gap, " m"), place.worst_gap_scene);
     if (place.gap && *place.gap >= 1e-9 && place.fine_gap)
         text += fmt::format(", by {} at {}", amount_of(place.fine_gap, " m"), step_name(fine_step));
-    const bool is_lost = place.attitude && *place.attitude >= 1;
+    const bool is_lost = place.attitude && *place.attitude >= hopeless_attitude;
     text += fmt::format("; the attitude is {} off, the energy {}",
                         is_lost ? "1 rad or more" : amount_of(place.attitude, " rad"), amount_of(place.energy, ""));
     text += place.order ? fmt::format(", and smaller steps help with order {:.1f}.", *place.order)

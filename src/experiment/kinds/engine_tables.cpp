@@ -14,7 +14,6 @@
 namespace polhode {
 namespace {
 
-constexpr double lost = 1;     // rad: an attitude beyond it is as wrong as any
 constexpr double alike = 1.1;  // errors within this factor share a place
 
 const PlannedCurve* curve_of_engine(const Plan& plan, const EngineMethod& engine) {
@@ -23,25 +22,12 @@ const PlannedCurve* curve_of_engine(const Plan& plan, const EngineMethod& engine
     return nullptr;
 }
 
-bool is_step(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
-
-// The largest attitude error, one radian at the most; infinite of a run that did not come to its end.
-double error_of(const Result& row) {
-    if (row.status != Status::ok || !row.errors["attitude"].max) return std::numeric_limits<double>::infinity();
-    return std::min(*row.errors["attitude"].max, lost);
-}
-
-std::optional<double> median_of(const std::vector<double>& values) {
-    if (values.empty()) return {};
-    return median(values);
-}
-
 std::optional<double> order_of(const std::vector<const Result*>& rows) {
     std::vector<double> step, error;
     for (const Result* row : rows)
         if (row->status == Status::ok && row->errors["attitude"].max)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
-    const auto observed = observed_order(step, error, lost);
+    const auto observed = observed_order(step, error, hopeless_attitude);
     // what does not converge has no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
@@ -66,6 +52,13 @@ const char* const leaderboard_rule =
     "not come to its end, and a scene that the engine cannot represent, stand behind all others. The order over all is "
     "that of the median of these places over all scenes and steps, then of their mean: no single scene decides it.";
 
+double standing_of(const Result& row) {
+    if (row.status != Status::ok || !row.errors["attitude"].max) return std::numeric_limits<double>::infinity();
+    return std::min(*row.errors["attitude"].max, hopeless_attitude);
+}
+
+bool is_step(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
+
 std::string step_name(double step) {
     const double rate = 1 / step;
     return std::abs(rate - std::round(rate)) < 1e-6 * rate ? fmt::format("1/{:.0f} s", rate)
@@ -87,12 +80,12 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
             if (const auto order = order_of(own)) orders.push_back(*order);
             bool represented = false;
             for (const Result* row : own) {
-                const double error = error_of(*row);
+                const double error = standing_of(*row);
                 long better = 0;
                 for (const Result& other : rows)
                     if (other.scene == row->scene && other.setting == row->setting &&
                         other.method.find(':') != std::string::npos)
-                        better += error_of(other) * alike < error;
+                        better += standing_of(other) * alike < error;
                 standing.push_back(static_cast<double>(better + 1));
                 represented = represented || row->status != Status::unsupported;
                 errors[row->setting].push_back(error);

@@ -17,6 +17,9 @@ inline constexpr double usual_step = 1.0 / 60;
 /// And where they are at their best.
 inline constexpr double fine_step = 1e-3;
 
+/// rad: an attitude beyond it is as wrong as any.
+inline constexpr double hopeless_attitude = 1;
+
 /// In place of an update's name, where none of the catalogue is ten times nearer to the engine than the truth is.
 inline constexpr const char* no_update = "none of the catalogue";
 
@@ -69,6 +72,11 @@ NamedTable identity_table(const std::vector<EngineFacts>& facts);
 std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& places,
                          const std::vector<EngineFacts>& facts, const Findings& findings);
 
+/// What places go by: the largest attitude error (rad), one radian at the most; infinite of a run that did not come to
+/// its end.
+double standing_of(const Result& row);
+/// Whether a row is one of that step (s), to what rounding and whole steps between samples make of it.
+bool is_step(const Result& row, double step);
 /// "1/60 s"
 std::string step_name(double step);
 

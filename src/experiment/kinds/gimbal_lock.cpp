@@ -18,11 +18,11 @@ namespace polhode {
 namespace {
 
 constexpr double duration = 4;
-constexpr long samples = 200;
+constexpr long sample_count = 200;
 
 Trajectory exactly(const Scene& scene) {
     Settings settings;
-    settings.samples = samples;
+    settings.samples = sample_count;
     return solve(scene, *find_method("exact"), settings);
 }
 
@@ -104,7 +104,7 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
             const Scene scene = passing_at(distance);
             const Trajectory truth = exactly(scene);
             Settings settings;
-            settings.samples = samples;
+            settings.samples = sample_count;
             (entry.by_step ? settings.step : settings.tolerance) = entry.setting;
             LockPassage passage;
             const Trajectory run = entry.solve(pose(scene, Formulation::full), settings, &passage);

@@ -9,6 +9,7 @@
 
 #include "experiment/kinds/cells.h"
 #include "experiment/kinds/curves.h"
+#include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
 #include "measure/observed_order.h"
 #include "measure/statistics.h"
@@ -18,12 +19,6 @@ namespace polhode {
 namespace {
 
 constexpr double lost_attitude = 1;  // rad: no order beyond it
-
-std::string step_text(double step) {
-    const double rate = 1 / step;
-    return std::abs(rate - std::round(rate)) < 1e-6 * rate ? fmt::format("1/{:.0f} s", rate)
-                                                           : fmt::format("{:g} s", step);
-}
 
 // The one parameter that takes several values, where there is just one.
 const Variation* varied(const Plan& plan) {
@@ -53,7 +48,7 @@ std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
     std::vector<double> all;
     for (const Result* row : rows)
         if (const auto seconds = step_seconds(*row)) all.push_back(1e9 * *seconds);
-    return all.empty() ? std::nullopt : std::optional(median(all));
+    return median_of(all);
 }
 
 // Of each scene and method, at each step: attitude, then the largest gap of a joint; and at the largest one the energy.
@@ -61,13 +56,13 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
     std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
     for (const double step : steps)
-        columns.push_back({"attitude_error at " + step_text(step), "attitude, " + step_text(step) + " (rad)"});
+        columns.push_back({"attitude_error at " + step_name(step), "attitude, " + step_name(step) + " (rad)"});
     columns.push_back({"order", "order"});
     for (const double step : steps)
-        columns.push_back({"joint_gap at " + step_text(step), "gap, " + step_text(step) + " (m)"});
+        columns.push_back({"joint_gap at " + step_name(step), "gap, " + step_name(step) + " (m)"});
     for (const double step : steps)
         columns.push_back(
-            {"energy_error at " + step_text(step), step == steps.front() ? "energy, " + step_text(step) : ""});
+            {"energy_error at " + step_name(step), step == steps.front() ? "energy, " + step_name(step) : ""});
     columns.push_back({"step_nanoseconds", "ns a step"});
     columns.push_back({"message", "remark"});
     NamedTable named = headed_table("scenes", "Scene by scene", columns);
@@ -134,7 +129,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
                 note(attitudes, "attitude"), note(gaps, "joint_gap"), note(energies, "energy");
                 if (const auto time = step_nanoseconds({r})) seconds.push_back(*time);
             }
-            named.table.rows.push_back({std::string(curve.method->name), step_text(step), ok, listed_counts(others),
+            named.table.rows.push_back({std::string(curve.method->name), step_name(step), ok, listed_counts(others),
                                         middle(attitudes), middle(gaps), most(gaps), middle(energies),
                                         middle(seconds)});
         }
@@ -153,7 +148,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
         for (const auto& [measure, label] :
              {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
             Panel panel{
-                parameter ? plan.scenes[first].scene.name + ", " + step_text(steps.front()) : plan.scenes[first].label,
+                parameter ? plan.scenes[first].scene.name + ", " + step_name(steps.front()) : plan.scenes[first].label,
                 parameter ? parameter->pointer : "step (s)",
                 label,
                 true,

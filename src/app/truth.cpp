@@ -112,10 +112,14 @@ std::string reactions_json(const Scene& scene, const DecimalReference& truth) {
 std::string csv(const Scene& scene, const CertifiedReference& truth) {
     std::string text =
         fmt::format("# {}: {}; proven to {} digits\nt", one_line(scene.name, 100), truth.message, truth.digits);
+    const std::vector<std::string> bodies = body_names(scene);
+    if (!bodies.empty()) text += ",body";
     for (const char* name : names) text.append(",").append(name);
     text += ",bound\n";
-    for (std::size_t i = 0; i < truth.times.size(); ++i) {
-        text += shortest_decimal(truth.times[i]);
+    const std::size_t at_once = static_cast<std::size_t>(truth.bodies);
+    for (std::size_t i = 0; i < truth.columns.size(); ++i) {
+        text += shortest_decimal(truth.times[i / at_once]);
+        if (!bodies.empty()) text.append(",").append(bodies[i % at_once]);
         for (const CertifiedNumber& number : truth.columns[i]) text.append(",").append(number.value);
         text.append(",").append(truth.bounds[i]).append("\n");
     }
@@ -129,10 +133,14 @@ std::string json(const Scene& scene, const CertifiedReference& truth) {
         "\"columns\": [\"t\"",
         json_string(scene.name), truth.scene_hash, json_string(truth.method), truth.requested_digits, truth.digits,
         truth.working_bits, truth.steps, truth.radius, truth.seconds);
+    const std::vector<std::string> bodies = body_names(scene);
+    if (!bodies.empty()) text += ", \"body\"";
     for (const char* name : names) text += fmt::format(", \"{}\"", name);
     text += "],\n \"samples\": [";
-    for (std::size_t i = 0; i < truth.times.size(); ++i) {
-        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i]));
+    const std::size_t at_once = static_cast<std::size_t>(truth.bodies);
+    for (std::size_t i = 0; i < truth.columns.size(); ++i) {
+        text += fmt::format("{}\n  [\"{}\"", i == 0 ? "" : ",", shortest_decimal(truth.times[i / at_once]));
+        if (!bodies.empty()) text += ", " + json_string(bodies[i % at_once]);
         for (const CertifiedNumber& number : truth.columns[i])
             text += fmt::format(",\n   {{\"value\": \"{}\", \"radius\": \"{}\", \"digits\": {}}}", number.value,
                                 number.radius, number.digits);

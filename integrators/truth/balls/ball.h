@@ -120,6 +120,12 @@ class Ball {
     }
     friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.x_, b.x_) != 0; }
     friend bool operator==(const Ball& a, int b) { return arb_equal_si(a.x_, b) != 0; }
+    /// These hold for certain; where balls overlap neither a < b nor a >= b does.
+    friend bool operator<(const Ball& a, const Ball& b) { return arb_lt(a.x_, b.x_) != 0; }
+    friend bool operator>(const Ball& a, const Ball& b) { return arb_gt(a.x_, b.x_) != 0; }
+    friend bool operator<=(const Ball& a, const Ball& b) { return arb_le(a.x_, b.x_) != 0; }
+    friend bool operator>=(const Ball& a, const Ball& b) { return arb_ge(a.x_, b.x_) != 0; }
+    explicit operator double() const { return near(); }
 
   private:
     friend class WorkingPrecision;
@@ -139,7 +145,8 @@ class WorkingPrecision {
     slong before_;
 };
 
-/// An upper bound of something that is not negative: mag_t, 30 bits, every operation rounded upward.
+/// An upper bound of something that is not negative: mag_t, 30 bits, every operation rounded upward. What is called
+/// `least` is a lower bound, rounded downward.
 class Bound {
   public:
     Bound() { mag_init(x_); }
@@ -161,6 +168,12 @@ class Bound {
     static Bound radius_of(const Ball& ball) {
         Bound r;
         mag_set(r.x_, arb_radref(ball.raw()));
+        return r;
+    }
+    /// A lower bound of |ball|.
+    static Bound least_of(const Ball& ball) {
+        Bound r;
+        arb_get_mag_lower(r.x_, ball.raw());
         return r;
     }
 
@@ -195,6 +208,18 @@ class Bound {
     friend Bound operator*(const Bound& a, const Bound& b) {
         Bound c;
         mag_mul(c.x_, a.x_, b.x_);
+        return c;
+    }
+    /// `least`: a lower bound; infinite where that is 0.
+    friend Bound operator/(const Bound& a, const Bound& least) {
+        Bound c;
+        mag_div(c.x_, a.x_, least.x_);
+        return c;
+    }
+    /// A lower bound of least - b, or 0.
+    friend Bound least_difference(const Bound& least, const Bound& b) {
+        Bound c;
+        if (b < least) mag_sub_lower(c.x_, least.x_, b.x_);
         return c;
     }
     friend Bound root(const Bound& a) {
@@ -250,6 +275,11 @@ struct Elementary<truth::Ball> {
     }
     static void sine_cosine(const truth::Ball& x, truth::Ball& sine, truth::Ball& cosine) {
         arb_sin_cos(sine.raw(), cosine.raw(), x.raw(), truth::Ball::precision());
+    }
+    static truth::Ball magnitude(const truth::Ball& x) {
+        truth::Ball size;
+        arb_abs(size.raw(), x.raw());
+        return size;
     }
 };
 

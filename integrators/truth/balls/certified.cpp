@@ -13,6 +13,7 @@
 #include "integrators/analysis/conditioning.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/balls/ball_decimal.h"
+#include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
@@ -25,51 +26,28 @@ namespace {
 using truth::Ball;
 using truth::Bound;
 using truth::Carry;
+using truth::CertifiedAttempt;
+using truth::CertifiedColumns;
 using truth::Enclosure;
 using truth::EulerForm;
+using truth::most_bits;
+using truth::most_series_bits;
 using truth::Piece;
 using truth::PiecePlan;
 
 constexpr double bits_per_digit = 3.3219280948873623;
 constexpr double spare_bits = 40;
-// what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
-constexpr double most_series_bits = 3000, most_bits = 32768;
-
-// The columns of a trajectory file after t, as balls: blocks q, w, p, v.
-using Columns = std::array<Ball, 13>;
 constexpr int block_begin[] = {0, 4, 7, 10, 13};
 
-struct Attempt {
-    std::string fault;
-    bool hopeless = false;                  ///< no precision gets over the fault
-    double wanted_bits = 0;                 ///< does
-    double most_bits = polhode::most_bits;  ///< that all ways together can carry
-    // the ways taken
-    bool by_series = false, by_parallelepiped = false, by_collocation = false;
-    long steps = 0;
-    bool by_closed_form = false;
-    std::vector<Columns> columns;
-};
-
-Columns columns_of(const EulerForm<Ball>& form, const std::vector<Ball>& y) {
-    const truth::Motion<Ball> m = form.motion(y.data());
-    const Vector3<Ball> w = rotate(m.q, m.angular_velocity_B);
-    return {
-        m.q.w,           m.q.x,           m.q.y,           m.q.z,           w[0],           w[1], w[2], m.position_W[0],
-        m.position_W[1], m.position_W[2], m.velocity_W[0], m.velocity_W[1], m.velocity_W[2]};
-}
-
-// The motion of a scene at rising precision.
+// The motion of one body at rising precision.
 class Certifier {
   public:
-    Certifier(const Scene& scene, const std::vector<double>& times, int digits)
-        : scene_(scene), times_(times), legs_(itinerary(scene)), least_bits_(digits * bits_per_digit + spare_bits) {}
-
-    double least_bits() const { return least_bits_; }
+    Certifier(const Scene& scene, const std::vector<double>& times, double least_bits)
+        : scene_(scene), times_(times), legs_(itinerary(scene)), least_bits_(least_bits) {}
 
     /// The motion at the thread's working precision, piece by piece.
-    Attempt attempt() {
-        Attempt result;
+    CertifiedAttempt attempt() {
+        CertifiedAttempt result;
         EulerForm<Ball> form(scene_);
         std::vector<Ball> y(form.dimension());
         form.initial(y.data());
@@ -79,16 +57,17 @@ class Certifier {
             return true;
         };
         const auto show = [&](double) {
-            result.columns.push_back(columns_of(form, y));
+            result.columns.push_back(truth::columns_of(form.motion(y.data())));
             return true;
         };
         follow(legs_, samples, enter, show, [&](const Leg& leg) {
-            Piece piece{form, leg.begin, leg.end, {}};
+            Piece piece(form, leg.begin, leg.end, {});
             for (; samples.in(leg); samples.pop()) piece.sample_times.push_back(samples.front());
             Enclosure enclosure = enclosed(piece, leg.index, y, result);
             if (!result.fault.empty()) return false;
             result.steps += enclosure.steps;
-            for (const std::vector<Ball>& state : enclosure.samples) result.columns.push_back(columns_of(form, state));
+            for (const std::vector<Ball>& state : enclosure.samples)
+                result.columns.push_back(truth::columns_of(form.motion(state.data())));
             y = std::move(enclosure.end);
             return true;
         });
@@ -148,24 +127,13 @@ class Certifier {
         // what they lose at least decides most scenes; kappa takes a solver's run
         sensitivity_bits_ = 24;
         if (!choose()) return;
-        sensitivity_bits_ += kappa_bits(problem);
+        sensitivity_bits_ += truth::kappa_bits(problem);
         choose();
     }
 
-    // log2 of the largest kappa. A guide only: where it is too low the precision rises once more.
-    double kappa_bits(const Problem& problem) const {
-        constexpr int times = 32;
-        constexpr double unknown = 64;
-        ConditioningSettings settings;
-        settings.max_steps = prompt_conditioning_steps;
-        settings.seconds_limit = truth::Allowance::left();
-        const Conditioning found = conditioning(problem, sample_times(scene_.duration, times), settings);
-        return found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown;
-    }
-
-    Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, Attempt& result) {
+    Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, CertifiedAttempt& result) {
         const auto bits = static_cast<double>(Ball::precision());
-        const bool closed = truth::has_closed_form(piece.form.forcing());
+        const bool closed = truth::has_closed_form(piece.body->forcing());
         if (closed) {
             Enclosure enclosure = truth::enclose_by_closed_form(piece, y);
             if (enclosure.fault.empty()) {
@@ -204,10 +172,10 @@ class Certifier {
 };
 
 // The largest length of each block over the run; 1 where it is not known to be more than zero.
-std::array<Ball, 4> block_sizes(const std::vector<Columns>& all) {
+std::array<Ball, 4> block_sizes(const std::vector<CertifiedColumns>& all) {
     std::array<Ball, 4> sizes;
     for (int b = 0; b < 4; ++b) {
-        for (const Columns& columns : all) {
+        for (const CertifiedColumns& columns : all) {
             Ball sum;
             for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) sum += columns[c] * columns[c];
             if (arb_gt(sum.raw(), sizes[b].raw())) sizes[b] = std::move(sum);
@@ -235,12 +203,12 @@ int proven_digits(const Bound& error, const Ball& size) {
 // What a radius in a block of that size may be for `digits` proven digits: at most 10^-digits, and that times the size.
 double allowed_log2(const Ball& size, int digits) { return -digits * bits_per_digit + std::min(size.log2_near(), 0.0); }
 
-void write(const std::vector<Columns>& all, int digits, CertifiedReference& result) {
+void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedReference& result) {
     const std::array<Ball, 4> sizes = block_sizes(all);
     Bound largest;
     result.digits = digits;
     bool any = false;
-    for (const Columns& columns : all) {
+    for (const CertifiedColumns& columns : all) {
         result.columns.emplace_back();
         Bound widest;
         for (int b = 0; b < 4; ++b)
@@ -267,10 +235,10 @@ void write(const std::vector<Columns>& all, int digits, CertifiedReference& resu
 }
 
 // log2 of the largest radius over what is allowed
-double excess_bits(const std::vector<Columns>& all, int digits) {
+double excess_bits(const std::vector<CertifiedColumns>& all, int digits) {
     const std::array<Ball, 4> sizes = block_sizes(all);
     double worst = -std::numeric_limits<double>::infinity();
-    for (const Columns& columns : all)
+    for (const CertifiedColumns& columns : all)
         for (int b = 0; b < 4; ++b)
             for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
                 if (!columns[c].is_finite()) return std::numeric_limits<double>::infinity();
@@ -280,6 +248,23 @@ double excess_bits(const std::vector<Columns>& all, int digits) {
 }
 
 }  // namespace
+
+CertifiedColumns truth::columns_of(const Motion<Ball>& m) {
+    const Vector3<Ball> w = rotate(m.q, m.angular_velocity_B);
+    return {
+        m.q.w,           m.q.x,           m.q.y,           m.q.z,           w[0],           w[1], w[2], m.position_W[0],
+        m.position_W[1], m.position_W[2], m.velocity_W[0], m.velocity_W[1], m.velocity_W[2]};
+}
+
+double truth::kappa_bits(const Problem& problem) {
+    constexpr int times = 32;
+    constexpr double unknown = 64;
+    ConditioningSettings settings;
+    settings.max_steps = prompt_conditioning_steps;
+    settings.seconds_limit = Allowance::left();
+    const Conditioning found = conditioning(problem, sample_times(problem.scene.duration, times), settings);
+    return found.available ? std::log2(std::max(1.0, found.state_peak().value)) : unknown;
+}
 
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
@@ -292,8 +277,8 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
             result.message = "no certified truth: a user's torque has none";
             return result;
         }
-    if (is_mechanism(scene)) {
-        result.message = "no certified truth: motions of several bodies are not enclosed; leave out --certified";
+    if (!scene.loops.empty()) {
+        result.message = "no certified truth: motions with loops are not enclosed; leave out --certified";
         return result;
     }
     if (!scene.planes.empty()) {
@@ -305,13 +290,17 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     result.times = sample_times(scene.duration, samples);
 
     const truth::Allowance allowance(seconds_limit);
-    Certifier certifier(scene, result.times, digits);
-    double bits = certifier.least_bits(), limit = most_bits;
+    const double least_bits = digits * bits_per_digit + spare_bits;
+    Certifier certifier(scene, result.times, least_bits);
+    truth::TreeCertifier tree(scene, result.times, least_bits);
+    const bool several = is_mechanism(scene);
+    if (several) result.bodies = static_cast<int>(scene.bodies.size());
+    double bits = least_bits, limit = most_bits;
     std::string hopeless;
     while (bits <= limit) {
         result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
         const truth::WorkingPrecision precision(result.working_bits);
-        const Attempt attempt = certifier.attempt();
+        const CertifiedAttempt attempt = several ? tree.attempt() : certifier.attempt();
         if (truth::Allowance::is_spent()) break;
         limit = std::min(limit, attempt.most_bits);
         if (attempt.hopeless) {

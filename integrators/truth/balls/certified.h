@@ -30,16 +30,18 @@ struct CertifiedReference {
     double seconds = 0;        ///< wall clock
     std::string radius = "0";  ///< the largest
     std::vector<double> times;
-    std::vector<std::string> bounds;                       ///< the largest radius of each sample
-    std::vector<std::array<CertifiedNumber, 13>> columns;  ///< one a sample: q, w in world axes, p, v
+    int bodies = 1;                                        ///< how many there are at each time
+    std::vector<std::array<CertifiedNumber, 13>> columns;  ///< at each time, of each body: q, w in world axes, p, v
+    std::vector<std::string> bounds;                       ///< the largest radius of each of these
 };
 
 /// The motion at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
 /// after it. Every radius is at most 10^-digits, and at most 10^-digits times the largest length of its block (q, w,
 /// p, v) over the run. Precision is raised until it is; where that is out of reach `available` is false and the
-/// message says how many digits can be had. A scene with a user's own torque has no truth, and a program built without
-/// Arb has none that is certified. Nor is there one that would take the thread more than `seconds_limit` seconds.
-/// Throws InputError on an invalid scene, std::invalid_argument on fewer than 1 sample or digit.
+/// message says how many digits can be had. Several bodies are enclosed where no loops tie them. A scene with a user's
+/// own torque has no truth, and a program built without Arb has none that is certified. Nor is there one that would
+/// take the thread more than `seconds_limit` seconds. Throws InputError on an invalid scene, std::invalid_argument on
+/// fewer than 1 sample or digit.
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits,
                                        double seconds_limit = truth_seconds);
 

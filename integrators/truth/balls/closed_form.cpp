@@ -27,9 +27,10 @@ void translate(const Forcing<Ball>& f, const Ball& t, Vector3<Ball>& p, Vector3<
 
 Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start) {
     Enclosure result;
-    const Forcing<Ball>& forcing = piece.form.forcing();
+    const EulerForm<Ball>& form = *piece.body;
+    const Forcing<Ball>& forcing = form.forcing();
     const std::optional<FreeRotation> rotation =
-        free_rotation(piece.form.body().inertia_B, BodyState::angular_velocity(start.data()));
+        free_rotation(form.body().inertia_B, BodyState::angular_velocity(start.data()));
     if (!rotation) {
         result.fault = "the order of the moments or the side of the separatrix is out of reach";
         return result;
@@ -41,7 +42,7 @@ Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& st
         std::vector<Ball> y(start);
         const Turn turn = std::visit([&](const auto& kind) { return kind.after(t); }, *rotation);
         BodyState::set_rotation(y.data(), turn.angular_velocity_B, q0 * turn.q);
-        if (!piece.form.body().pivoted) {
+        if (!form.body().pivoted) {
             Vector3<Ball> p = BodyState::position(start.data()), v = BodyState::velocity(start.data());
             translate(forcing, t, p, v);
             BodyState::set_translation(y.data(), p, v);

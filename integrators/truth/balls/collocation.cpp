@@ -31,10 +31,12 @@ P near(const Ball& b) {
 class Follower {
   public:
     Follower(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start)
-        : piece_(piece), norm_(plan), recording_(record<Ball>(piece.form, piece.form.dimension())), reached_(start) {
+        : piece_(piece), norm_(plan), recording_(piece.equations), reached_(start) {
         const WorkingPrecision precision(bound_bits);
         coarse_ = rounded(recording_);
-        if (!is_polynomial(recording_)) result_.fault = not_polynomial, result_.hopeless = true;
+        if (is_polynomial(recording_)) return;
+        result_.fault = "collocation polynomials are put into sums and products only";
+        result_.hopeless = true;
     }
 
     const std::string& fault() const { return result_.fault; }
@@ -117,7 +119,7 @@ Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const P
     // the polynomials are exact as they are: the arithmetic only has to be finer than they are good
     const double digits = std::min(94.0, 0.30103 * static_cast<double>(Ball::precision()));
     const WorkingPrecision precision(std::max(Ball::precision(), 400L));
-    const int n = piece.form.dimension(), stages = std::clamp(static_cast<int>(0.6 * digits), 16, 40) + 4;
+    const int n = piece.dimension(), stages = std::clamp(static_cast<int>(0.6 * digits), 16, 40) + 4;
     CollocationStep<P, EulerForm> step(scene, stages);
     std::vector<P> unused(n, P(0)), y(n);
     step.form().initial(unused.data());

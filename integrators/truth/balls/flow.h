@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "integrators/truth/balls/ball.h"
@@ -10,11 +11,22 @@
 
 namespace polhode::truth {
 
-/// A piece between two events. The form has entered it; times are exactly these doubles.
+/// A piece between two events; times are exactly these doubles.
 struct Piece {
-    const EulerForm<Ball>& form;
+    Recording<Ball> equations;
     double begin, end;
-    std::vector<double> sample_times;  ///< increasing, in [begin, end]
+    std::vector<double> sample_times;       ///< increasing, in [begin, end]
+    const EulerForm<Ball>* body = nullptr;  ///< of the motion of one body
+
+    Piece(Recording<Ball> of_motion, double from, double until, std::vector<double> samples)
+        : equations(std::move(of_motion)), begin(from), end(until), sample_times(std::move(samples)) {}
+    /// The form has entered the piece, and outlives it.
+    Piece(const EulerForm<Ball>& form, double from, double until, std::vector<double> samples)
+        : Piece(record<Ball>(form, form.dimension()), from, until, std::move(samples)) {
+        body = &form;
+    }
+
+    int dimension() const { return static_cast<int>(equations.rates.size()); }
 };
 
 /// States as balls; every state of the true motion lies in its balls.
@@ -25,10 +37,6 @@ struct Enclosure {
     std::vector<std::vector<Ball>> samples;
     std::vector<Ball> end;
 };
-
-/// The fault of pieces whose right-hand side is_polynomial() does not hold of: the defects' bounds know sums and
-/// products.
-inline constexpr const char* not_polynomial = "bounds are known for right-hand sides of sums and products only";
 
 /// How the errors of the steps so far are carried on.
 enum class Carry {
@@ -45,11 +53,12 @@ inline bool has_closed_form(const Forcing<Ball>& forcing) { return !forcing.any_
 
 /// By closed forms, at a cost that no length of time changes: rotation without torque (Jacobi's functions by theta
 /// functions and Carlson's R_J; trigonometric where two moments are equal or the axis is permanent), and in flight a
-/// constant acceleration with linear drag. For pieces that has_closed_form() holds of; a fault where balls of the
-/// working precision cannot tell which side of the separatrix the motion is on, or which moment is the middle one.
+/// constant acceleration with linear drag. For pieces of one body that has_closed_form() holds of; a fault where balls
+/// of the working precision cannot tell which side of the separatrix the motion is on, or which moment is the middle
+/// one.
 Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start);
 
-/// Where the motion is strongly damped: collocation polynomials, whose steps the decay does not shorten, taken as given
+/// Where one body is strongly damped: collocation polynomials, whose steps the decay does not shorten, taken as given
 /// and their defect enclosed; errors carried as by enclose_by_taylor. They carry at most most_collocation_bits.
 Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const PiecePlan& plan,
                                  const std::vector<Ball>& start);

@@ -167,6 +167,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
         for (const Block& block : layout) plan.scales.insert(plan.scales.end(), block.size, block.scale);
+        plan.blocks = layout;
         plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
         plan.damping_number = damping_number(problem, segment);
         plans.push_back(std::move(plan));

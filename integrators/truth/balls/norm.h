@@ -12,10 +12,26 @@
 #include <vector>
 
 #include "integrators/truth/balls/ball.h"
+#include "integrators/truth/motion.h"
 #include "motion/problem.h"
 #include "motion/traced.h"
 
 namespace polhode::truth {
+
+/// The value and the gradient of a quotient or a root from those of its operands.
+template <class T>
+void divided(const Node<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i, std::size_t n) {
+    const bool is_root = node.kind == Node<T>::Kind::root;
+    const std::size_t above = static_cast<std::size_t>(node.a), below = static_cast<std::size_t>(node.b);
+    value[i] = is_root ? square_root(value[above]) : (node.a >= 0 ? value[above] : T(1)) / value[below];
+    const T factor = T(1) / (is_root ? T(value[i] + value[i]) : value[below]);
+    for (std::size_t j = 0; j < n; ++j) {
+        T change(0);
+        if (node.a >= 0) change = slope[above * n + j];
+        if (!is_root && !(slope[below * n + j] == 0)) change -= value[i] * slope[below * n + j];
+        if (!(change == 0)) slope[i * n + j] = change * factor;
+    }
+}
 
 /// J = df/dy of a recorded system, row by row, by carrying gradients along the tape. T: double, or balls that hold a
 /// set of states, whose Jacobians then all lie in J.
@@ -32,8 +48,19 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
             value[i] = y[i], own[i] = T(1);
             continue;
         }
+        if (node.kind == Kind::quotient || node.kind == Kind::root) {
+            divided(node, value, slope, i, n);
+            continue;
+        }
         const T* a = &slope[static_cast<std::size_t>(node.a) * n];
-        if (node.kind == Kind::combination) {
+        if (node.kind == Kind::sine) {
+            // its cosine comes next
+            sine_cosine(value[node.a], value[i], value[i + 1]);
+            for (std::size_t j = 0; j < n; ++j)
+                if (!(a[j] == 0)) own[j] = value[i + 1] * a[j], own[n + j] = -(value[i] * a[j]);
+        } else if (node.kind == Kind::cosine) {
+            continue;
+        } else if (node.kind == Kind::combination) {
             value[i] = node.factor_a * value[node.a];
             for (std::size_t j = 0; j < n; ++j)
                 if (!(a[j] == 0)) own[j] = node.factor_a * a[j];
@@ -68,6 +95,7 @@ struct PiecePlan {
     int dimension = 0;
     std::vector<double> weights;  ///< S, row by row
     std::vector<double> scales;   ///< the size of each variable over the run
+    std::vector<Block> blocks;    ///< of variables whose coefficients the step goes by, with their sizes
     double growth_bits = 0;       ///< log2 of what the logarithmic norm lets an error grow by over the piece
     double spread_bits = 0;       ///< log2 of the largest over the least weight, variables measured by their scales
     double damping_number = 0;    ///< the fastest decay times the length of the piece

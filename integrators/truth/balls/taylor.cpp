@@ -15,6 +15,7 @@ namespace polhode::truth {
 namespace {
 
 constexpr long bound_bits = 64;
+const Bound unbounded(std::numeric_limits<double>::infinity());
 constexpr long max_steps = 400'000;    // hours
 constexpr long foreseen_after = 1000;  // steps, as the many to come are likely to be
 
@@ -40,17 +41,27 @@ double on_grid(double h) {
 
 // |c_k| h^k <= 2^-bits of the block's size for the last coefficients; of four, since one may vanish by symmetry
 double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bits) {
-    const int n = series.dimension(), order = series.order();
+    const int order = series.order();
     double log2_step = std::numeric_limits<double>::infinity();
-    for (int block = 0; block < n; block += block == 3 ? 4 : 3) {
-        const int end = block + (block == 3 ? 4 : 3);
+    for (const Block& block : plan.blocks)
         for (int k = order - 3; k <= order; ++k) {
             double size = -std::numeric_limits<double>::infinity();
-            for (int i = block; i < end; ++i) size = std::max(size, Bound(series.coefficient(i, k)).log2_near());
-            log2_step = std::min(log2_step, (std::log2(plan.scales[block]) - bits - size) / k);
+            for (int i = block.first; i < block.first + block.size; ++i)
+                size = std::max(size, Bound(series.coefficient(i, k)).log2_near());
+            log2_step = std::min(log2_step, (std::log2(block.scale) - bits - size) / k);
         }
-    }
     return std::exp2(log2_step);
+}
+
+// sum of |a_j| |b_k| h^(j+k) over j + k >= N of the first N terms each; tail[m]: the sum of b's from m on
+Bound beyond(const Bound* a, const std::vector<Bound>& tail, int N) {
+    Bound sum;
+    for (int j = 1; j < N; ++j) sum += a[j] * tail[N - j];
+    return sum;
+}
+
+bool all_finite(const std::vector<Bound>& bounds) {
+    return std::all_of(bounds.begin(), bounds.end(), [](const Bound& b) { return b.is_finite(); });
 }
 
 }  // namespace
@@ -62,8 +73,10 @@ TermBounds term_bounds(const Series<Ball>& series, const Bound& h) {
     terms.node.reserve(nodes * terms.order);
     std::vector<Bound> power(1, Bound(1.0));
     for (int k = 1; k <= terms.order; ++k) power.push_back(power.back() * h);
+    terms.least.reserve(nodes);
     for (std::size_t i = 0; i < nodes; ++i) {
         const Ball* c = series.node_coefficients(static_cast<int>(i));
+        terms.least.push_back(Bound::least_of(c[0]));
         for (int k = 0; k < terms.order; ++k) terms.node.push_back(Bound(c[k]) * power[k]);
     }
     for (int i = 0; i < series.dimension(); ++i)
@@ -75,58 +88,106 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
     using Kind = Node<Ball>::Kind;
     const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
     const int N = terms.order;
+    const auto term = [&](std::size_t i) { return &terms.node[i * N]; };
     std::vector<Bound> remainder(nodes.size());
+    Defect result;
+    result.least.resize(nodes.size());
     // tail[i][m] = sum of the terms of node i from order m on, without the remainder
     std::vector<std::vector<Bound>> tail(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Bound* own = &terms.node[i * N];
         tail[i].resize(N + 1);
-        for (int m = N; m-- > 0;) tail[i][m] = own[m] + tail[i][m + 1];
-        const Node<Ball>& node = nodes[i];
-        if (node.kind == Kind::state) {
-            remainder[i] = terms.last[i];
-        } else if (node.kind == Kind::combination) {
-            remainder[i] = Bound(node.factor_a) * remainder[node.a];
-            if (node.b >= 0) remainder[i] += Bound(node.factor_b) * remainder[node.b];
-        } else {
-            const Bound* a = &terms.node[static_cast<std::size_t>(node.a) * N];
-            const std::vector<Bound>& b = tail[node.b];
-            Bound sum;
-            for (int j = 1; j < N; ++j) sum += a[j] * b[N - j];
-            sum += tail[node.a][0] * remainder[node.b];
-            sum += remainder[node.a] * b[0];
-            sum += remainder[node.a] * remainder[node.b];
-            remainder[i] = sum;
-        }
+        for (int m = N; m-- > 0;) tail[i][m] = term(i)[m] + tail[i][m + 1];
     }
-    Defect result;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Node<Ball>& node = nodes[i];
+        const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
+        Bound own;
+        switch (node.kind) {
+            case Kind::state:
+                own = terms.last[i];
+                break;
+            case Kind::combination:
+                own = Bound(node.factor_a) * remainder[a];
+                if (node.b >= 0) own += Bound(node.factor_b) * remainder[b];
+                break;
+            case Kind::product:
+                own = beyond(term(a), tail[b], N);
+                own += tail[a][0] * remainder[b];
+                own += remainder[a] * tail[b][0];
+                own += remainder[a] * remainder[b];
+                break;
+            case Kind::quotient:
+                own = beyond(term(b), tail[i], N) + remainder[b] * tail[i][0];
+                if (node.a >= 0) own += remainder[a];
+                own = own / result.least[b];
+                break;
+            case Kind::root: {
+                const Bound least = least_difference(terms.least[i], tail[i][1]);
+                own = (beyond(term(i), tail[i], N) + remainder[a]) / least;
+                // what it is of is positive where it is nearer to r^2 > 0 than that is to zero
+                if (!(own < least)) own = unbounded;
+                break;
+            }
+            case Kind::sine:
+                own = beyond(term(a), tail[i], N) + beyond(term(a), tail[b], N) + remainder[a];
+                remainder[b] = own;
+                break;
+            case Kind::cosine:
+                own = remainder[i];
+                break;
+        }
+        remainder[i] = own;
+        result.least[i] = least_difference(terms.least[i], tail[i][1] + own);
+    }
+    // what divides by what may vanish has no bounds, not even a factor 0 of it
+    const bool bounded = all_finite(remainder);
     for (const Traced<Ball>& rate : recording.rates)
-        result.rate.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * remainder[rate.node]);
+        result.rate.push_back(!bounded         ? unbounded
+                              : rate.node >= 0 ? Bound(rate.factor) * remainder[rate.node]
+                                               : Bound());
     for (std::size_t i = 0; i < nodes.size(); ++i) result.node.push_back(tail[i][0] + remainder[i]);
     return result;
 }
 
-std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const Defect& along,
                                    const std::vector<Bound>& moved) {
     using Kind = Node<Ball>::Kind;
     const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
     std::vector<Bound> change(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const auto a = static_cast<std::size_t>(nodes[i].a);
-        if (nodes[i].kind == Kind::state) {
-            change[i] = moved[i];
-        } else if (nodes[i].kind == Kind::combination) {
-            change[i] = Bound(nodes[i].factor_a) * change[a];
-            if (nodes[i].b >= 0) change[i] += Bound(nodes[i].factor_b) * change[nodes[i].b];
-        } else {
-            const auto b = static_cast<std::size_t>(nodes[i].b);
-            change[i] = (node[a] + change[a]) * change[b];
-            change[i] += change[a] * node[b];
+        const Node<Ball>& node = nodes[i];
+        const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
+        switch (node.kind) {
+            case Kind::state:
+                change[i] = moved[i];
+                break;
+            case Kind::combination:
+                change[i] = Bound(node.factor_a) * change[a];
+                if (node.b >= 0) change[i] += Bound(node.factor_b) * change[b];
+                break;
+            case Kind::product:
+                change[i] = (along.node[a] + change[a]) * change[b];
+                change[i] += change[a] * along.node[b];
+                break;
+            case Kind::quotient:
+                change[i] = along.node[i] * change[b];
+                if (node.a >= 0) change[i] += change[a];
+                change[i] = change[i] / least_difference(along.least[b], change[b]);
+                break;
+            case Kind::root:
+                // the other root is real where what it is of stays above zero
+                change[i] = change[a] < along.least[a] ? change[a] / along.least[i] : unbounded;
+                break;
+            case Kind::sine:
+            case Kind::cosine:
+                change[i] = change[a];
+                break;
         }
     }
+    const bool bounded = all_finite(change);
     std::vector<Bound> result;
     for (const Traced<Ball>& rate : recording.rates)
-        result.push_back(rate.node < 0 ? Bound() : Bound(rate.factor) * change[rate.node]);
+        result.push_back(!bounded ? unbounded : rate.node >= 0 ? Bound(rate.factor) * change[rate.node] : Bound());
     return result;
 }
 
@@ -160,6 +221,26 @@ struct StepBounds {
     Bound growth, at_end;  ///< what an error of the point is multiplied by, at most on the way and at the end
     Bound largest;         ///< how far the motion is from the polynomial, with what errors there were
 };
+
+// How much an error may grow, from the logarithmic norm on each of some parts of the step; on more of them where the
+// boxes are so wide that it tells little.
+void find_growth(const Recording<Ball>& recording, const WeightedNorm& norm, const Series<Ball>& series,
+                 const TermBounds& terms, const std::vector<Bound>& margin, int parts, StepBounds& step) {
+    constexpr int most_parts = 128;
+    const Bound much(0x1p6);
+    const WorkingPrecision precision(bound_bits);
+    for (;; parts *= 4) {
+        const Ball part = step.h / Ball(parts);
+        Ball exponent, most;
+        for (const std::vector<Ball>& box : swept_boxes(series, terms, step.h, margin, parts)) {
+            const Ball mu = norm.logarithmic_norm(recording, box);
+            exponent += mu * part;
+            if (!mu.is_negative()) most += mu * part;
+        }
+        step.growth = exponential(most), step.at_end = exponential(exponent);
+        if (step.growth < much || parts * 4 > most_parts) return;
+    }
+}
 
 // The distance of the motion from the point, as one length in the norm.
 class NormErrors {
@@ -195,14 +276,14 @@ class ParallelepipedErrors {
 
     ParallelepipedErrors(const Piece& piece, const PiecePlan& plan, const WeightedNorm& norm, int order,
                          const std::vector<Bound>& radius)
-        : norm_(norm), set_(plan.scales, radius), scales_(plan.scales), transition_(piece.form, order) {}
+        : norm_(norm), set_(plan.scales, radius), scales_(plan.scales), transition_(piece.equations, order) {}
 
     Bound length() const { return norm_.length(set_.components()); }
     std::vector<Bound> components() const { return set_.components(); }
 
     void begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
         h_ = step.h, local_ = norm_.components(step.growth * step.local);
-        transition_.set_order(order_for(terms));
+        transition_.set_order(order_for(terms, step.growth));
         transition_.expand(point, Bound(step.h), step.largest, step.growth, norm_.allowed(), norm_);
     }
     std::vector<Bound> distance_at(const Ball& t) const {
@@ -227,11 +308,12 @@ class ParallelepipedErrors {
     std::vector<Bound> local_;
 
     // the terms of y as a guide to those of W
-    int order_for(const TermBounds& terms) const {
+    int order_for(const TermBounds& terms, const Bound& growth) const {
+        const double last = last_term / std::max(1.0, growth.near());
         int order = terms.order;
         for (; order > 8; --order)
             for (std::size_t i = 0; i < scales_.size(); ++i)
-                if (terms.node[i * terms.order + order - 1].near() > last_term * scales_[i]) return order + 2;
+                if (terms.node[i * terms.order + order - 1].near() > last * scales_[i]) return order + 2;
         return order;
     }
 };
@@ -239,16 +321,11 @@ class ParallelepipedErrors {
 template <class Errors>
 Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
     Enclosure result;
-    const int n = piece.form.dimension();
+    const int n = piece.dimension();
     const auto bits = static_cast<double>(Ball::precision());
     // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
     const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
-    Series<Ball> series(record<Ball>(piece.form, n), order);
-    if (!is_polynomial(series.recording())) {
-        result.fault = not_polynomial;
-        result.hopeless = true;
-        return result;
-    }
+    Series<Ball> series(piece.equations, order);
     const WeightedNorm norm(plan);
     const Recording<Ball> coarse = [&] {
         const WorkingPrecision precision(bound_bits);
@@ -296,17 +373,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
 
         const TermBounds terms = term_bounds(series, Bound(step.h));
         step.local = Bound(step.h) * norm.length(defect(series.recording(), terms).rate);
-        {
-            const WorkingPrecision precision(bound_bits);
-            const Ball part = step.h / Ball(Errors::parts);
-            Ball exponent, most;
-            for (const std::vector<Ball>& box : swept_boxes(series, terms, step.h, margin, Errors::parts)) {
-                const Ball mu = norm.logarithmic_norm(coarse, box);
-                exponent += mu * part;
-                if (!mu.is_negative()) most += mu * part;
-            }
-            step.growth = exponential(most), step.at_end = exponential(exponent);
-        }
+        find_growth(coarse, norm, series, terms, margin, Errors::parts, step);
         step.largest = step.growth * (errors.length() + step.local);
         if (!step.largest.is_finite() || norm.allowed() < step.largest) {
             result.fault = fmt::format("errors grow beyond what {} bits can carry", Ball::precision());

@@ -7,11 +7,17 @@
 //
 // bounded on [0, h] along the tape: a node is its first N terms and a remainder R, with |.| summed term by term,
 //
-//   R(a b) = sum over j + k >= N of |a_j| |b_k| h^(j+k) + |a| R(b) + R(a) |b| + R(a) R(b),
+//   R(a b) = S(a, b) + |a| R(b) + R(a) |b| + R(a) R(b),    S(a, b) = sum of |a_j| |b_k| h^(j+k) over j + k >= N
+//   R(a / b) = (S(b, q) + R(a) + R(b) |q|) / min |b|       of the first terms q of a / b: a / b - q = (a - b q) / b
+//   R(sqrt a) = (S(r, r) + R(a)) / min r                   likewise: (a - r^2) / (sqrt a + r)
+//   R(sin a), R(cos a) = S(a, s) + S(a, c) + R(a)
 //
-// all in upward-rounded bounds. There is no a-priori box to guess. How far the motion is from p follows from d by the
-// logarithmic norm (ball_norm.h) on the box that p and the allowed distance sweep; as long as the bound stays within
-// the allowed distance the motion is in the box, and by continuity it stays (Hairer, Norsett & Wanner I.10).
+// all in upward-rounded bounds. The last: with A, s, c the first terms of a and of its sine and cosine, what sin A and
+// cos A are off them turns by the angle A and grows by A' c - s' and -A' s - c', of which only orders from N - 1 on are
+// left; a term t^(j+k-1) of them comes to |A_j| |c_k| h^(j+k) j / (j + k). There is no a-priori box to guess. How far
+// the motion is from p follows from d by the logarithmic norm (ball_norm.h) on the box that p and the allowed distance
+// sweep; as long as the bound stays within the allowed distance the motion is in the box, and by continuity it stays
+// (Hairer, Norsett & Wanner I.10).
 #pragma once
 
 #include <vector>
@@ -25,21 +31,24 @@ namespace polhode::truth {
 /// |coefficient| h^k of every node's first N terms, and |c_N| h^N of the state variables.
 struct TermBounds {
     int order = 0;
-    std::vector<Bound> node;  ///< node by node, `order` each
-    std::vector<Bound> last;  ///< of the state variables
+    std::vector<Bound> node;   ///< node by node, `order` each
+    std::vector<Bound> least;  ///< a lower bound of |c_0| of each
+    std::vector<Bound> last;   ///< of the state variables
 };
 TermBounds term_bounds(const Series<Ball>& series, const Bound& h);
 
 /// What holds on [0, h] along the polynomials.
 struct Defect {
-    std::vector<Bound> node;  ///< |value| of every node of the tape
-    std::vector<Bound> rate;  ///< |d_i| of the state variables
+    std::vector<Bound> node;   ///< |value| of every node of the tape
+    std::vector<Bound> least;  ///< a lower bound of it
+    std::vector<Bound> rate;   ///< |d_i| of the state variables
 };
 Defect defect(const Recording<Ball>& recording, const TermBounds& terms);
 
-/// Bounds of |f_i(y + e) - f_i(y)| where |y's nodes| <= node and |e_j| <= moved[j]:
-///   |ab(y + e) - ab(y)| <= |a| |b moved| + |a moved| |b| + |a moved| |b moved|.
-std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const std::vector<Bound>& node,
+/// Bounds of |f_i(y + e) - f_i(y)| along the polynomials y, where |e_j| <= moved[j]. With da the change of a:
+///   |d(a b)| <= |a| |db| + |da| |b| + |da| |db|,  |d(a / b)| <= (|da| + |a / b| |db|) / (|b| - |db|),
+///   |d sqrt a| <= |da| / sqrt a,  |d sin a| <= |da|.
+std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const Defect& along,
                                    const std::vector<Bound>& moved);
 
 /// Boxes that hold p on each of `count` equal parts of [0, h], each widened by `margin`.

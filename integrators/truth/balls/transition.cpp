@@ -1,70 +1,131 @@
 #include "integrators/truth/balls/transition.h"
 
-#include <array>
-#include <cstdint>
+#include <algorithm>
 #include <limits>
 
-#include "motion/dual.h"
+#include "body/elementary.h"
 
 namespace polhode::truth {
 namespace {
 
-// y and W by the one right-hand side on dual numbers
-template <int n>
+// y and W along the tape
 struct TransitionForm {
-    const EulerForm<Ball>& form;
+    const Recording<Ball>& equations;
     const std::vector<TransitionEntry>& entries;
 
     template <class S>
     void derivative(const S* y, S* dy) const {
-        using D = Dual<n, S, Ball>;
-        std::array<D, n> moved, rate;
-        for (int i = 0; i < n; ++i) moved[i].value = y[i];
-        for (std::size_t k = 0; k < entries.size(); ++k) moved[entries[k].row].slope[entries[k].column] = y[n + k];
-        form.derivative_of<n == BodyState::motion>(moved.data(), rate.data());
-        for (int i = 0; i < n; ++i) dy[i] = rate[i].value;
-        for (std::size_t k = 0; k < entries.size(); ++k) dy[n + k] = rate[entries[k].row].slope[entries[k].column];
+        using Kind = Node<Ball>::Kind;
+        const std::vector<Node<Ball>>& nodes = equations.tape.nodes;
+        const std::size_t n = equations.rates.size();
+        std::vector<S> value(nodes.size()), slope(nodes.size() * n);
+        for (std::size_t k = 0; k < entries.size(); ++k) slope[entries[k].row * n + entries[k].column] = y[n + k];
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const Node<Ball>& node = nodes[i];
+            S* const own = &slope[i * n];
+            const S *const a = &slope[static_cast<std::size_t>(std::max(node.a, 0)) * n],
+                           *const b = &slope[static_cast<std::size_t>(std::max(node.b, 0)) * n];
+            const auto each = [&](const auto& change) {
+                for (std::size_t j = 0; j < n; ++j) own[j] = change(j);
+            };
+            switch (node.kind) {
+                case Kind::state:
+                    value[i] = y[i];
+                    break;
+                case Kind::combination:
+                    value[i] = node.factor_a * value[node.a];
+                    value[i] += node.b >= 0 ? node.factor_b * value[node.b] : S(node.factor_b);
+                    each([&](std::size_t j) {
+                        return node.b >= 0 ? node.factor_a * a[j] + node.factor_b * b[j] : node.factor_a * a[j];
+                    });
+                    break;
+                case Kind::product:
+                    value[i] = value[node.a] * value[node.b];
+                    each([&](std::size_t j) { return value[node.a] * b[j] + a[j] * value[node.b]; });
+                    break;
+                case Kind::quotient: {
+                    const S per = S(1) / value[node.b];
+                    value[i] = node.a >= 0 ? value[node.a] * per : per;
+                    each([&](std::size_t j) {
+                        const S less = value[i] * b[j];
+                        return (node.a >= 0 ? a[j] - less : -less) * per;
+                    });
+                    break;
+                }
+                case Kind::root: {
+                    value[i] = square_root(value[node.a]);
+                    const S per = S(0.5) / value[i];
+                    each([&](std::size_t j) { return a[j] * per; });
+                    break;
+                }
+                case Kind::sine:
+                    // its cosine comes next
+                    sine_cosine(value[node.a], value[i], value[i + 1]);
+                    each([&](std::size_t j) { return value[i + 1] * a[j]; });
+                    break;
+                case Kind::cosine:
+                    each([&](std::size_t j) { return -(value[i - 1] * a[j]); });
+                    break;
+            }
+        }
+        const auto rate = [&](std::size_t i, const std::vector<S>& of, std::size_t at) {
+            const Traced<Ball>& rate_i = equations.rates[i];
+            return rate_i.node >= 0 ? rate_i.factor * of[at] : S(0);
+        };
+        for (std::size_t i = 0; i < n; ++i)
+            dy[i] =
+                equations.rates[i].node >= 0 ? rate(i, value, equations.rates[i].node) : S(equations.rates[i].factor);
+        for (std::size_t k = 0; k < entries.size(); ++k) {
+            const auto row = static_cast<std::size_t>(entries[k].row);
+            dy[n + k] = rate(row, slope, std::max(equations.rates[row].node, 0) * n + entries[k].column);
+        }
     }
 };
 
 // W(i, j) is zero throughout unless j reaches i along the arrows "the rate of .. depends on ..".
-std::vector<TransitionEntry> entries_of(const EulerForm<Ball>& form) {
-    const int n = form.dimension();
-    const Recording<Ball> recording = record<Ball>(form, n);
-    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
-    std::vector<std::uint32_t> depends(nodes.size());
+std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
+    const std::vector<Node<Ball>>& nodes = equations.tape.nodes;
+    const std::size_t n = equations.rates.size();
+    const auto unite = [n](char* own, const char* other) {
+        for (std::size_t j = 0; j < n; ++j) own[j] = own[j] || other[j];
+    };
+    std::vector<char> depends(nodes.size() * n), reached(n * n);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        if (nodes[i].kind == Node<Ball>::Kind::state)
-            depends[i] = 1U << i;
-        else
-            depends[i] = depends[nodes[i].a] | (nodes[i].b >= 0 ? depends[nodes[i].b] : 0);
+        char* const own = &depends[i * n];
+        if (nodes[i].kind == Node<Ball>::Kind::state) {
+            own[i] = 1;
+            continue;
+        }
+        for (const int operand : {nodes[i].a, nodes[i].b})
+            if (operand >= 0 && static_cast<std::size_t>(operand) < i) unite(own, &depends[operand * n]);
     }
-    std::vector<std::uint32_t> reached(n);
-    for (int i = 0; i < n; ++i)
-        reached[i] = 1U << i | (recording.rates[i].node >= 0 ? depends[recording.rates[i].node] : 0);
-    for (int k = 0; k < n; ++k)
-        for (int i = 0; i < n; ++i)
-            if (reached[i] >> k & 1U) reached[i] |= reached[k];
+    for (std::size_t i = 0; i < n; ++i) {
+        reached[i * n + i] = 1;
+        if (equations.rates[i].node >= 0) unite(&reached[i * n], &depends[equations.rates[i].node * n]);
+    }
+    for (std::size_t k = 0; k < n; ++k)
+        for (std::size_t i = 0; i < n; ++i)
+            if (reached[i * n + k]) unite(&reached[i * n], &reached[k * n]);
     std::vector<TransitionEntry> entries;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            if (reached[i] >> j & 1U) entries.push_back({i, j});
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j)
+            if (reached[i * n + j]) entries.push_back({static_cast<int>(i), static_cast<int>(j)});
     return entries;
 }
 
-Recording<Ball> recorded(const EulerForm<Ball>& form, const std::vector<TransitionEntry>& entries) {
-    const int n = form.dimension(), all = n + static_cast<int>(entries.size());
-    Recording<Ball> exact = n == BodyState::rotation
-                                ? record<Ball>(TransitionForm<BodyState::rotation>{form, entries}, all)
-                                : record<Ball>(TransitionForm<BodyState::motion>{form, entries}, all);
+Recording<Ball> recorded(const Recording<Ball>& equations, const std::vector<TransitionEntry>& entries) {
+    const int all = static_cast<int>(equations.rates.size() + entries.size());
+    const Recording<Ball> exact = record<Ball>(TransitionForm{equations, entries}, all);
     const WorkingPrecision precision(Transition::bits);
     return rounded(exact);
 }
 
 }  // namespace
 
-Transition::Transition(const EulerForm<Ball>& form, int order)
-    : n_(form.dimension()), entries_(entries_of(form)), series_(recorded(form, entries_), order) {}
+Transition::Transition(const Recording<Ball>& equations, int order)
+    : n_(static_cast<int>(equations.rates.size())),
+      entries_(entries_of(equations)),
+      series_(recorded(equations, entries_), order) {}
 
 void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
                         const Bound& allowed, const WeightedNorm& norm) {
@@ -83,7 +144,7 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
     if (!(apart < allowed)) return;
     std::vector<Bound> moved = norm.components(apart);
     moved.resize(start.size());
-    const std::vector<Bound> change = change_of_rates(series_.recording(), defects.node, moved);
+    const std::vector<Bound> change = change_of_rates(series_.recording(), defects, moved);
     std::vector<std::vector<Bound>> columns(n_, std::vector<Bound>(n_));
     for (std::size_t k = 0; k < entries_.size(); ++k)
         columns[entries_[k].column][entries_[k].row] = change[n_ + k] + defects.rate[n_ + k];

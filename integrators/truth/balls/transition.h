@@ -1,5 +1,6 @@
 // How the end of a step depends on its beginning: the transition matrix W(t) = d y(t) / d y(0), enclosed for every
-// beginning near an exact point, from the variational equation of the one right-hand side:
+// beginning near an exact point, from the variational equation, recorded by carrying W along the tape of the one
+// right-hand side:
 //
 //   W' = J(y(t)) W, W(0) = 1;   P' = J(p) P + d  (Taylor polynomials of y and W together, recorded as one system)
 //   E = W - P:   E' = J(y) E + (J(y) - J(p)) P - d,   E(0) = 0
@@ -14,7 +15,6 @@
 #include "integrators/truth/balls/ball.h"
 #include "integrators/truth/balls/norm.h"
 #include "integrators/truth/balls/taylor.h"
-#include "integrators/truth/euler_form.h"
 
 namespace polhode::truth {
 
@@ -27,8 +27,8 @@ class Transition {
   public:
     static constexpr long bits = 96;
 
-    /// Takes the piece of the motion that the form has entered.
-    Transition(const EulerForm<Ball>& form, int order);
+    /// Of the motion by these equations, of which nothing is kept.
+    Transition(const Recording<Ball>& equations, int order);
 
     /// Sets the order of the expansions to come, at most the constructor's.
     void set_order(int order) { series_.set_order(order); }

@@ -50,7 +50,7 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
         const std::vector<Ball>& point = start.point;
         const int n = form.dimension();
         const WeightedNorm norm(start.plan);
-        Transition transition(form, 40);
+        Transition transition(record<Ball>(form, n), 40);
         const Ball h(0x1p-5);
         const Bound growth(16.0), nearby = start.length(norm, 0x1p-58);
         transition.expand(point, Bound(h), growth * nearby, growth, anywhere, norm);
@@ -81,7 +81,7 @@ TEST(Transition, KnowsNothingBeyondWhatIsAllowed) {
     const WorkingPrecision precision(200);
     const Start start(loaded_scene(1, true));
     const WeightedNorm norm(start.plan);
-    Transition transition(start.form, 40);
+    Transition transition(record<Ball>(start.form, start.form.dimension()), 40);
     const Bound growth(4.0), distance(0x1p-30);
     transition.expand(start.point, Bound(0x1p-6), distance, growth, Bound(0x1p-29), norm);
     EXPECT_TRUE(transition.at(Ball(0x1p-6))[0].is_finite());
@@ -99,13 +99,14 @@ TEST(Transition, WidensWithTheBeginnings) {
     const Ball h(0x1p-6);
     const double apart = 0x1p-10;
     const Bound growth(4.0);
-    Transition near(form, 40), far(form, 40);
+    const Recording<Ball> equations = record<Ball>(form, form.dimension());
+    Transition near(equations, 40), far(equations, 40);
     near.expand(point, Bound(h), growth * start.length(norm, 0x1p-60), growth, anywhere, norm);
     far.expand(point, Bound(h), growth * start.length(norm, apart), growth, anywhere, norm);
     const std::vector<Ball> W = far.at(h);
     std::vector<Ball> elsewhere(point);
     for (Ball& y : elsewhere) y += Ball(apart / 2);
-    Transition there(form, 40);
+    Transition there(equations, 40);
     there.expand(elsewhere, Bound(h), growth * start.length(norm, 0x1p-60), growth, anywhere, norm);
     const std::vector<Ball> W_near = near.at(h), W_there = there.at(h);
     double widest = 0;

@@ -1,0 +1,257 @@
+// Proofs along right-hand sides with quotients, roots and sines, and of trees of joints: bounds against what they
+// bound, and motions against those that two formulations agree on.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "build_kind.h"
+#include "catalogue.h"
+#include "integrators/series/real.h"
+#include "integrators/truth/balls/certified.h"
+#include "integrators/truth/balls/flow.h"
+#include "integrators/truth/balls/taylor.h"
+#include "integrators/truth/balls/transition.h"
+#include "integrators/truth/fresh_cache.h"
+#include "integrators/truth/jointed_start.h"
+#include "integrators/truth/reference.h"
+#include "integrators/truth/tree_form.h"
+#include "motion/mechanism.h"
+
+namespace polhode::truth {
+namespace {
+
+// one of each operation, and a sine of a sum
+struct Mixed {
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        S s, c, s2, c2;
+        sine_cosine(y[0], s, c);
+        sine_cosine(S(y[0] + S(0.5) * y[1]), s2, c2);
+        dy[0] = s2 / (S(2) + c) + y[1];
+        dy[1] = square_root(S(S(3) + y[0] * y[0])) * c2 - S(1) / (S(1.5) + y[1] * y[1]);
+    }
+};
+
+// the polynomial with the midpoints of the coefficients, and its slope
+void polynomial(const Series<Ball>& series, const Ball& t, Ball* p, Ball* slope) {
+    for (int i = 0; i < series.dimension(); ++i) {
+        p[i] = Ball(0), slope[i] = Ball(0);
+        for (int k = series.order(); k >= 0; --k) {
+            slope[i] = slope[i] * t + p[i];
+            p[i] = p[i] * t + series.coefficient(i, k).midpoint();
+        }
+    }
+}
+
+TEST(DefectOfEveryOperation, HoldsWhatIsMissed) {
+    const WorkingPrecision precision(300);
+    for (const int order : {8, 13, 30}) {
+        Series<Ball> series(record<Ball>(Mixed{}, 2), order);
+        for (const double at : {0.25, -1.0, 2.5}) {
+            const Ball start[2] = {Ball(at), Ball(1 - at / 2)};
+            series.expand(start);
+            const double h = 0.0625;
+            const Defect bounds = defect(series.recording(), term_bounds(series, Bound(h)));
+            double largest = 0;
+            for (const double t : {h / 3, h / 2, h}) {
+                Ball p[2], slope[2], rate[2];
+                polynomial(series, Ball(t), p, slope);
+                Mixed{}.derivative(p, rate);
+                for (int i = 0; i < 2; ++i) {
+                    const double missed = Bound(slope[i] - rate[i]).near();
+                    EXPECT_LE(missed, bounds.rate[i].near()) << order << ' ' << at << ' ' << t;
+                    largest = std::max(largest, missed / bounds.rate[i].near());
+                }
+            }
+            // and not by orders of magnitude more, or the bounds would hold anything
+            EXPECT_GT(largest, 1e-3) << order << ' ' << at;
+        }
+    }
+}
+
+// a divisor that vanishes at y_0 = 0.1
+struct Pole {
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        dy[0] = S(1);
+        dy[1] = S(1) / (y[0] * y[0] - S(0.01));
+    }
+};
+
+TEST(DefectOfEveryOperation, HasNoBoundWhereADivisorMayVanish) {
+    const WorkingPrecision precision(128);
+    Series<Ball> series(record<Ball>(Pole{}, 2), 12);
+    const Ball start[2] = {Ball(0), Ball(0)};
+    series.expand(start);
+    const auto rate_within = [&](double h) {
+        return defect(series.recording(), term_bounds(series, Bound(h))).rate[1];
+    };
+    EXPECT_TRUE(rate_within(0.05).is_finite());
+    EXPECT_FALSE(rate_within(0.11).is_finite());
+}
+
+TEST(ChangeOfRates, HoldsThatOfEveryOperation) {
+    const WorkingPrecision precision(200);
+    Series<Ball> series(record<Ball>(Mixed{}, 2), 16);
+    const Ball start[2] = {Ball(0.25), Ball(1)};
+    series.expand(start);
+    const double h = 0.0625;
+    const Defect along = defect(series.recording(), term_bounds(series, Bound(h)));
+    for (const double e : {1e-9, 1e-3, 0.1}) {
+        const std::vector<Bound> bounds = change_of_rates(series.recording(), along, {Bound(e), Bound(2 * e)});
+        double largest = 0;
+        for (const double t : {0.0, h / 2, h})
+            for (const double sign : {-1.0, 1.0}) {
+                Ball p[2], slope[2], here[2], there[2];
+                polynomial(series, Ball(t), p, slope);
+                Mixed{}.derivative(p, here);
+                p[0] += Ball(e), p[1] += Ball(sign * 2 * e);
+                Mixed{}.derivative(p, there);
+                for (int i = 0; i < 2; ++i) {
+                    const double change = Bound(there[i] - here[i]).near();
+                    EXPECT_LE(change, bounds[i].near()) << e << ' ' << t;
+                    largest = std::max(largest, change / bounds[i].near());
+                }
+            }
+        EXPECT_GT(largest, 0.01) << e;
+    }
+}
+
+TEST(JacobianOfEveryOperation, IsTheLimitOfDifferences) {
+    const WorkingPrecision precision(300);
+    const Recording<Ball> recording = record<Ball>(Mixed{}, 2);
+    const Ball y[2] = {Ball(0.75), Ball(-0.5)}, small(0x1p-100);
+    const std::vector<Ball> J = jacobian_of(recording, y);
+    Ball here[2];
+    Mixed{}.derivative(y, here);
+    for (int j = 0; j < 2; ++j) {
+        Ball moved[2] = {y[0], y[1]}, there[2];
+        moved[j] += small;
+        Mixed{}.derivative(moved, there);
+        for (int i = 0; i < 2; ++i)
+            EXPECT_LT(Bound((there[i] - here[i]) / small - J[i * 2 + j]).near(), 1e-28) << i << ' ' << j;
+    }
+}
+
+// y + 2^-60 e_j goes where W(h) 2^-60 e_j takes it, to the second order in 2^-60.
+TEST(TransitionOfTree, HoldsWhatNeighbouringMotionsDo) {
+    const WorkingPrecision precision(300);
+    const Scene scene = random_tree(7, 3, false);
+    TreeForm<Ball> form(scene);
+    const int n = form.dimension();
+    std::vector<Ball> point(n);
+    form.initial(point.data());
+    form.enter(0, point.data());
+    for (Ball& y : point) y = y.midpoint();
+    PiecePlan plan;
+    plan.dimension = n, plan.weights.assign(n * n, 0), plan.scales.assign(n, 1);
+    for (int i = 0; i < n; ++i) plan.weights[i * n + i] = 1;
+    const WeightedNorm norm(plan);
+    const Recording<Ball> equations = record<Ball>(form, n);
+    Transition transition(equations, 40);
+    const Ball h(0x1p-6);
+    const Bound growth(16.0), near = norm.length(std::vector<Bound>(n, Bound(0x1p-58)));
+    transition.expand(point, Bound(h), growth * near, growth, Bound(0x1p40), norm);
+    const std::vector<Ball> W = transition.at(h);
+    Series<Ball> series(equations, 50);
+    const auto flowed = [&](const std::vector<Ball>& from) {
+        std::vector<Ball> end(n);
+        series.expand(from.data());
+        series.evaluate(h, end.data());
+        return end;
+    };
+    const std::vector<Ball> end = flowed(point);
+    bool turned = false;
+    for (int j = 0; j < n; ++j) {
+        const Ball small(0x1p-60);
+        std::vector<Ball> moved(point);
+        moved[j] += small;
+        const std::vector<Ball> there = flowed(moved);
+        for (int i = 0; i < n; ++i) {
+            const Ball slope = (there[i] - end[i]) / small;
+            EXPECT_TRUE((slope - W[i * n + j]).contains_zero()) << i << ' ' << j;
+            EXPECT_LT(Bound::radius_of(W[i * n + j]).near(), 1e-6) << i << ' ' << j;
+            turned = turned || (i != j && std::abs(W[i * n + j].near()) > 1e-3);
+        }
+    }
+    EXPECT_TRUE(turned) << "nothing happened";
+}
+
+using R = Real<50>;
+
+// how many of the proven numbers lie further from 40 digits that two formulations agree on than their radius
+int outside(const Scene& scene, const CertifiedReference& certified) {
+    const DecimalReference truth = decimal_reference(scene, static_cast<long>(certified.times.size()) - 1, 40);
+    EXPECT_TRUE(truth.available) << truth.message;
+    EXPECT_EQ(truth.bodies, certified.bodies);
+    EXPECT_EQ(truth.columns.size(), certified.columns.size());
+    if (truth.columns.size() != certified.columns.size()) return -1;
+    R size(1);
+    for (const DecimalColumns& columns : truth.columns)
+        for (const std::string& value : columns) size = std::max(size, R(abs(R(value))));
+    int count = 0;
+    for (std::size_t i = 0; i < truth.columns.size(); ++i)
+        for (int c = 0; c < 13; ++c) {
+            const CertifiedNumber& number = certified.columns[i][c];
+            if (abs(R(R(truth.columns[i][c]) - R(number.value))) > R(number.radius) + R("1e-40") * size) ++count;
+        }
+    return count;
+}
+
+// Every kind of joint, with loads that begin and end, a force at a point of the world and an impulse.
+TEST(CertifiedTree, HoldsWhatTwoFormulationsAgreeOn) {
+    const FreshCache cache;
+    const int count = optimised_build ? 5 : 1;
+    for (int i = 0; i < count; ++i) {
+        const unsigned seed = 300 + static_cast<unsigned>(i);
+        Scene scene = random_tree(seed, 2 + i % 2, i % 2 == 1);
+        Dice dice(seed);
+        scene.loads.push_back(Gravity{{0, 0, -9.75}, {}});
+        scene.loads.push_back(Force{dice.vector(), Frame::world, dice.vector(), Frame::world, {0.03, 0.09}, "b1"});
+        scene.loads.push_back(Impulse{dice.vector(), Frame::body, dice.vector(), Frame::body, 0.0625, "b1"});
+        const CertifiedReference certified = certified_reference(scene, 3, 30);
+        ASSERT_TRUE(certified.available) << seed << ' ' << certified.message;
+        EXPECT_GE(certified.digits, 30);
+        EXPECT_EQ(certified.bodies, static_cast<int>(scene.bodies.size()));
+        EXPECT_EQ(outside(scene, certified), 0) << seed;
+    }
+}
+
+TEST(CertifiedTree, HoldsScenesOfTheCatalogue) {
+    const FreshCache cache;
+    for (const auto& [name, duration] :
+         {std::pair("mechanisms/double_pendulum", 2.0), std::pair("mechanisms/gimbal_gyroscope", 0.125),
+          std::pair("mechanisms/masses_on_spring", 0.0625), std::pair("mechanisms/furuta_pendulum", 0.5)}) {
+        Scene scene = find_scene(name);
+        scene.duration = duration;
+        const CertifiedReference certified = certified_reference(scene, 2, 25);
+        ASSERT_TRUE(certified.available) << name << ' ' << certified.message;
+        EXPECT_EQ(outside(scene, certified), 0) << name;
+    }
+}
+
+// A body on a spherical joint is a body with a pivot, proven by other equations.
+TEST(CertifiedTree, OfOneBodyIsThatBodys) {
+    Scene joint = find_scene("mechanisms/top_on_spherical_joint"), pivot = find_scene("lagrange_top");
+    joint.duration = pivot.duration = 1;
+    const CertifiedReference a = certified_reference(joint, 2, 30), b = certified_reference(pivot, 2, 30);
+    ASSERT_TRUE(a.available) << a.message;
+    ASSERT_TRUE(b.available) << b.message;
+    ASSERT_EQ(a.columns.size(), b.columns.size());
+    for (std::size_t i = 0; i < a.columns.size(); ++i)
+        for (int c = 0; c < 13; ++c) {
+            const CertifiedNumber &x = a.columns[i][c], &y = b.columns[i][c];
+            // the centre of mass is told from the joint, whose place in both is the origin
+            EXPECT_LE(abs(R(R(x.value) - R(y.value))), R(x.radius) + R(y.radius)) << i << ' ' << c;
+        }
+}
+
+TEST(CertifiedTree, SaysWhatItHasNoProofOf) {
+    const CertifiedReference loops = certified_reference(find_scene("mechanisms/four_bar"), 2, 20);
+    EXPECT_FALSE(loops.available);
+    EXPECT_NE(loops.message.find("loops"), std::string::npos) << loops.message;
+}
+
+}  // namespace
+}  // namespace polhode::truth

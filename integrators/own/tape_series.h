@@ -157,6 +157,7 @@ class TapeSeries {
         }
     }
     void keep(int k) {
+        if (rows_.empty()) return;
         double* at = rows_.data() + (k - 1);
         for (const int place : plan_.source) *at = now_[place], at += stride;
         for (const int place : plan_.slope_of) *at = k * now_[place], at += stride;

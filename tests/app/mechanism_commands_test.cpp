@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "app/program_fixture.h"
+#include "integrators/truth/balls/certified.h"
 #include "motion/trajectory_csv.h"
 
 namespace polhode {
@@ -157,6 +158,31 @@ TEST_F(Mechanisms, MethodsOfOneBodySaySo) {
     const Outcome outcome = run({"solve", resting, "--method", "splitting4"});
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_NE(outcome.err.find("unsupported: splitting4 takes one body"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {
+    if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
+    const std::vector<std::string> asked{"truth", swinging, "--samples", "2", "--digits", "20"};
+    std::vector<std::string> proven = asked;
+    proven.emplace_back("--certified");
+    const Outcome agreed = run(asked), certified = run(proven);
+    ASSERT_EQ(certified.exit_code, 0) << certified.err;
+    EXPECT_NE(certified.err.find("proven"), std::string::npos) << certified.err;
+    const std::vector<CsvRow> a = rows_of(agreed.out), b = rows_of(certified.out);
+    ASSERT_EQ(a.size(), 6u);
+    ASSERT_EQ(b.size(), 6u);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a[i].at("body"), b[i].at("body"));
+        for (const char* name : {"t", "qw", "qy", "wy", "px", "vz"})
+            EXPECT_NEAR(number(a[i], name), number(b[i], name), 1e-13) << name;
+        EXPECT_LE(number(b[i], "bound"), 1e-20);
+    }
+    proven.insert(proven.end(), {"--format", "json"});
+    const nlohmann::json told = nlohmann::json::parse(run(proven).out);
+    EXPECT_EQ(told["columns"][1], "body");
+    ASSERT_EQ(told["samples"].size(), 6u);
+    EXPECT_EQ(told["samples"][1][1], "lower");
+    EXPECT_EQ(told["samples"][1].size(), told["columns"].size());
 }
 
 TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {

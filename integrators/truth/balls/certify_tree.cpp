@@ -1,16 +1,50 @@
-#include <algorithm>
+#include <fmt/format.h>
+
+#include <Eigen/Core>
 #include <cmath>
 #include <utility>
 
 #include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
+#include "integrators/truth/balls/scout.h"
 #include "integrators/truth/tree_form.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 
 namespace polhode::truth {
 
-// Errors are measured by the size of each coordinate: which norm it is matters little where parallelepipeds carry them.
+namespace {
+
+// of some 50 bytes each
+constexpr double most_numbers = 2e7;
+
+// Weights by which each variable changes with the others as they change with it (E. E. Osborne 1960): a stiff spring
+// then turns its coordinate and its rate, and lets no error grow. `coupling`: the sizes of the Jacobian's entries.
+std::vector<double> balanced(const Eigen::MatrixXd& coupling, const std::vector<double>& scales) {
+    constexpr int rounds = 20;
+    const auto n = coupling.rows();
+    std::vector<double> unit(scales);
+    for (int round = 0; round < rounds; ++round)
+        for (Eigen::Index i = 0; i < n; ++i) {
+            double by_others = 0, of_others = 0;
+            for (Eigen::Index j = 0; j < n; ++j) {
+                if (j == i) continue;
+                by_others += std::abs(coupling(i, j)) * unit[static_cast<std::size_t>(j)];
+                of_others += std::abs(coupling(j, i)) / unit[static_cast<std::size_t>(j)];
+            }
+            if (by_others > 0 && of_others > 0) unit[static_cast<std::size_t>(i)] = std::sqrt(by_others / of_others);
+        }
+    return unit;
+}
+
+/// How many numbers a tape's changes with each variable come to, a sum of products each, to the order of so many bits.
+double numbers_carried(const Recording<Ball>& recording, double bits) {
+    constexpr double products = 2, order_a_bit = 0.35;
+    return products * static_cast<double>(recording.tape.nodes.size() * recording.rates.size()) * order_a_bit * bits;
+}
+
+}  // namespace
+
 void TreeCertifier::make_plan() {
     // what the bounds of a right-hand side lose by taking each of its numbers by its size alone, a link
     constexpr double parallelepiped_bits = 24, bits_a_link = 6;
@@ -22,7 +56,12 @@ void TreeCertifier::make_plan() {
     plan_.blocks = form.blocks(plan_.scales);
     const auto n = static_cast<std::size_t>(plan_.dimension);
     plan_.weights.assign(n * n, 0);
-    for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / plan_.scales[i];
+    Scout<TreeForm<double>> scout(scene_, plan_.blocks);
+    Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(plan_.dimension, plan_.dimension);
+    for (const Leg& leg : itinerary(scene_))
+        for (const Visit& visit : scout.visits(leg.begin, leg.end)) coupling += visit.seconds * visit.J.cwiseAbs();
+    const std::vector<double> unit = balanced(coupling, plan_.scales);
+    for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / unit[i];
     lost_bits_ =
         parallelepiped_bits + bits_a_link * static_cast<double>(form.tree().links().links.size()) + kappa_bits(problem);
 }
@@ -54,12 +93,21 @@ CertifiedAttempt TreeCertifier::attempt() {
         legs, samples, enter, [&](double) { return note(y); },
         [&](const Leg& leg) {
             Piece piece(record<Ball>(form, form.dimension()), leg.begin, leg.end, {});
+            if (numbers_carried(piece.equations, bits - plan_.spare_bits) > most_numbers) {
+                result.fault = fmt::format("errors of {} variables take too much memory to carry", form.dimension());
+                result.hopeless = true;
+                return false;
+            }
             for (; samples.in(leg); samples.pop()) piece.sample_times.push_back(samples.front());
             Enclosure enclosure = enclose_by_taylor(piece, plan_, y, Carry::parallelepiped);
             result.steps += enclosure.steps;
             result.fault = enclosure.fault, result.hopeless = enclosure.hopeless;
             if (!result.fault.empty()) {
                 result.wanted_bits = 1.3 * bits + 64;
+                if (enclosure.coarse) {
+                    const double spare = 64 + plan_.spare_bits;
+                    plan_.spare_bits += spare, result.wanted_bits = bits + spare;
+                }
                 return false;
             }
             for (const std::vector<Ball>& state : enclosure.samples) note(state);

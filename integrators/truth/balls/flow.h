@@ -33,6 +33,7 @@ struct Piece {
 struct Enclosure {
     std::string fault;      ///< why there is none; empty where there is one
     bool hopeless = false;  ///< the fault stays at any precision
+    bool coarse = false;    ///< rounding is the fault: what is in want is spare bits
     long steps = 0;
     std::vector<std::vector<Ball>> samples;
     std::vector<Ball> end;

@@ -8,6 +8,7 @@
 
 #include "integrators/series/series.h"
 #include "integrators/truth/balls/matrix.h"
+#include "integrators/truth/balls/scout.h"
 #include "integrators/truth/euler_form.h"
 #include "integrators/truth/strong_damping.h"
 
@@ -40,69 +41,9 @@ double largest_eigenvalue(const Eigen::MatrixXd& symmetric) {
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
-struct Visit {
-    Eigen::MatrixXd J;
-    double seconds;
-};
+}  // namespace
 
-// The Jacobians along an approximate motion, at most some hundred a piece.
-class Scout {
-  public:
-    explicit Scout(const Problem& problem) : form_(problem.scene), y_(form_.dimension()) { form_.initial(y_.data()); }
-
-    std::vector<Visit> visits(double begin, double end) {
-        constexpr int order = 12, most_steps = 4000;
-        constexpr double tolerance = 1e-6;
-        const int n = form_.dimension();
-        form_.enter(begin, y_.data());
-        Series<double> series(record<double>(form_, n), order);
-        std::vector<Visit> all;
-        double t = begin;
-        for (int step = 0; t < end; ++step) {
-            series.expand(y_.data());
-            double h = end - t;
-            for (const auto& [first, count] : BodyState::blocks) {
-                if (first >= n) break;
-                // the attitude's is 1
-                double size = count == 4 ? 1 : 0, last = 0;
-                for (int i = first; i < first + count; ++i) {
-                    size = std::max(size, std::abs(y_[i]));
-                    last = std::max(last, std::abs(series.coefficient(i, order)));
-                }
-                if (last > 0 && size > 0) h = std::min(h, std::pow(tolerance * size / last, 1.0 / order));
-            }
-            const bool give_up = step >= most_steps || !(t + h > t);
-            if (give_up) h = end - t;
-            const std::vector<double> J = jacobian_of(series.recording(), y_.data());
-            all.push_back({Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(J.data(), n, n), h});
-            if (give_up) break;
-            series.evaluate(h, y_.data());
-            t = end - t <= h ? end : t + h;
-        }
-        return thinned(std::move(all));
-    }
-
-  private:
-    EulerForm<double> form_;
-    std::vector<double> y_;
-
-    static std::vector<Visit> thinned(std::vector<Visit> all) {
-        constexpr std::size_t most = 64;
-        const std::size_t stride = (all.size() + most - 1) / most;
-        std::vector<Visit> kept;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            if (!all[i].J.allFinite()) continue;
-            if (i % stride == 0 || kept.empty())
-                kept.push_back(std::move(all[i]));
-            else
-                kept.back().seconds += all[i].seconds;
-        }
-        return kept;
-    }
-};
-
-// The integral of the logarithmic norm, in bits.
-double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
+double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
     const Eigen::MatrixXd inverse = S.inverse();
     double sum = 0;
     for (const Visit& visit : visits) {
@@ -112,8 +53,6 @@ double growth(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
     }
     return sum / std::log(2.0);
 }
-
-}  // namespace
 
 std::vector<PiecePlan> plan_pieces(const Problem& problem) {
     const EulerForm<double> form(problem.scene);
@@ -143,11 +82,11 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
         return *most - *least;
     };
 
-    Scout scout(problem);
+    Scout<EulerForm<double>> scout(problem.scene, layout);
     std::vector<PiecePlan> plans;
     for (const Segment& segment : problem.segments) {
         const std::vector<Visit> visits = scout.visits(segment.begin, segment.end);
-        double best[4] = {0, 0, 0, 0}, cost = growth(visits, weights(best)) + spread(best);
+        double best[4] = {0, 0, 0, 0}, cost = growth_bits(visits, weights(best)) + spread(best);
         for (const double stride : {8.0, 2.0, 0.5})
             for (bool better = true; better;) {
                 better = false;
@@ -157,7 +96,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
                         std::copy_n(best, 4, tried);
                         tried[b] += move;
                         if (std::abs(tried[b]) > 200) continue;
-                        const double c = growth(visits, weights(tried)) + spread(tried);
+                        const double c = growth_bits(visits, weights(tried)) + spread(tried);
                         if (c < cost - 1e-3) std::copy_n(tried, 4, best), cost = c, better = true;
                     }
             }
@@ -168,7 +107,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
             for (int j = 0; j < n; ++j) plan.weights.push_back(S(i, j));
         for (const Block& block : layout) plan.scales.insert(plan.scales.end(), block.size, block.scale);
         plan.blocks = layout;
-        plan.growth_bits = growth(visits, S), plan.spread_bits = spread(best);
+        plan.growth_bits = growth_bits(visits, S), plan.spread_bits = spread(best);
         plan.damping_number = damping_number(problem, segment);
         plans.push_back(std::move(plan));
     }

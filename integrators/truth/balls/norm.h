@@ -98,7 +98,8 @@ struct PiecePlan {
     std::vector<Block> blocks;    ///< of variables whose coefficients the step goes by, with their sizes
     double growth_bits = 0;       ///< log2 of what the logarithmic norm lets an error grow by over the piece
     double spread_bits = 0;       ///< log2 of the largest over the least weight, variables measured by their scales
-    double damping_number = 0;    ///< the fastest decay times the length of the piece
+    double spare_bits = 0;      ///< of the working precision, which the steps do not go by: for what rounding grows to
+    double damping_number = 0;  ///< the fastest decay times the length of the piece
 };
 
 /// A plan for each piece, with weights that let errors grow least along an approximate motion.

@@ -40,14 +40,15 @@ double on_grid(double h) {
 }
 
 // |c_k| h^k <= 2^-bits of the block's size for the last coefficients; of four, since one may vanish by symmetry
-double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bits) {
+double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bits, bool with_radii) {
     const int order = series.order();
     double log2_step = std::numeric_limits<double>::infinity();
     for (const Block& block : plan.blocks)
         for (int k = order - 3; k <= order; ++k) {
             double size = -std::numeric_limits<double>::infinity();
             for (int i = block.first; i < block.first + block.size; ++i)
-                size = std::max(size, Bound(series.coefficient(i, k)).log2_near());
+                size = std::max(size, with_radii ? Bound(series.coefficient(i, k)).log2_near()
+                                                 : series.coefficient(i, k).log2_near());
             log2_step = std::min(log2_step, (std::log2(block.scale) - bits - size) / k);
         }
     return std::exp2(log2_step);
@@ -276,7 +277,10 @@ class ParallelepipedErrors {
 
     ParallelepipedErrors(const Piece& piece, const PiecePlan& plan, const WeightedNorm& norm, int order,
                          const std::vector<Bound>& radius)
-        : norm_(norm), set_(plan.scales, radius), scales_(plan.scales), transition_(piece.equations, order) {}
+        : norm_(norm),
+          set_(plan.scales, radius),
+          scales_(plan.scales),
+          transition_(piece.equations, order, plan.spare_bits) {}
 
     Bound length() const { return norm_.length(set_.components()); }
     std::vector<Bound> components() const { return set_.components(); }
@@ -322,7 +326,7 @@ template <class Errors>
 Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
     Enclosure result;
     const int n = piece.dimension();
-    const auto bits = static_cast<double>(Ball::precision());
+    const double bits = static_cast<double>(Ball::precision()) - plan.spare_bits;
     // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
     const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
     Series<Ball> series(piece.equations, order);
@@ -359,7 +363,13 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
             return result;
         }
         series.expand(point.data());
-        const double wanted = on_grid(wanted_step(series, plan, bits));
+        const double wanted = on_grid(wanted_step(series, plan, bits, true));
+        // where the bounds of what rounding does grow faster with the order than the motion's own terms
+        if (8 * wanted < std::min(wanted_step(series, plan, bits, false), piece.end - t.near())) {
+            result.fault = fmt::format("rounding in {} bits shortens the steps", Ball::precision());
+            result.coarse = true;
+            return result;
+        }
         if (!(wanted > 0)) {
             result.fault = "the step vanishes";
             result.hopeless = true;

@@ -8,6 +8,8 @@
 namespace polhode::truth {
 namespace {
 
+constexpr long least_bits = 96;
+
 // y and W along the tape
 struct TransitionForm {
     const Recording<Ball>& equations;
@@ -113,25 +115,26 @@ std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
     return entries;
 }
 
-Recording<Ball> recorded(const Recording<Ball>& equations, const std::vector<TransitionEntry>& entries) {
+Recording<Ball> recorded(const Recording<Ball>& equations, const std::vector<TransitionEntry>& entries, long bits) {
     const int all = static_cast<int>(equations.rates.size() + entries.size());
     const Recording<Ball> exact = record<Ball>(TransitionForm{equations, entries}, all);
-    const WorkingPrecision precision(Transition::bits);
+    const WorkingPrecision precision(bits);
     return rounded(exact);
 }
 
 }  // namespace
 
-Transition::Transition(const Recording<Ball>& equations, int order)
+Transition::Transition(const Recording<Ball>& equations, int order, double spare_bits)
     : n_(static_cast<int>(equations.rates.size())),
+      bits_(least_bits + static_cast<long>(spare_bits)),
       entries_(entries_of(equations)),
-      series_(recorded(equations, entries_), order) {}
+      series_(recorded(equations, entries_, bits_), order) {}
 
 void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
                         const Bound& allowed, const WeightedNorm& norm) {
-    const WorkingPrecision precision(bits);
+    const WorkingPrecision precision(bits_);
     std::vector<Ball> start(point);
-    for (Ball& y : start) arb_set_round(y.raw(), y.raw(), bits);
+    for (Ball& y : start) arb_set_round(y.raw(), y.raw(), bits_);
     for (const TransitionEntry& entry : entries_) start.emplace_back(entry.row == entry.column ? 1 : 0);
     series_.expand(start.data());
 
@@ -155,7 +158,7 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
 }
 
 std::vector<Ball> Transition::at(const Ball& t) const {
-    const WorkingPrecision precision(bits);
+    const WorkingPrecision precision(bits_);
     std::vector<Ball> values(series_.dimension()), W(static_cast<std::size_t>(n_) * n_);
     series_.evaluate(t, values.data());
     for (std::size_t k = 0; k < entries_.size(); ++k)

@@ -25,10 +25,8 @@ struct TransitionEntry {
 
 class Transition {
   public:
-    static constexpr long bits = 96;
-
-    /// Of the motion by these equations, of which nothing is kept.
-    Transition(const Recording<Ball>& equations, int order);
+    /// Of the motion by these equations, of which nothing is kept. `spare_bits`: as PiecePlan has them.
+    Transition(const Recording<Ball>& equations, int order, double spare_bits = 0);
 
     /// Sets the order of the expansions to come, at most the constructor's.
     void set_order(int order) { series_.set_order(order); }
@@ -42,6 +40,7 @@ class Transition {
   private:
     // the variables: y, then the entries of W that are not zero throughout
     int n_;
+    long bits_;
     std::vector<TransitionEntry> entries_;
     Series<Ball> series_;
     std::vector<Bound> error_;  // |E|, row by row

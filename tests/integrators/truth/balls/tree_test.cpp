@@ -251,6 +251,9 @@ TEST(CertifiedTree, SaysWhatItHasNoProofOf) {
     const CertifiedReference loops = certified_reference(find_scene("mechanisms/four_bar"), 2, 20);
     EXPECT_FALSE(loops.available);
     EXPECT_NE(loops.message.find("loops"), std::string::npos) << loops.message;
+    const CertifiedReference many = certified_reference(find_scene("mechanisms/rope_mass_ratio"), 2, 200);
+    EXPECT_FALSE(many.available);
+    EXPECT_NE(many.message.find("memory"), std::string::npos) << many.message;
 }
 
 }  // namespace

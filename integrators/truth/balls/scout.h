@@ -1,0 +1,88 @@
+// What a plan for a proof goes by: Jacobians along an approximate motion, in doubles. Nothing here needs to be right
+// for the proof.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "integrators/series/series.h"
+#include "integrators/truth/balls/norm.h"
+#include "integrators/truth/motion.h"
+#include "scene/scene.h"
+
+namespace polhode::truth {
+
+struct Visit {
+    Eigen::MatrixXd J;
+    double seconds;  ///< for which it stands
+};
+
+/// The Jacobians along an approximate motion, at most some hundred a piece.
+template <class Form>
+class Scout {
+  public:
+    /// The scene outlives it.
+    Scout(const Scene& scene, std::vector<Block> blocks)
+        : form_(scene), blocks_(std::move(blocks)), y_(static_cast<std::size_t>(form_.dimension())) {
+        form_.initial(y_.data());
+    }
+
+    std::vector<Visit> visits(double begin, double end) {
+        constexpr int order = 12, most_steps = 4000;
+        constexpr double tolerance = 1e-6;
+        const int n = form_.dimension();
+        form_.enter(begin, y_.data());
+        Series<double> series(record<double>(form_, n), order);
+        std::vector<Visit> all;
+        double t = begin;
+        for (int step = 0; t < end; ++step) {
+            series.expand(y_.data());
+            double h = end - t;
+            for (const Block& block : blocks_) {
+                // what starts from rest gets some size
+                double size = 1e-3 * block.scale, last = 0;
+                for (int i = block.first; i < block.first + block.size; ++i) {
+                    size = std::max(size, std::abs(y_[i]));
+                    last = std::max(last, std::abs(series.coefficient(i, order)));
+                }
+                if (last > 0 && size > 0) h = std::min(h, std::pow(tolerance * size / last, 1.0 / order));
+            }
+            const bool give_up = step >= most_steps || !(t + h > t);
+            if (give_up) h = end - t;
+            const std::vector<double> J = jacobian_of(series.recording(), y_.data());
+            all.push_back({Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(J.data(), n, n), h});
+            if (give_up) break;
+            series.evaluate(h, y_.data());
+            t = end - t <= h ? end : t + h;
+        }
+        return thinned(std::move(all));
+    }
+
+  private:
+    Form form_;
+    std::vector<Block> blocks_;
+    std::vector<double> y_;
+
+    static std::vector<Visit> thinned(std::vector<Visit> all) {
+        constexpr std::size_t most = 64;
+        const std::size_t stride = (all.size() + most - 1) / most;
+        std::vector<Visit> kept;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (!all[i].J.allFinite()) continue;
+            if (i % stride == 0 || kept.empty())
+                kept.push_back(std::move(all[i]));
+            else
+                kept.back().seconds += all[i].seconds;
+        }
+        return kept;
+    }
+};
+
+/// The integral of the logarithmic norm along the visits, weighted by S, in bits.
+double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S);
+
+}  // namespace polhode::truth

@@ -14,6 +14,7 @@
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/balls/ball_decimal.h"
 #include "integrators/truth/balls/certify.h"
+#include "integrators/truth/balls/closure.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
@@ -279,6 +280,10 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
         }
     if (!scene.loops.empty()) {
         result.message = "no certified truth: motions with loops are not enclosed; leave out --certified";
+        const DecimalReference agreed = decimal_reference(scene, samples, digits, seconds_limit);
+        if (agreed.available)
+            result.message += fmt::format(" (loops of the truth in {} digits are open by no more than {}, for certain)",
+                                          digits, truth::decimal_above(truth::openness_of_loops(scene, agreed)));
         return result;
     }
     if (!scene.planes.empty()) {

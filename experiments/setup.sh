@@ -6,7 +6,7 @@
 # what the program is built from; dpkg-dev unpacks the SUNDIALS source package, Arb is for truth --certified,
 # GSL is measured beside and goes into the build tree's programs alone: it is under the GPL
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev
+    libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev libasmjit-dev
     gnuplot-nox)
 test_packages=(libgtest-dev librapidcheck-dev pkgconf libbullet-dev libode-dev)
 # the engines that `experiments/run engines` compares; those under Node come by npm

@@ -19,8 +19,8 @@ using Lanes8 = double __attribute__((vector_size(64)));
 /// The vector instructions that a kernel is compiled for.
 enum class InstructionSet {
     plain,   ///< those that every processor of the architecture has
-    avx2,    ///< AVX2: registers of four binary64 numbers
-    avx512,  ///< AVX-512 F, DQ and VL: registers of eight
+    avx2,    ///< AVX2 and FMA: registers of four binary64 numbers
+    avx512,  ///< AVX-512 F, DQ and VL and FMA: registers of eight
 };
 
 /// The widest instruction set that this processor has, but none wider than the environment variable

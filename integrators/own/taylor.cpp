@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -18,9 +20,9 @@
 #include "integrators/closed_form/turn.h"
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/rotation_series.h"
-#include "integrators/own/tape_series.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
+#include "integrators/tape/tape_series.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 
@@ -32,8 +34,6 @@ constexpr double least_tolerance = 1e-16;
 // below it a step's truncation is less than its rounding
 constexpr double careful_below = 3e-15;
 constexpr int careful_order = 30;
-// of a long tape: a step to order 12 takes 0.73 of the time and is 0.6 as long (a double pendulum at 1e-10)
-constexpr int least_tape_order = 16;
 // what careful steps are taken for, whatever the tolerance: truncation errors are alike in every step, so that the
 // angle they add up to grows as the square of the time
 constexpr double careful_tolerance = 1e-21;
@@ -81,7 +81,7 @@ template <int order, class Wide>
 class UnrolledCoefficients {
   public:
     template <class SystemType>
-    UnrolledCoefficients(const Problem& problem, const Segment& segment, const SystemType&)
+    UnrolledCoefficients(const Problem& problem, const Segment& segment, const SystemType&, double)
         : series_(problem.body.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
         series_.set(segment.forcing);
         if constexpr (std::is_same_v<Wide, Lanes8>)
@@ -138,50 +138,44 @@ truth::Recording<T> recorded(const SystemType& system) {
     };
     return truth::record<T>(Form{&system}, system.size());
 }
-/// Of a system of any size by the kernel for long tapes.
-template <int order, class SystemType>
-auto recorded_series(const SystemType& system) {
-    if constexpr (SystemType::dimension == run_time)
-        return TapeSeries<order>(recorded<double>(system));
-    else
-        return truth::Series<double>(recorded<double>(system), order);
-}
-
-/// Those of any of the systems, their recurrences recorded from the one right-hand side.
-template <int order, class SystemType>
+/// Those of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with truncation
+/// errors far below the rounding of what they are the rest of.
+template <class SystemType, bool careful = false>
 class RecordedCoefficients {
   public:
-    RecordedCoefficients(const Problem&, const Segment&, const SystemType& system)
-        : series_(recorded_series<order>(system)), scales_(system.size()) {
+    RecordedCoefficients(const Problem&, const Segment&, const SystemType& system, double tolerance)
+        : series_(recorded<double>(system), {.careful = careful, .tolerance = tolerance}), scales_(system.size()) {
         system.scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
+        const int order = series_.order();
+        const double *last = series_.coefficients(order), *before = series_.coefficients(order - 1);
         Sizes sizes;
-        for (int i = 0; i < size(); ++i)
-            sizes.note(squared(series_.coefficient(i, order)), squared(series_.coefficient(i, order - 1)), scales_[i]);
+        for (int i = 0; i < size(); ++i) sizes.note(squared(last[i]), squared(before[i]), scales_[i]);
         return step_of(sizes, tolerance, order);
     }
-    /// The sum of y_k h^k from k = 1 on, component i.
-    double increment(int i, double h) const { return sum(i, h, 1) * h; }
-    /// The sum of y_k h^(k - from) from k = from on.
+    /// The sum of y_k h^(k - from) from k = from on, each component.
     template <int from>
     void tail(double h, double* sums) const {
-        for (int i = 0; i < size(); ++i) sums[i] = sum(i, h, from);
+        // as many side by side as a line has room for
+        constexpr int line = TapeLayout::line;
+        for (int first = 0; first < size(); first += line) {
+            std::array<double, line> sum;
+            std::copy_n(series_.coefficients(series_.order()) + first, line, sum.begin());
+            for (int k = series_.order() - 1; k >= from; --k) {
+                const double* const y_k = series_.coefficients(k) + first;
+                for (std::size_t i = 0; i < line; ++i) sum[i] = sum[i] * h + y_k[i];
+            }
+            std::copy_n(sum.begin(), std::min(line, size() - first), sums + first);
+        }
     }
 
   private:
     static double squared(double x) { return x * x; }
-    // y_from + y_from+1 h + ..
-    double sum(int i, double h, int from) const {
-        double sum = series_.coefficient(i, order);
-        for (int k = order - 1; k >= from; --k) sum = sum * h + series_.coefficient(i, k);
-        return sum;
-    }
-
     int size() const { return static_cast<int>(scales_.size()); }
 
-    decltype(recorded_series<order>(std::declval<const SystemType&>())) series_;
+    TapeSeries series_;
     Numbers<SystemType::dimension> scales_;
 };
 
@@ -190,8 +184,8 @@ template <int order, class Wide>
 class UnrolledSeries {
   public:
     template <class SystemType>
-    UnrolledSeries(const Problem& problem, const Segment& segment, const SystemType& system)
-        : coefficients_(problem, segment, system) {}
+    UnrolledSeries(const Problem& problem, const Segment& segment, const SystemType& system, double tolerance)
+        : coefficients_(problem, segment, system, tolerance) {}
     void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
     void expand() { coefficients_.expand(state_); }
     double step(double tolerance) const { return coefficients_.step(tolerance); }
@@ -209,25 +203,26 @@ class UnrolledSeries {
 };
 
 /// Any of the systems' likewise.
-template <int order, class SystemType>
+template <class SystemType>
 class RecordedSeries {
   public:
-    RecordedSeries(const Problem& problem, const Segment& segment, const SystemType& system)
-        : coefficients_(problem, segment, system), sum_(system.size()) {}
+    RecordedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double tolerance)
+        : coefficients_(problem, segment, system, tolerance), sum_(system.size()), increment_(system.size()) {}
     void start(const double* y) {
         for (int i = 0; i < size(); ++i) sum_[i] = {y[i], 0};
     }
     void expand() {
-        Numbers<SystemType::dimension> y(size());
-        state(y.data());
-        coefficients_.expand(y.data());
+        state(increment_.data());
+        coefficients_.expand(increment_.data());
     }
     double step(double tolerance) const { return coefficients_.step(tolerance); }
     void advance(double h) {
-        for (int i = 0; i < size(); ++i) sum_[i].add(coefficients_.increment(i, h));
+        find_increment(h);
+        for (int i = 0; i < size(); ++i) sum_[i].add(increment_[i]);
     }
-    void look(double h, double* y) const {
-        for (int i = 0; i < size(); ++i) y[i] = sum_[i].value + (sum_[i].lost + coefficients_.increment(i, h));
+    void look(double h, double* y) {
+        find_increment(h);
+        for (int i = 0; i < size(); ++i) y[i] = sum_[i].value + (sum_[i].lost + increment_[i]);
     }
     void state(double* y) const {
         for (int i = 0; i < size(); ++i) y[i] = sum_[i].value;
@@ -235,9 +230,14 @@ class RecordedSeries {
 
   private:
     int size() const { return static_cast<int>(sum_.size()); }
+    void find_increment(double h) {
+        coefficients_.template tail<1>(h, increment_.data());
+        for (double& x : increment_) x *= h;
+    }
 
-    RecordedCoefficients<order, SystemType> coefficients_;
+    RecordedCoefficients<SystemType> coefficients_;
     Numbers<SystemType::dimension, CompensatedSum> sum_;
+    Numbers<SystemType::dimension> increment_;
 };
 
 /// I^-1 in posed axes, 1/(kg m^2).
@@ -288,8 +288,8 @@ double response_rate(const Problem& problem, const Segment& segment) {
 template <class Coefficients, class SystemType>
 class ExtendedSeries {
   public:
-    ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system)
-        : coefficients_(problem, segment, system),
+    ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double)
+        : coefficients_(problem, segment, system, careful_tolerance),
           first_(recorded<Extended>(system), extended),
           longest_(problem.own ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
           state_(system.size()) {}
@@ -411,7 +411,7 @@ class TaylorSession {
         system_.enter(segment, y_.data());
         series_.reset();
         begin_ = t_ = segment.begin, end_ = segment.end;
-        if (end_ > t_) series_.emplace(*scaled_, segment, system_).start(y_.data());
+        if (end_ > t_) series_.emplace(*scaled_, segment, system_, tolerance_).start(y_.data());
         return 0;
     }
     /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
@@ -518,38 +518,33 @@ Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
     }
 }
 
-template <int order>
-Trajectory solve_at_order(const Problem& problem, const Settings& settings) {
+template <class SystemType, class Wide>
+Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
+    if (*settings.tolerance < careful_below) return solve_unrolled<careful_order, SystemType, Wide>(problem, settings);
+    // p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
+    const double order = 1 - std::log(*settings.tolerance) / 2;
+    if (order <= 12) return solve_unrolled<12, SystemType, Wide>(problem, settings);
+    if (order <= 16) return solve_unrolled<16, SystemType, Wide>(problem, settings);
+    return solve_unrolled<20, SystemType, Wide>(problem, settings);
+}
+
+Trajectory solve(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
-        // without a load there is none that the unrolled series do not know
-        constexpr bool free = std::is_same_v<SystemType, FreeRotation>;
         if constexpr (is_rotation<SystemType>)
-            if (free || is_unrolled(problem)) {
+            if (is_unrolled(problem) && !std::getenv("POLHODE_TRY")) {
                 if (instruction_set() == InstructionSet::avx512)
-                    return solve_unrolled<order, SystemType, Lanes8>(problem, settings);
-                return solve_unrolled<order, SystemType, LanePair>(problem, settings);
+                    return solve_unrolled<SystemType, Lanes8>(problem, settings);
+                return solve_unrolled<SystemType, LanePair>(problem, settings);
             }
-        if constexpr (!free && order == careful_order && has_extended) {
-            using Coefficients = RecordedCoefficients<order, SystemType>;
-            return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
-        } else if constexpr (!free) {
-            constexpr int own = SystemType::dimension == run_time ? std::max(order, least_tape_order) : order;
-            return solve_by<RecordedSeries<own, SystemType>, SystemType>(problem, settings);
-        }
+        if (*settings.tolerance < careful_below && has_extended)
+            return solve_by<ExtendedSeries<RecordedCoefficients<SystemType, true>, SystemType>, SystemType>(problem,
+                                                                                                          settings);
+        return solve_by<RecordedSeries<SystemType>, SystemType>(problem, settings);
     });
 }
 
 std::string refused_user_torque(const Problem& problem) {
     return problem.needs.user_torque ? "a torque of the user's own has no Taylor coefficients" : "";
-}
-
-// p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    if (*settings.tolerance < careful_below) return solve_at_order<careful_order>(problem, settings);
-    const double order = 1 - std::log(*settings.tolerance) / 2;
-    if (order <= 12) return solve_at_order<12>(problem, settings);
-    if (order <= 16) return solve_at_order<16>(problem, settings);
-    return solve_at_order<20>(problem, settings);
 }
 
 constexpr Method each[] = {

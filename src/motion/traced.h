@@ -9,7 +9,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -41,41 +40,55 @@ struct Tape {
 
     /// The place of the node: of an equal one, or of itself at the end.
     int add(const Node<T>& node) {
-        while (before_.size() < nodes.size()) note(nodes[before_.size()]);
-        const auto found = last_.find(key(node));
-        for (int i = found == last_.end() ? none : found->second; i != none; i = before_[i])
-            if (nodes[i] == node) return i;
-        nodes.push_back(node);
-        note(node);
-        return static_cast<int>(nodes.size()) - 1;
+        const int found = find(node, [&](const Node<T>& other) { return other == node; });
+        if (found == none) nodes.push_back(node);
+        return found == none ? static_cast<int>(nodes.size()) - 1 : found;
     }
     /// The place of the sine of a node; its cosine's is the next.
     int add_sine(int argument) {
         const int place = static_cast<int>(nodes.size());
-        const auto [found, is_new] = sine_of_.try_emplace(argument, place);
-        if (is_new) {
-            nodes.push_back({Node<T>::Kind::sine, argument, place + 1, T(0), T(0)});
-            nodes.push_back({Node<T>::Kind::cosine, argument, place, T(0), T(0)});
-        }
-        return found->second;
+        const Node<T> sine{Node<T>::Kind::sine, argument, place + 1, T(0), T(0)};
+        const int found =
+            find(sine, [&](const Node<T>& other) { return other.kind == sine.kind && other.a == argument; });
+        if (found != none) return found;
+        nodes.push_back(sine);
+        nodes.push_back({Node<T>::Kind::cosine, argument, place, T(0), T(0)});
+        return place;
     }
 
   private:
     static constexpr int none = -1;
-    // the last node of each key, and before each node the one of the same key: factors are compared, not hashed
-    std::unordered_map<std::uint64_t, int> last_;
-    std::vector<int> before_;
-    std::unordered_map<int, int> sine_of_;
+    // places by what is no factor, each in the first slot that was free from its own on; half of the slots are free
+    std::vector<int> slots_ = std::vector<int>(1024, none);
+    std::size_t noted_ = 0;
 
-    static std::uint64_t key(const Node<T>& node) {
-        return (static_cast<std::uint64_t>(node.kind) << 60U) ^
-               (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a + 1)) << 30U) ^
-               static_cast<std::uint32_t>(node.b + 1);
+    template <class Equal>
+    int find(const Node<T>& node, Equal&& equal) {
+        for (; noted_ < nodes.size(); ++noted_) note(noted_);
+        std::size_t i = first_slot(node);
+        while (slots_[i] != none && !equal(nodes[slots_[i]])) i = next(i);
+        return slots_[i];
     }
-    void note(const Node<T>& node) {
-        const int place = static_cast<int>(before_.size());
-        const auto [found, is_new] = last_.try_emplace(key(node), place);
-        before_.push_back(is_new ? none : std::exchange(found->second, place));
+    std::size_t next(std::size_t slot) const { return (slot + 1) & (slots_.size() - 1); }
+    std::size_t first_slot(const Node<T>& node) const {
+        // a sine's partner says nothing of it
+        const bool has_partner = node.kind == Node<T>::Kind::sine || node.kind == Node<T>::Kind::cosine;
+        const std::uint64_t key = (static_cast<std::uint64_t>(node.kind) << 60U) ^
+                                  (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a + 1)) << 30U) ^
+                                  static_cast<std::uint32_t>(has_partner ? 0 : node.b + 1);
+        return (key * 0x9E3779B97F4A7C15U >> 32U) & (slots_.size() - 1);
+    }
+    void note(std::size_t place) {
+        if (2 * (place + 1) > slots_.size()) {
+            slots_.assign(2 * slots_.size(), none);
+            for (std::size_t i = 0; i < place; ++i) put(i);
+        }
+        put(place);
+    }
+    void put(std::size_t place) {
+        std::size_t i = first_slot(nodes[place]);
+        while (slots_[i] != none) i = next(i);
+        slots_[i] = static_cast<int>(place);
     }
 };
 
@@ -183,6 +196,7 @@ template <class T, class Form>
 Recording<T> record(const Form& form, int dimension) {
     using Kind = typename Node<T>::Kind;
     Tape<T> tape;
+    tape.nodes.reserve(512);
     std::vector<Traced<T>> state, rates(dimension);
     for (int i = 0; i < dimension; ++i) {
         tape.nodes.push_back({Kind::state, i, 0, T(0), T(0)});

@@ -30,6 +30,7 @@
 #include "scene/robot_tree.h"
 #include "scene/scene_file.h"
 #include "table/table.h"
+#include "tests/integrators/tape/tape_oracle.h"
 #include "text/content_hash.h"
 
 namespace polhode::oracles {
@@ -175,6 +176,12 @@ inline void convention(std::string_view text) {
     } catch (const std::invalid_argument& error) {
         require_one_line(error.what());
     }
+}
+
+/// A tape's series by machine code and by the interpreters.
+inline void tape(std::string_view text) {
+    const testing::TapeOfBytes made(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    testing::compare_ways(made.recording, made.order, made.careful, made.start);
 }
 
 /// Result tables, the files of finished cases and of their series.

@@ -1,0 +1,598 @@
+// Code is one function of the memory: order 0, then for each order a call of the part that an order does, of which there
+// is one for each number of vector registers that its products fill. Registers are given to what is used next (Belady
+// 1966): what is used last of all, or no more, makes room.
+#include "integrators/tape/tape_code.h"
+
+#include <asmjit/x86.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "integrators/tape/tape_interpreter.h"
+
+namespace polhode {
+namespace {
+
+namespace x86 = asmjit::x86;
+using Kind = TapeProgram::Kind;
+constexpr int none = TapeProgram::none;
+
+class TapeCompiler {
+  public:
+    TapeCompiler(const TapeProgram& program, const TapeLayout& layout, bool careful, bool wide,
+                 asmjit::CodeHolder& holder)
+        : program_(program),
+          layout_(layout),
+          careful_(careful),
+          wide_(wide),
+          width_(wide ? 8 : 4),
+          a_(&holder),
+          most_(layout.lanes / width_),
+          row_count_(static_cast<int>(program.rows.size())),
+          place_(static_cast<std::size_t>(program.slots + row_count_ * (1 + most_)), none),
+          touched_(static_cast<std::size_t>(row_count_), 0),
+          persistent_(static_cast<std::size_t>(program.slots), 0) {
+        register_count_ = wide ? 32 : 16;
+        for (const int slot : program.rows) persistent_[slot] = 1;
+    }
+
+    void write() {
+        const asmjit::Label counts = a_.newLabel(), masks = a_.newLabel();
+        std::vector<asmjit::Label> parts(static_cast<std::size_t>(layout_.lanes / 4) + 1);
+        a_.push(x86::rbx), a_.push(x86::r12), a_.push(x86::r13);
+        a_.mov(x86::rbx, x86::rdi);
+        a_.lea(x86::r12, x86::ptr(x86::rbx, 8 * static_cast<int>(layout_.coefficients)));
+        for (int i = 0; i < program_.states; ++i) {
+            a_.vmovsd(x86::xmm0, slot(program_.values[i]));
+            a_.vmovsd(x86::ptr(x86::r12, 8 * i), x86::xmm0);
+        }
+        begin_order(0, counts);
+        begin();
+        for (int k = 1; k < layout_.order; ++k) {
+            begin_order(k, counts);
+            const int quarters = k == 1 ? 0 : (layout_.filled(k - 1) + 3) / 4;
+            set_masks(k - 1, vectors_of(quarters), masks);
+            if (!parts[quarters].isValid()) parts[quarters] = a_.newLabel();
+            a_.call(parts[quarters]);
+        }
+        a_.vzeroupper();
+        a_.pop(x86::r13), a_.pop(x86::r12), a_.pop(x86::rbx);
+        a_.ret();
+        for (quarters_ = 0; quarters_ <= layout_.lanes / 4; ++quarters_) {
+            if (!parts[quarters_].isValid()) continue;
+            a_.align(asmjit::AlignMode::kCode, 32);
+            a_.bind(parts[quarters_]);
+            step(vectors_of(quarters_));
+            a_.ret();
+        }
+        embed(counts, masks);
+    }
+
+  private:
+    using Register = int;
+    static constexpr int free_ = -1, locked_ = -2;
+
+    const TapeProgram& program_;
+    const TapeLayout& layout_;
+    bool careful_, wide_;
+    int width_;  ///< numbers of a register
+    x86::Assembler a_;
+    int most_;  ///< registers of a row
+    int row_count_;
+    // What can be in a register: slots, then for each row its newest coefficient in all lanes, then the row's registers.
+    std::vector<Register> place_;
+    std::vector<char> touched_;     // by row: its newest coefficient is in its lane
+    std::vector<char> persistent_;  // by slot: stored as soon as it is known
+    bool stores_all_ = false;
+    int register_count_;
+    std::array<int, 32> held_{};     // by register: what it holds
+    std::array<bool, 32> dirty_{};   // it is not in memory
+    std::array<bool, 32> in_use_{};  // by the instruction at hand
+    // the places in the part at hand where each is used, one after another
+    std::vector<int> first_use_, uses_, next_;
+    bool counting_ = false;
+    int now_ = 0;
+    int quarters_ = 0;  // of a cache line that products fill in the part at hand
+
+    int vectors_of(int quarters) const { return (4 * quarters + width_ - 1) / width_; }
+    x86::Mem slot(int i) const { return x86::ptr(x86::rbx, 8 * i); }
+    x86::Mem lanes_at(std::size_t base, int which, int vector) const {
+        const std::size_t at = base + static_cast<std::size_t>(which) * layout_.lanes + vector * width_;
+        return x86::ptr(x86::rbx, static_cast<int>(8 * at));
+    }
+    /// Of a row's or a sum's part; the last is half as wide where that is enough.
+    x86::Vec vec(Register r, int part = 0) const {
+        return wide_ && quarters_ >= 2 * part + 2 ? x86::Vec(x86::zmm(r)) : x86::Vec(x86::ymm(r));
+    }
+    static x86::Xmm xmm(Register r) { return x86::xmm(r); }
+    int newest(int row) const { return program_.slots + row; }
+    int lanes_of(int row, int vector) const { return program_.slots + row_count_ + row * most_ + vector; }
+
+    // --- registers
+
+    static constexpr int never = std::numeric_limits<int>::max();
+    int next_use(int id) const { return next_[id] < first_use_[id + 1] ? uses_[next_[id]] : never; }
+    void reset(int ids) {
+        held_.fill(free_), dirty_.fill(false), in_use_.fill(false);
+        std::fill(place_.begin(), place_.end(), none);
+        std::fill(touched_.begin(), touched_.end(), 0);
+        first_use_.assign(static_cast<std::size_t>(ids) + 1, 0);
+    }
+    /// Runs the enumeration of uses twice: to count, and to note.
+    template <class Enumerate>
+    void note_uses(Enumerate&& enumerate) {
+        const int ids = static_cast<int>(place_.size());
+        reset(ids);
+        enumerate([&](int id, int) { ++first_use_[id + 1]; });
+        for (int i = 0; i < ids; ++i) first_use_[i + 1] += first_use_[i];
+        uses_.resize(first_use_[ids]);
+        next_.assign(first_use_.begin(), first_use_.end() - 1);
+        enumerate([&](int id, int at) { uses_[next_[id]++] = at; });
+        next_.assign(first_use_.begin(), first_use_.end() - 1);
+        now_ = 0;
+    }
+    void used(int id) { ++next_[id]; }
+
+    Register take() {
+        int best = -1, furthest = -1;
+        for (int r = 0; r < register_count_; ++r) {
+            if (in_use_[r] || held_[r] == locked_) continue;
+            if (held_[r] == free_) {
+                best = r;
+                break;
+            }
+            const int use = next_use(held_[r]);
+            if (use > furthest) best = r, furthest = use;
+        }
+        if (held_[best] >= 0) evict(best);
+        return best;
+    }
+    void evict(Register r) {
+        const int id = held_[r];
+        if (dirty_[r] && next_use(id) != never) a_.vmovsd(slot(id), xmm(r));
+        place_[id] = none, held_[r] = free_, dirty_[r] = false;
+    }
+    Register temporary() {
+        const Register r = take();
+        held_[r] = locked_;
+        return r;
+    }
+    void release(Register r) { held_[r] = free_; }
+    void hold(Register r, int id, bool dirty) {
+        if (place_[id] != none && place_[id] != r) held_[place_[id]] = free_, dirty_[place_[id]] = false;
+        held_[r] = id, place_[id] = r, dirty_[r] = dirty;
+    }
+    /// Frees the register of what is used no more.
+    void done(int id) {
+        if (place_[id] == none || next_use(id) != never) return;
+        held_[place_[id]] = free_, dirty_[place_[id]] = false, place_[id] = none;
+    }
+    Register fetch_scalar(int id) {
+        if (place_[id] == none) {
+            const Register r = take();
+            a_.vmovsd(xmm(r), slot(id));
+            hold(r, id, false);
+        }
+        in_use_[place_[id]] = true;
+        return place_[id];
+    }
+    Register fetch_newest(int row) {
+        const int id = newest(row);
+        if (place_[id] == none) {
+            const Register r = take();
+            const int of = program_.rows[row];
+            a_.vbroadcastsd(vec(r), of < program_.states ? x86::ptr(x86::r12, 8 * (of - layout_.states)) : slot(of));
+            hold(r, id, false);
+        }
+        in_use_[place_[id]] = true;
+        return place_[id];
+    }
+    Register fetch_lanes(int row, int vector, int vectors) {
+        if (!touched_[row]) touch(row, vectors);
+        const int id = lanes_of(row, vector);
+        if (place_[id] == none) {
+            const Register r = take();
+            a_.vmovapd(vec(r, vector), lanes_at(layout_.rows, row, vector));
+            hold(r, id, false);
+        }
+        in_use_[place_[id]] = true;
+        return place_[id];
+    }
+    /// Puts the newest coefficient in its lane.
+    void touch(int row, int vectors) {
+        const Register x = fetch_newest(row);
+        touched_[row] = 1;
+        for (int v = 0; v < vectors; ++v) {
+            const Register r = take();
+            in_use_[r] = true;
+            const x86::Mem at = lanes_at(layout_.rows, row, v);
+            a_.vmovapd(vec(r, v), at);
+            if (wide_) {
+                a_.k(mask(v, newest_lane)).vmovapd(vec(r, v), vec(x, v));
+            } else {
+                const Register m = temporary();
+                a_.vmovapd(vec(m), mask_at(v, newest_lane));
+                a_.vblendvpd(vec(r), vec(r), vec(x), vec(m));
+                release(m);
+            }
+            a_.vmovapd(at, vec(r, v));
+            hold(r, lanes_of(row, v), false);
+            in_use_[r] = false;
+        }
+    }
+
+    // --- masks
+
+    enum Mask { begun, both, newest_lane };
+    x86::KReg mask(int vector, Mask which) const { return x86::k(1 + 3 * vector + which); }
+    x86::Mem mask_at(int vector, Mask which) const { return x86::ptr(x86::r13, 32 * (3 * vector + which)); }
+    // of which lanes, the order m being the newest
+    static unsigned lanes(int m, Mask which) {
+        switch (which) {
+            case begun:
+                return m < 2 ? 0 : (1U << (m - 2)) - 1;
+            case both:
+                return (1U << (m - 1)) - 1;
+            default:
+                return 1U << (m - 1);
+        }
+    }
+    void set_masks(int m, int vectors, const asmjit::Label& masks) {
+        if (vectors == 0) return;
+        if (!wide_) {
+            a_.lea(x86::r13, x86::ptr(masks, 32 * 3 * most_ * (m - 1)));
+            return;
+        }
+        for (int v = 0; v < vectors; ++v)
+            for (const Mask which : {begun, both, newest_lane}) {
+                a_.mov(x86::eax, (lanes(m, which) >> (8 * v)) & 0xFF);
+                a_.kmovb(mask(v, which), x86::eax);
+            }
+    }
+    void embed(const asmjit::Label& counts, const asmjit::Label& masks) {
+        a_.align(asmjit::AlignMode::kData, 64);
+        a_.bind(masks);
+        if (!wide_)
+            for (int m = 1; m + 1 < layout_.order; ++m)
+                for (int v = 0; v < most_; ++v)
+                    for (const Mask which : {begun, both, newest_lane})
+                        for (int lane = 0; lane < width_; ++lane)
+                            a_.embedInt64((lanes(m, which) >> (v * width_ + lane)) & 1 ? -1 : 0);
+        a_.bind(counts);
+        for (int k = 0; k < layout_.order; ++k)
+            for (const double count : {1.0 * k, 1.0 / std::max(k, 1), k + 1.0, 1.0 / (k + 1)}) a_.embedDouble(count);
+    }
+    void begin_order(int k, const asmjit::Label& counts) {
+        const std::array<int, 4> slots{program_.order, program_.inverse_order, careful_ ? program_.next : none,
+                                       careful_ ? none : program_.inverse_next};
+        for (int i = 0; i < 4; ++i) {
+            if (slots[i] == none) continue;
+            a_.vmovsd(x86::xmm0, x86::ptr(counts, 32 * k + 8 * i));
+            a_.vmovsd(slot(slots[i]), x86::xmm0);
+        }
+    }
+
+    // --- operations
+
+    struct Operand {
+        Register in;  ///< none: in memory
+        x86::Mem at;
+    };
+    /// In its register; in memory where it stands there and is used once more only.
+    Operand operand(int id) {
+        const bool last = next_[id] + 1 >= first_use_[id + 1];
+        if (place_[id] == none && last) return {none, slot(id)};
+        return {fetch_scalar(id), {}};
+    }
+    Register in_register(const Operand& operand, int id) { return operand.in != none ? operand.in : fetch_scalar(id); }
+    bool dies(int id) const { return next_use(id) == never; }
+
+    template <class Instruction>
+    void emit(Instruction id, Register to, Register a, const Operand& b) {
+        if (b.in != none)
+            a_.emit(id, xmm(to), xmm(a), xmm(b.in));
+        else
+            a_.emit(id, xmm(to), xmm(a), b.at);
+    }
+    void define(int to, Register r) {
+        const bool stored = stores_all_ || persistent_[to] != 0;
+        hold(r, to, !stored);
+        if (stored) a_.vmovsd(slot(to), xmm(r));
+        done(to);
+    }
+    void finish(const TapeProgram::Operation& op) {
+        in_use_.fill(false);
+        for (const int id : {op.a, op.b, op.c})
+            if (id != none) done(id);
+    }
+    /// A register for the result: that of an operand that dies, or another.
+    Register result(std::initializer_list<std::pair<int, Register>> operands) {
+        for (const auto& [id, r] : operands)
+            if (id != none && r != none && dies(id)) {
+                place_[id] = none, held_[r] = free_, dirty_[r] = false;
+                return r;
+            }
+        return take();
+    }
+    void operate(const TapeProgram::Operation& op) {
+        switch (op.kind) {
+            case Kind::add:
+                return two(op, x86::Inst::kIdVaddsd, true);
+            case Kind::subtract:
+                return two(op, x86::Inst::kIdVsubsd, false);
+            case Kind::multiply:
+                return two(op, x86::Inst::kIdVmulsd, true);
+            case Kind::divide:
+                return two(op, x86::Inst::kIdVdivsd, false);
+            case Kind::product_plus:
+                return three(op, x86::Inst::kIdVfmadd231sd, x86::Inst::kIdVfmadd213sd);
+            case Kind::product_minus:
+                return three(op, x86::Inst::kIdVfmsub231sd, x86::Inst::kIdVfmsub213sd);
+            case Kind::minus_product:
+                return three(op, x86::Inst::kIdVfnmadd231sd, x86::Inst::kIdVfnmadd213sd);
+            case Kind::minus_product_minus:
+                return three(op, x86::Inst::kIdVfnmsub231sd, x86::Inst::kIdVfnmsub213sd);
+            case Kind::root: {
+                const Register a = fetch_scalar(op.a);
+                used(op.a);
+                const Register to = result({{op.a, a}});
+                a_.vsqrtsd(xmm(to), xmm(a), xmm(a));
+                define(op.to, to);
+                return finish(op);
+            }
+            case Kind::sine_cosine:
+                // all is in memory; no register outlives a call
+                used(op.a);
+                a_.vmovsd(x86::xmm0, slot(op.a));
+                a_.lea(x86::rdi, slot(op.to)), a_.lea(x86::rsi, slot(op.b));
+                a_.vzeroupper();
+                a_.mov(x86::rax, reinterpret_cast<std::uint64_t>(&sine_cosine_of));
+                a_.call(x86::rax);
+                held_.fill(free_), dirty_.fill(false);
+                std::fill(place_.begin(), place_.end(), none);
+        }
+    }
+    void two(const TapeProgram::Operation& op, std::uint32_t instruction, bool commutes) {
+        int first = op.a, second = op.b;
+        Operand a = operand(first), b = first == second ? a : operand(second);
+        if (commutes && a.in == none && b.in != none) std::swap(a, b), std::swap(first, second);
+        const Register left = in_register(a, first);
+        if (first == second) b.in = left;
+        used(op.a), used(op.b);
+        const Register to = result({{first, left}, {second, b.in}});
+        emit(instruction, to, left, b);
+        define(op.to, to);
+        finish(op);
+    }
+    void three(const TapeProgram::Operation& op, std::uint32_t onto_sum, std::uint32_t onto_factor) {
+        int first = op.a, second = op.b;
+        Operand a = operand(first), b = first == second ? a : operand(second);
+        if (b.in == none && a.in != none) std::swap(a, b), std::swap(first, second);
+        // now a is the one in memory, if any is
+        const Register right = in_register(b, second);
+        if (first == second) a.in = right;
+        const bool is_factor = op.c == op.a || op.c == op.b;
+        const Register sum = is_factor ? fetch_scalar(op.c) : place_[op.c];
+        if (sum != none) in_use_[sum] = true;
+        used(op.a), used(op.b), used(op.c);
+        if (sum != none && dies(op.c) && !is_factor) {
+            place_[op.c] = none, held_[sum] = free_, dirty_[sum] = false;
+            emit(onto_sum, sum, right, a);
+            define(op.to, sum);
+        } else if (sum != none && dies(second) && !is_factor && first != second && a.in != none) {
+            place_[second] = none, held_[right] = free_, dirty_[right] = false;
+            a_.emit(onto_factor, xmm(right), xmm(a.in), xmm(sum));
+            define(op.to, right);
+        } else {
+            const Register to = take();
+            if (sum != none)
+                a_.vmovapd(xmm(to), xmm(sum));
+            else
+                a_.vmovsd(xmm(to), slot(op.c));
+            emit(onto_sum, to, right, a);
+            define(op.to, to);
+        }
+        finish(op);
+    }
+    void integrate(const TapeProgram::Rate& rate, int i) {
+        const int count = careful_ ? program_.next : program_.inverse_next;
+        const Register share = fetch_scalar(count);
+        Operand from = operand(rate.from);
+        const Register r = in_register(from, rate.from);
+        used(rate.from), used(count);
+        const Register to = take();
+        in_use_[to] = true;
+        Register now = r;
+        if (rate.factor != none) {
+            const Operand factor = operand(rate.factor);
+            emit(x86::Inst::kIdVmulsd, to, r, factor);
+            used(rate.factor), now = to;
+        }
+        if (careful_)
+            a_.vdivsd(xmm(to), xmm(now), xmm(share));
+        else
+            a_.vmulsd(xmm(to), xmm(now), xmm(share));
+        a_.vmovsd(slot(i), xmm(to));
+        a_.vmovsd(x86::ptr(x86::r12, 8 * i), xmm(to));
+        in_use_.fill(false);
+        for (const int id : {rate.from, rate.factor, count})
+            if (id != none) done(id);
+    }
+    void integrate(const std::vector<TapeProgram::Rate>& rates) {
+        a_.add(x86::r12, 8 * layout_.states);
+        for (int i = 0; i < program_.states; ++i) ++now_, integrate(rates[i], i);
+    }
+    template <class Visit>
+    void enumerate(const std::vector<TapeProgram::Operation>& list, const std::vector<TapeProgram::Rate>& rates, int at,
+                   Visit&& visit) const {
+        for (const TapeProgram::Operation& op : list) {
+            ++at;
+            visit(op.a, at);
+            if (op.kind == Kind::sine_cosine) continue;
+            for (const int id : {op.b, op.c})
+                if (id != none) visit(id, at);
+        }
+        for (const TapeProgram::Rate& rate : rates) {
+            ++at;
+            for (const int id : {rate.from, careful_ ? program_.next : program_.inverse_next, rate.factor})
+                if (id != none) visit(id, at);
+        }
+    }
+
+    void begin() {
+        note_uses([this](auto&& visit) { enumerate(program_.begin, program_.first_rates, 0, visit); });
+        stores_all_ = true;
+        for (const TapeProgram::Operation& op : program_.begin) ++now_, operate(op);
+        integrate(program_.first_rates);
+        stores_all_ = false;
+    }
+
+    void step(int vectors) {
+        note_uses([&](auto&& visit) {
+            int at = 0;
+            if (vectors > 0)
+                for (const TapeProgram::Sum& sum : program_.sums)
+                    for (int i = sum.first; i < sum.end; ++i) {
+                        const TapeProgram::Pair& pair = program_.pairs[i];
+                        ++at;
+                        visit(newest(pair.x), at), visit(newest(pair.y), at);
+                        for (int v = 0; v < vectors; ++v) visit(lanes_of(pair.x, v), at), visit(lanes_of(pair.y, v), at);
+                    }
+            enumerate(program_.step, program_.rates, at, visit);
+        });
+        for (const TapeProgram::Sum& sum : program_.sums)
+            if (vectors > 0)
+                add_products(sum, vectors);
+            else
+                define_zero(sum.to);
+        for (const TapeProgram::Operation& op : program_.step) ++now_, operate(op);
+        integrate(program_.rates);
+    }
+    void define_zero(int to) {
+        const Register r = take();
+        a_.vxorpd(xmm(r), xmm(r), xmm(r));
+        define(to, r);
+    }
+    void add_products(const TapeProgram::Sum& sum, int vectors) {
+        const int which = static_cast<int>(&sum - program_.sums.data());
+        std::array<Register, 4> p{}, u{};
+        for (int v = 0; v < vectors; ++v) {
+            p[v] = temporary(), u[v] = temporary();
+            const x86::Mem at = lanes_at(layout_.sums, which, v);
+            if (wide_) {
+                a_.k(mask(v, begun)).z().vmovapd(vec(p[v], v), at);
+            } else {
+                a_.vmovapd(vec(p[v]), mask_at(v, begun));
+                a_.vandpd(vec(p[v]), vec(p[v]), at);
+            }
+        }
+        for (int i = sum.first; i < sum.end; ++i) {
+            const TapeProgram::Pair& pair = program_.pairs[i];
+            ++now_;
+            Register x = fetch_newest(pair.x), y = fetch_newest(pair.y);
+            Register own_x = none, own_y = none;
+            if (pair.weight != none) {
+                own_x = temporary();
+                a_.vbroadcastsd(vec(own_x), slot(pair.weight));
+                own_y = pair.x == pair.y ? own_x : temporary();
+                if (own_y != own_x) a_.vmulpd(vec(own_y), vec(own_x), vec(y));
+                a_.vmulpd(vec(own_x), vec(own_x), vec(x));
+                x = own_x, y = own_y;
+            }
+            for (int v = 0; v < vectors; ++v) {
+                const Register y_j = fetch_lanes(pair.y, v, vectors), x_j = fetch_lanes(pair.x, v, vectors);
+                if (pair.negative)
+                    a_.vfnmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
+                else
+                    a_.vfmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
+                if (i == sum.first)
+                    a_.vmulpd(vec(u[v], v), vec(y, v), vec(x_j, v));
+                else if (pair.negative)
+                    a_.vfnmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
+                else
+                    a_.vfmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
+                in_use_[y_j] = in_use_[x_j] = false;
+                for (const int row : {pair.x, pair.y}) used(lanes_of(row, v));
+                for (const int row : {pair.x, pair.y}) done(lanes_of(row, v));
+            }
+            if (own_x != none) release(own_x);
+            if (own_y != none && own_y != own_x) release(own_y);
+            in_use_.fill(false);
+            for (const int row : {pair.x, pair.y}) used(newest(row));
+            for (const int row : {pair.x, pair.y}) done(newest(row));
+        }
+        for (int v = 0; v < vectors; ++v) {
+            if (wide_) {
+                a_.k(mask(v, both)).vaddpd(vec(p[v], v), vec(p[v], v), vec(u[v], v));
+            } else {
+                const Register m = temporary();
+                a_.vmovapd(vec(m, v), mask_at(v, both));
+                a_.vaddpd(vec(u[v], v), vec(u[v], v), vec(p[v], v));
+                a_.vblendvpd(vec(p[v], v), vec(p[v], v), vec(u[v], v), vec(m, v));
+                release(m);
+            }
+        }
+        // each lane is one order less far from the next newest order
+        for (int v = 0; v < vectors; ++v) {
+            const Register above = v + 1 < vectors ? p[v + 1] : none;
+            if (wide_) {
+                a_.valignq(vec(u[v], v), vec(above != none ? above : p[v], v), vec(p[v], v), 1);
+            } else {
+                a_.vpermpd(vec(u[v]), vec(p[v]), 0x39);
+                if (above != none) {
+                    const Register m = temporary();
+                    a_.vpermpd(vec(m), vec(above), 0x39);
+                    a_.vblendpd(vec(u[v]), vec(u[v]), vec(m), 8);
+                    release(m);
+                }
+            }
+            a_.vmovapd(lanes_at(layout_.sums, which, v), vec(u[v], v));
+            release(u[v]);
+        }
+        for (int v = 1; v < vectors; ++v) release(p[v]);
+        release(p[0]);
+        define(sum.to, p[0]);
+    }
+};
+
+}  // namespace
+
+TapeCode::~TapeCode() { asmjit::VirtMem::release(memory_, size_); }
+
+bool may_compile() {
+    static const bool may = [] {
+        const char* const asked = std::getenv("POLHODE_CODE");
+        return !(asked && std::string_view(asked) == "interpreted");
+    }();
+    return may;
+}
+
+std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
+                                         InstructionSet instructions) {
+    using asmjit::VirtMem::MemoryFlags;
+    if (instructions == InstructionSet::plain) return nullptr;
+    asmjit::CodeHolder holder;
+    holder.init(asmjit::Environment::host());
+    TapeCompiler(program, layout, careful, instructions == InstructionSet::avx512, holder).write();
+    if (holder.flatten() != asmjit::kErrorOk || holder.resolveUnresolvedLinks() != asmjit::kErrorOk ||
+        holder.hasUnresolvedLinks())
+        return nullptr;
+    const std::size_t page = asmjit::VirtMem::info().pageSize;
+    const std::size_t size = (holder.codeSize() + page - 1) / page * page;
+    void* memory = nullptr;
+    if (asmjit::VirtMem::alloc(&memory, size, MemoryFlags::kAccessRW) != asmjit::kErrorOk) return nullptr;
+    auto code = std::make_shared<const TapeCode>(memory, size);
+    if (holder.relocateToBase(reinterpret_cast<std::uint64_t>(memory)) != asmjit::kErrorOk ||
+        holder.copyFlattenedData(memory, size) != asmjit::kErrorOk ||
+        asmjit::VirtMem::protect(memory, size, MemoryFlags::kAccessRX) != asmjit::kErrorOk)
+        return nullptr;
+    return code;
+}
+
+}  // namespace polhode

@@ -1,0 +1,36 @@
+// Machine code for the programs of tapes, made when the tape is known.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "integrators/lanes/lanes.h"
+#include "integrators/tape/tape_layout.h"
+
+namespace polhode {
+
+/// Code in memory of its own, which nobody may write to.
+class TapeCode {
+  public:
+    TapeCode(void* memory, std::size_t size) : memory_(memory), size_(size) {}
+    ~TapeCode();
+    TapeCode(const TapeCode&) = delete;
+    TapeCode& operator=(const TapeCode&) = delete;
+
+    /// What the interpreter does (ExpandTape), in memory of the layout that it was made for.
+    void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_)(memory); }
+    std::size_t size() const { return size_; }
+
+  private:
+    void* memory_;
+    std::size_t size_;  ///< bytes
+};
+
+/// Whether this process makes code: not with POLHODE_CODE=interpreted in its environment.
+bool may_compile();
+
+/// The code, or nothing where none can be made: another architecture, no instructions for lanes, no memory for code.
+std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
+                                         InstructionSet instructions);
+
+}  // namespace polhode

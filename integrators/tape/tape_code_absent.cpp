@@ -1,0 +1,12 @@
+// Where no machine code is made: without asmjit, or for another architecture.
+#include "integrators/tape/tape_code.h"
+
+namespace polhode {
+
+TapeCode::~TapeCode() = default;
+bool may_compile() { return false; }
+std::shared_ptr<const TapeCode> compiled(const TapeProgram&, const TapeLayout&, bool, InstructionSet) {
+    return nullptr;
+}
+
+}  // namespace polhode

@@ -1,0 +1,332 @@
+#include "integrators/tape/tape_program.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+namespace polhode {
+namespace {
+
+using Node = truth::Node<double>;
+using Kind = TapeProgram::Kind;
+constexpr int none = TapeProgram::none;
+
+class TapeProgrammer {
+  public:
+    TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording)
+        : program_(program), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none) {}
+
+    void write() {
+        const int n = program_.states = static_cast<int>(rates_.size());
+        program_.slots = n;
+        arrival_.assign(n, 0);
+        dissolve();
+        for (int i = 0; i < count(); ++i) value_of_.push_back(slot());
+        program_.values.assign(value_of_.begin(), value_of_.begin() + n);
+        program_.next = slot(), program_.inverse_next = slot();
+        for (int i = n; i < count(); ++i) begin(i);
+        for (int i = n; i < count(); ++i)
+            if (now_of_[i] == 0) now_of_[i] = slot();
+        for (int i = n; i < count(); ++i)
+            if (now_of_[i] != none) decode(i);
+        for (const truth::Traced<double>& rate : rates_) {
+            const int factor = rate.factor == 1 ? none : constant(rate.factor);
+            const bool changes = rate.node >= 0;
+            program_.first_rates.push_back(changes ? Rate{value_of_[rate.node], factor}
+                                                   : Rate{constant(rate.factor), none});
+            program_.rates.push_back({changes ? later_rate(rate.node) : constant(0), changes ? factor : none});
+        }
+        // those first whose rows are known first: they need not wait
+        const auto known = [&](const TapeProgram::Sum& sum) {
+            double last = 0;
+            for (int j = sum.first; j < sum.end; ++j)
+                for (const int row : {program_.pairs[j].x, program_.pairs[j].y})
+                    last = std::max(last, arrival_[program_.rows[row]]);
+            return last;
+        };
+        std::stable_sort(program_.sums.begin(), program_.sums.end(),
+                         [&](const TapeProgram::Sum& a, const TapeProgram::Sum& b) { return known(a) < known(b); });
+    }
+
+  private:
+    using Rate = TapeProgram::Rate;
+    /// share * x, the share in a slot or 1, times -1 if negative
+    struct Term {
+        int share;
+        bool negative;
+        int x;
+    };
+    struct Signed {
+        int slot = none;
+        bool negative = false;
+    };
+
+    TapeProgram& program_;
+    const std::vector<Node>& nodes_;
+    const std::vector<truth::Traced<double>>& rates_;
+    std::vector<int> row_of_;    // by node
+    std::vector<int> value_of_;  // by node: the slot of coefficient 0
+    std::vector<int> now_of_;    // by node: the slot of the coefficient of the order at hand; none: dissolved
+    std::vector<int> inverse_of_;
+    std::vector<double> arrival_;  // by slot: about the cycles from an order's beginning
+    std::map<std::uint64_t, int> constant_of_;  // by bits
+    std::map<std::pair<std::uint64_t, int>, int> share_of_;
+
+    int count() const { return static_cast<int>(nodes_.size()); }
+    int slot() {
+        arrival_.resize(program_.slots + 1, 0);
+        return program_.slots++;
+    }
+    int constant(double value) {
+        const auto [found, is_new] = constant_of_.try_emplace(std::bit_cast<std::uint64_t>(value), none);
+        if (is_new) {
+            found->second = slot();
+            program_.constants.push_back({found->second, value});
+        }
+        return found->second;
+    }
+    int begin_with(Kind kind, int a, int b, int c = none) {
+        program_.begin.push_back({kind, slot(), a, b, c});
+        return program_.begin.back().to;
+    }
+    /// The slot of factor * a value, found with the values.
+    int share(double factor, int node) {
+        if (factor == 1) return value_of_[node];
+        const auto [found, is_new] = share_of_.try_emplace({std::bit_cast<std::uint64_t>(factor), node}, none);
+        if (is_new) found->second = begin_with(Kind::multiply, constant(factor), value_of_[node]);
+        return found->second;
+    }
+
+    // places for all but the sums and products that are used by one sum alone
+    void dissolve() {
+        std::vector<int> uses(nodes_.size(), 0);
+        for (const Node& node : nodes_) {
+            if (node.kind == Node::Kind::state) continue;
+            for (const int operand : {node.a, node.b})
+                if (operand >= 0) uses[operand] += node.kind == Node::Kind::combination ? 1 : 2;
+        }
+        for (const truth::Traced<double>& rate : rates_)
+            if (rate.node >= 0) uses[rate.node] += 2;
+        for (int i = 0; i < count(); ++i) {
+            const bool is_linear =
+                nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
+            now_of_.push_back(i < program_.states ? i : is_linear && uses[i] <= 1 ? none : 0);
+        }
+        inverse_of_.assign(nodes_.size(), none);
+    }
+
+    // the value of a node
+    void begin(int i) {
+        const Node& node = nodes_[i];
+        const int to = value_of_[i], a = node.a >= 0 ? value_of_[node.a] : none;
+        const int b = node.b >= 0 ? value_of_[node.b] : none;
+        std::vector<TapeProgram::Operation>& list = program_.begin;
+        switch (node.kind) {
+            case Node::Kind::state:
+            case Node::Kind::cosine:
+                break;
+            case Node::Kind::combination: {
+                const bool is_scaled = b == none && node.factor_b == 0;
+                int first = a;
+                if (is_scaled)
+                    list.push_back({Kind::multiply, to, constant(node.factor_a), a});
+                else if (node.factor_a != 1)
+                    first = begin_with(Kind::multiply, constant(node.factor_a), a);
+                if (is_scaled) break;
+                if (b == none)
+                    list.push_back({Kind::add, to, first, constant(node.factor_b)});
+                else if (std::abs(node.factor_b) == 1)
+                    list.push_back({node.factor_b > 0 ? Kind::add : Kind::subtract, to, first, b});
+                else
+                    list.push_back({Kind::product_plus, to, constant(node.factor_b), b, first});
+                break;
+            }
+            case Node::Kind::product:
+                list.push_back({Kind::multiply, to, a, b});
+                break;
+            case Node::Kind::quotient:
+                list.push_back({Kind::divide, to, a == none ? constant(1) : a, b});
+                inverse_of_[i] = a == none ? to : begin_with(Kind::divide, constant(1), b);
+                break;
+            case Node::Kind::sine:
+                list.push_back({Kind::sine_cosine, to, a, b});
+                break;
+            case Node::Kind::root:
+                list.push_back({Kind::root, to, a});
+                inverse_of_[i] = begin_with(Kind::divide, constant(0.5), to);
+        }
+    }
+
+    int row(int node) {
+        if (row_of_[node] == none) {
+            row_of_[node] = static_cast<int>(program_.rows.size());
+            program_.rows.push_back(now_of_[node]);
+        }
+        return row_of_[node];
+    }
+    void add_pair(int x, int y, double weight, double first_weight) {
+        const double relative = weight / first_weight;
+        program_.pairs.push_back({x, y, std::abs(relative) == 1 ? none : constant(std::abs(relative)), relative < 0});
+    }
+    /// The sum of the pairs from `first` on.
+    int sum_from(int first) {
+        const int to = slot(), end = static_cast<int>(program_.pairs.size());
+        program_.sums.push_back({to, first, end});
+        return to;
+    }
+    void step(Kind kind, int to, int a, int b, int c = none) {
+        program_.step.push_back({kind, to, a, b, c});
+        double last = 0;
+        for (const int operand : {a, b, c})
+            if (operand != none) last = std::max(last, arrival_[operand]);
+        arrival_[to] = last + 4;
+    }
+    int step_with(Kind kind, int a, int b) {
+        const int to = slot();
+        step(kind, to, a, b);
+        return to;
+    }
+
+    // the node's coefficient of the order at hand
+    void decode(int i) {
+        const Node& node = nodes_[i];
+        const int first = static_cast<int>(program_.pairs.size());
+        std::vector<Term> terms;
+        Signed sum;
+        switch (node.kind) {
+            case Node::Kind::state:
+                return;
+            case Node::Kind::combination:
+            case Node::Kind::product:
+                sum = decode_sum(i, terms);
+                break;
+            case Node::Kind::quotient: {
+                const int inverse = inverse_of_[i];
+                add_pair(row(node.b), row(i), 1, 1);
+                sum = {step_with(Kind::multiply, sum_from(first), inverse), true};
+                terms.push_back({begin_with(Kind::multiply, value_of_[i], inverse), true, now_of_[node.b]});
+                if (node.a >= 0) terms.push_back({inverse, false, now_of_[node.a]});
+                break;
+            }
+            case Node::Kind::root:
+                add_pair(row(i), row(i), 1, 1);
+                sum = {step_with(Kind::multiply, sum_from(first), inverse_of_[i]), true};
+                terms.push_back({inverse_of_[i], false, now_of_[node.a]});
+                break;
+            case Node::Kind::sine:
+            case Node::Kind::cosine: {
+                const bool is_sine = node.kind == Node::Kind::sine;
+                if (program_.order == none) program_.order = slot(), program_.inverse_order = slot();
+                if (is_sine) slope_ = slope(now_of_[node.a]);
+                add_pair(slope_, row(node.b), 1, 1);
+                sum = {step_with(Kind::multiply, sum_from(first), program_.inverse_order), !is_sine};
+                terms.push_back({value_of_[node.b], !is_sine, now_of_[node.a]});
+            }
+        }
+        fold(sum, terms, now_of_[i]);
+    }
+    /// The slot of a rate that states, as they change, leave as it is.
+    int later_rate(int node) {
+        return node < program_.states ? step_with(Kind::add, constant(0), now_of_[node]) : now_of_[node];
+    }
+    /// The row of k times the coefficients of a slot.
+    int slope(int of) {
+        program_.rows.push_back(step_with(Kind::multiply, program_.order, of));
+        return static_cast<int>(program_.rows.size()) - 1;
+    }
+    int slope_ = none;  // of the last sine
+
+    // a sum or a product, with all that is dissolved into it
+    Signed decode_sum(int i, std::vector<Term>& terms) {
+        struct Product {
+            int x, y;
+            double weight;
+        };
+        std::vector<Product> products;
+        std::vector<std::pair<int, double>> open{{i, 1.0}};
+        const auto add_term = [&](double factor, int share_node, int x) {
+            const int of = share_node == none ? std::abs(factor) == 1 ? none : constant(std::abs(factor))
+                                              : share(std::abs(factor), share_node);
+            terms.push_back({of, factor < 0, now_of_[x]});
+        };
+        while (!open.empty()) {
+            const auto [at, factor] = open.back();
+            open.pop_back();
+            const Node& node = nodes_[at];
+            if (at != i && now_of_[at] != none) {
+                add_term(factor, none, at);
+            } else if (node.kind == Node::Kind::combination) {
+                if (node.b >= 0) open.emplace_back(node.b, factor * node.factor_b);
+                open.emplace_back(node.a, factor * node.factor_a);
+            } else {
+                if (node.a == node.b)
+                    add_term(2 * factor, node.a, node.a);
+                else
+                    add_term(factor, node.b, node.a), add_term(factor, node.a, node.b);
+                products.push_back({row(node.a), row(node.b), factor});
+            }
+        }
+        if (products.empty()) return {};
+        const int first = static_cast<int>(program_.pairs.size());
+        const double weight = products.front().weight;
+        for (const Product& p : products) add_pair(p.x, p.y, p.weight, weight);
+        const int sum = sum_from(first);
+        if (std::abs(weight) == 1) return {sum, weight < 0};
+        return {step_with(Kind::multiply, constant(std::abs(weight)), sum), weight < 0};
+    }
+
+    // to = sum + all terms, the latest last
+    void fold(Signed sum, std::vector<Term>& terms, int to) {
+        std::stable_sort(terms.begin(), terms.end(),
+                         [&](const Term& a, const Term& b) { return arrival_[a.x] < arrival_[b.x]; });
+        // one that is not negative first, if there is one
+        if (sum.slot == none) {
+            const auto positive = std::find_if(terms.begin(), terms.end(), [](const Term& t) { return !t.negative; });
+            if (positive != terms.end()) std::rotate(terms.begin(), positive, positive + 1);
+        }
+        for (std::size_t j = 0; j < terms.size(); ++j) {
+            const bool is_last = j + 1 == terms.size();
+            sum = with(sum, terms[j], is_last ? to : none);
+        }
+        if (!sum.negative && sum.slot == to) return;
+        // a single term of factor 1 has no place of its own; what ends negative is turned
+        if (sum.negative)
+            step(Kind::subtract, to, constant(0), sum.slot);
+        else
+            step(Kind::add, to, constant(0), sum.slot);
+    }
+    Signed with(Signed sum, const Term& term, int to) {
+        if (sum.slot == none && term.share == none) return {term.x, term.negative};
+        const bool alike = sum.negative == term.negative;
+        if (to == none) to = slot();
+        if (sum.slot == none) {
+            step(Kind::multiply, to, term.share, term.x);
+            return {to, term.negative};
+        }
+        if (term.share == none) {
+            if (alike)
+                step(Kind::add, to, sum.slot, term.x);
+            else if (term.negative)
+                step(Kind::subtract, to, sum.slot, term.x);
+            else
+                step(Kind::subtract, to, term.x, sum.slot);
+            return {to, alike && sum.negative};
+        }
+        const Kind kind = alike           ? (sum.negative ? Kind::minus_product_minus : Kind::product_plus)
+                          : term.negative ? Kind::minus_product
+                                          : Kind::product_minus;
+        step(kind, to, term.share, term.x, sum.slot);
+        return {to, false};
+    }
+};
+
+}  // namespace
+
+TapeProgram::TapeProgram(const truth::Recording<double>& recording) : states(0), slots(0) {
+    TapeProgrammer(*this, recording).write();
+}
+
+}  // namespace polhode

@@ -1,0 +1,90 @@
+// A recorded system made ready for its Taylor coefficients in binary64: straight lines of operations on numbered places
+// in memory, for the interpreter (tape_interpreter.h) and for machine code (tape_code.h) alike.
+//
+// In the order k > 0 a node of the tape is linear in the coefficients of that order: with P a sum of products of lower
+// orders
+//
+//   a b:     v_k = P_k + b_0 a_k + a_0 b_k                   P_k = sum of a_j b_{k-j}            0 < j < k
+//   a / b:   v_k = (-P_k + a_k - v_0 b_k) / b_0              P_k = sum of b_j v_{k-j}
+//   sqrt a:  v_k = (-P_k + a_k) / (2 v_0)                    P_k = sum of v_j v_{k-j}
+//   sin a:   v_k = P_k / k + cos a_0 a_k                     P_k = sum of j a_j (cos a)_{k-j}
+//   cos a:   v_k = -P_k / k - sin a_0 a_k                    P_k = sum of j a_j (sin a)_{k-j}
+//
+// and so are sums. Products and sums that one sum alone uses are therefore dissolved into it: what is left to find in
+// each order is one sum of terms for each other node, and one P for each sum of products. As soon as an order m is
+// known, all that it adds to the later P is added, side by side in vector registers: P_{m+j} += x_m y_j + y_m x_j for
+// j < m, and x_m y_m to P_{2m}.
+//
+// Products are added by fused multiplication and addition, rounded once (IEEE 754-2008, 5.4.1): half the operations, two
+// thirds of the time that each waits for the one before, and as well defined as any other: the same bits by every
+// processor, by code and by the interpreter.
+#pragma once
+
+#include <vector>
+
+#include "motion/traced.h"
+
+namespace polhode {
+
+struct TapeProgram {
+    static constexpr int none = -1;
+
+    /// What is done to numbers in slots: to = ..
+    enum class Kind {
+        add,                  ///< a + b
+        subtract,             ///< a - b
+        multiply,             ///< a b
+        product_plus,         ///< a b + c
+        product_minus,        ///< a b - c
+        minus_product,        ///< c - a b
+        minus_product_minus,  ///< -a b - c
+        divide,               ///< a / b
+        root,                 ///< the square root of a
+        sine_cosine           ///< the sine of a; its cosine to b
+    };
+    struct Operation {
+        Kind kind;
+        int to, a, b = none, c = none;
+    };
+    /// The products of two rows, times the number in the slot `weight`, if there is one, times -1 if negative.
+    struct Pair {
+        int x, y;
+        int weight;
+        bool negative;
+    };
+    /// The sum of the pairs first to end - 1, the first of which has no weight and is not negative.
+    struct Sum {
+        int to, first, end;
+    };
+    /// (k + 1) y_{k+1}: the number in a slot, times that in another, if there is one.
+    struct Rate {
+        int from, factor;
+    };
+    struct Constant {
+        int slot;
+        double value;
+    };
+
+    int states;                      ///< of which slot i holds the newest coefficient of the i-th
+    int slots;                       ///< in all
+    std::vector<Constant> constants;  ///< what slots hold before anything is done; all others zero
+    std::vector<int> values;         ///< by state: the slot of y_0
+    std::vector<Operation> begin;    ///< order 0, and what the later ones multiply by
+    std::vector<Rate> first_rates;   ///< then, by state
+    // each later order
+    /// By row: the slot of its coefficients. What products are made of is one order behind: those of states, which are
+    /// one ahead, come from the order before.
+    std::vector<int> rows;
+    std::vector<Pair> pairs;
+    std::vector<Sum> sums;
+    std::vector<Operation> step;
+    std::vector<Rate> rates;  ///< by state
+    // slots of what depends on the order at hand, k
+    int order = none;                ///< k, where used
+    int inverse_order = none;        ///< 1/k, where used
+    int next = none, inverse_next = none;  ///< k + 1 and 1/(k + 1)
+
+    explicit TapeProgram(const truth::Recording<double>& recording);
+};
+
+}  // namespace polhode

@@ -1,0 +1,121 @@
+#include "integrators/tape/tape_series.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+#include <unordered_map>
+
+#include "body/elementary.h"
+
+namespace polhode {
+namespace {
+
+std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) {
+    hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
+    return hash ^ (hash >> 29U);
+}
+
+struct Key {
+    truth::Recording<double> recording;
+    TapeOptions options;
+
+    bool is(const truth::Recording<double>& r, const TapeOptions& options_) const {
+        const auto equal = [](const truth::Traced<double>& a, const truth::Traced<double>& b) {
+            return a.node == b.node && a.factor == b.factor;
+        };
+        return options == options_ && recording.tape.nodes == r.tape.nodes &&
+               std::equal(recording.rates.begin(), recording.rates.end(), r.rates.begin(), r.rates.end(), equal);
+    }
+};
+std::uint64_t hash_of(const truth::Recording<double>& recording) {
+    std::uint64_t hash = 0;
+    for (const truth::Node<double>& node : recording.tape.nodes) {
+        hash = mixed(hash, (static_cast<std::uint64_t>(node.kind) << 60U) ^
+                               (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a)) << 28U) ^
+                               static_cast<std::uint32_t>(node.b));
+        hash = mixed(hash, std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
+    }
+    for (const truth::Traced<double>& rate : recording.rates)
+        hash = mixed(hash, std::bit_cast<std::uint64_t>(rate.factor) + static_cast<std::uint64_t>(rate.node));
+    return hash;
+}
+
+/// Of the tapes of a process: forgotten all at once where they grow beyond what is kept.
+class Shelf {
+  public:
+    std::shared_ptr<const PreparedTape> find(std::uint64_t hash, const truth::Recording<double>& recording,
+                                             const TapeOptions& options) {
+        const std::lock_guard lock(mutex_);
+        const auto [first, last] = tapes_.equal_range(hash);
+        for (auto at = first; at != last; ++at)
+            if (at->second.first.is(recording, options)) return at->second.second;
+        return nullptr;
+    }
+    void keep(std::uint64_t hash, Key key, std::shared_ptr<const PreparedTape> tape) {
+        const std::size_t size = (tape->code ? tape->code->size() : 0) + 16 * tape->layout.end;
+        const std::lock_guard lock(mutex_);
+        if (size_ + size > most) tapes_.clear(), size_ = 0;
+        size_ += size;
+        tapes_.emplace(hash, std::pair(std::move(key), std::move(tape)));
+    }
+
+  private:
+    static constexpr std::size_t most = std::size_t{64} << 20U;  ///< bytes
+
+    std::mutex mutex_;
+    std::size_t size_ = 0;
+    std::unordered_multimap<std::uint64_t, std::pair<Key, std::shared_ptr<const PreparedTape>>> tapes_;
+};
+
+}  // namespace
+
+void sine_cosine_of(double x, double& sine, double& cosine) { sine_cosine(x, sine, cosine); }
+
+ExpandTape* expand_tape(InstructionSet set) {
+    constexpr ExpandTape* all[] = {expand_tape_plain, expand_tape_avx2, expand_tape_avx512};
+    return all[static_cast<std::size_t>(set)];
+}
+
+PreparedTape::PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_)
+    : program(recording),
+      layout(program, options_.order > 0 ? options_.order : best_order(program, options_.tolerance)),
+      options(options_),
+      code(options.compiled ? compiled(program, layout, options.careful, options.instructions) : nullptr) {}
+
+std::shared_ptr<const PreparedTape> prepared(const truth::Recording<double>& recording, const TapeOptions& options) {
+    static Shelf shelf;
+    const std::uint64_t hash = hash_of(recording);
+    if (std::shared_ptr<const PreparedTape> kept = shelf.find(hash, recording, options)) return kept;
+    auto tape = std::make_shared<const PreparedTape>(recording, options);
+    shelf.keep(hash, {recording, options}, tape);
+    return tape;
+}
+
+int best_order(const TapeProgram& program, double tolerance) {
+    // additions and multiplications of four numbers at most, about
+    const double once = static_cast<double>(program.begin.size()) + 250;
+    const double each = static_cast<double>(program.step.size() + 2 * program.rates.size());
+    const double lanes = 2.0 * static_cast<double>(program.pairs.size() + program.sums.size()) +
+                         1.5 * static_cast<double>(program.rows.size());
+    int best = 0;
+    double least = HUGE_VAL;
+    for (int order = 8; order <= TapeLayout::most_order; order += 2) {
+        const TapeLayout layout(program, order);
+        double work = once + each * order;
+        for (int m = 1; m + 1 < order; ++m) work += lanes * ((layout.filled(m) + 3) / 4);
+        const double step = std::pow(tolerance, 1.0 / order) * std::exp(-0.7 / (order - 1));
+        if (work / step < least) least = work / step, best = order;
+    }
+    return best;
+}
+
+TapeSeries::TapeSeries(const truth::Recording<double>& recording, const TapeOptions& options)
+    : tape_(prepared(recording, options)),
+      interpreter_(expand_tape(options.instructions)),
+      memory_(tape_->layout.end, 0.0) {
+    for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
+}
+
+}  // namespace polhode

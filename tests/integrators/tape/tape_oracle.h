@@ -1,0 +1,113 @@
+// What holds for any tape: machine code, and the interpreter by any instructions, give the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "integrators/tape/tape_series.h"
+
+namespace polhode::testing {
+
+/// Whatever sign and payload a NaN has: they are those of one operand or the other.
+inline bool same_bits(double a, double b) {
+    return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+/// Throws std::logic_error where one of the ways gives other bits than the plain interpreter. Returns how many ways there
+/// were.
+inline int compare_ways(const truth::Recording<double>& recording, int order, bool careful,
+                        const std::vector<double>& start) {
+    const auto made = [&](InstructionSet set, bool compiled) {
+        return TapeSeries(recording, {.instructions = set, .compiled = compiled, .careful = careful, .order = order});
+    };
+    TapeSeries plain = made(InstructionSet::plain, false);
+    const std::vector<double> elsewhere(start.size(), 0.3);
+    // what an expansion leaves behind means nothing to the next
+    plain.expand(elsewhere.data());
+    plain.expand(start.data());
+    int ways = 0;
+    for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512})
+        for (const bool compiled : {false, true}) {
+            if (set > widest_instruction_set()) continue;
+            TapeSeries other = made(set, compiled);
+            other.expand(start.data());
+            for (int k = 0; k <= order; ++k)
+                for (int i = 0; i < plain.dimension(); ++i)
+                    if (!same_bits(plain.coefficient(i, k), other.coefficient(i, k)))
+                        throw std::logic_error(std::string(name_of(set)) + (compiled ? " code" : " interpreted") +
+                                               ": other bits in order " + std::to_string(k));
+            ++ways;
+        }
+    return ways;
+}
+
+/// A tape from any bytes: a few for the states and the order, then some for each operation. Reads no further than to
+/// the end; the same bytes give the same tape.
+class TapeOfBytes {
+  public:
+    TapeOfBytes(const std::uint8_t* data, std::size_t size) : data_(data), end_(data + size) {
+        using Kind = truth::Node<double>::Kind;
+        const int states = 1 + next() % 20;
+        order = 2 + next() % (TapeLayout::most_order - 1);
+        careful = next() % 4 == 0;
+        truth::Tape<double>& tape = recording.tape;
+        for (int i = 0; i < states; ++i) {
+            tape.nodes.push_back({Kind::state, i, 0, 0, 0});
+            start.push_back(number());
+        }
+        while (data_ < end_ && tape.nodes.size() < 300) {
+            const Kind kind = static_cast<Kind>(1 + next() % 6);
+            const int a = place(), b = place();
+            switch (kind) {
+                case Kind::combination:
+                    if (a == b)
+                        tape.nodes.push_back({kind, a, -1, factor(), next() % 2 == 0 ? 0 : factor()});
+                    else
+                        tape.nodes.push_back({kind, a, b, factor(), factor()});
+                    break;
+                case Kind::product:
+                    tape.nodes.push_back({kind, a, b, 0, 0});
+                    break;
+                case Kind::quotient:
+                    tape.nodes.push_back({kind, next() % 4 == 0 ? -1 : a, b, 0, 0});
+                    break;
+                case Kind::root:
+                    tape.nodes.push_back({kind, a, -1, 0, 0});
+                    break;
+                default:
+                    tape.add_sine(a);
+            }
+        }
+        for (int i = 0; i < states; ++i) {
+            const bool is_constant = next() % 8 == 0;
+            recording.rates.emplace_back(factor(), is_constant ? -1 : place(), nullptr);
+        }
+    }
+
+    truth::Recording<double> recording;
+    std::vector<double> start;
+    int order = 0;
+    bool careful = false;
+
+  private:
+    const std::uint8_t *data_, *end_;
+
+    int next() { return data_ < end_ ? *data_++ : 0; }
+    /// One of the last nodes.
+    int place() {
+        const int count = static_cast<int>(recording.tape.nodes.size());
+        return count - 1 - next() % count;
+    }
+    double number() { return (next() - 128) / 64.0; }
+    double factor() {
+        static constexpr double often[] = {1, -1, 2, -2, 0.5, -0.5, 1.0 / 3, 3e200, -7e-200};
+        const int i = next();
+        return i < 150 ? often[i % 9] : (i - 200) / 16.0 + 0.01;
+    }
+};
+
+}  // namespace polhode::testing

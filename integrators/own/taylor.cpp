@@ -1,4 +1,4 @@
-// Taylor series in binary64: orders 12 to 30, steps from the coefficients, dense output from the polynomial.
+// Taylor series in binary64: orders by the tolerance, steps from the coefficients, dense output from the polynomial.
 //
 // Where rounding is all that is left to gain, the state and its first coefficients are kept in extended precision: of a
 // step's increment h y_1 + h^2 y_2 + .. only the rest, some millionths of it, is then rounded to 53 bits. In binary64
@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -19,7 +18,6 @@
 
 #include "integrators/closed_form/turn.h"
 #include "integrators/own/binary_parts.h"
-#include "integrators/own/rotation_series.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "integrators/tape/tape_series.h"
@@ -33,7 +31,6 @@ namespace {
 constexpr double least_tolerance = 1e-16;
 // below it a step's truncation is less than its rounding
 constexpr double careful_below = 3e-15;
-constexpr int careful_order = 30;
 // what careful steps are taken for, whatever the tolerance: truncation errors are alike in every step, so that the
 // angle they add up to grows as the square of the time
 constexpr double careful_tolerance = 1e-21;
@@ -76,60 +73,6 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-/// The coefficients of rotations in principal axes, by RotationSeries; the same bits by every set of instructions.
-template <int order, class Wide>
-class UnrolledCoefficients {
-  public:
-    template <class SystemType>
-    UnrolledCoefficients(const Problem& problem, const Segment& segment, const SystemType&, double)
-        : series_(problem.body.principal_inertia), rate_scale_(problem.scales.angular_velocity) {
-        series_.set(segment.forcing);
-        if constexpr (std::is_same_v<Wide, Lanes8>)
-            expand_ = &expand_avx512, move_ = &move_avx512;
-        else if (instruction_set() == InstructionSet::avx2)
-            expand_ = &expand_avx2, move_ = &move_avx2;
-    }
-    void expand(const PackedRotation& state) { expand_(series_, state); }
-    void expand(const double* y) { expand_(series_, PackedRotation(y)); }
-    double step(double tolerance) const {
-        Sizes sizes;
-        sizes.note(series_.squared_rate(order), series_.squared_rate(order - 1), rate_scale_);
-        sizes.note(series_.squared_attitude(order), series_.squared_attitude(order - 1), 1);
-        return step_of(sizes, tolerance, order);
-    }
-    void move(double h, PackedRotation& state, PackedRotation& lost) const { move_(series_, h, state, lost); }
-    /// The sum of y_k h^(k - from) from k = from on.
-    template <int from>
-    void tail(double h, double* sum) const {
-        series_.template tail<from>(h, sum);
-    }
-
-  private:
-    using Series = RotationSeries<order, Wide, order == careful_order>;
-
-    static void expand_plain(Series& series, const PackedRotation& state) { series.expand(state); }
-    static void move_plain(const Series& series, double h, PackedRotation& state, PackedRotation& lost) {
-        series.move(h, state, lost);
-    }
-    POLHODE_TARGET_AVX2 static void expand_avx2(Series& series, const PackedRotation& state) { series.expand(state); }
-    POLHODE_TARGET_AVX2 static void move_avx2(const Series& series, double h, PackedRotation& state,
-                                              PackedRotation& lost) {
-        series.move(h, state, lost);
-    }
-    POLHODE_TARGET_AVX512 static void expand_avx512(Series& series, const PackedRotation& state) {
-        series.expand(state);
-    }
-    POLHODE_TARGET_AVX512 static void move_avx512(const Series& series, double h, PackedRotation& state,
-                                                  PackedRotation& lost) {
-        series.move(h, state, lost);
-    }
-
-    Series series_;
-    void (*expand_)(Series&, const PackedRotation&) = &expand_plain;
-    void (*move_)(const Series&, double, PackedRotation&, PackedRotation&) = &move_plain;
-    double rate_scale_;
-};
-
 template <class T, class SystemType>
 truth::Recording<T> recorded(const SystemType& system) {
     struct Form {
@@ -138,7 +81,7 @@ truth::Recording<T> recorded(const SystemType& system) {
     };
     return truth::record<T>(Form{&system}, system.size());
 }
-/// Those of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with truncation
+/// The coefficients of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with truncation
 /// errors far below the rounding of what they are the rest of.
 template <class SystemType, bool careful = false>
 class RecordedCoefficients {
@@ -158,18 +101,10 @@ class RecordedCoefficients {
     /// The sum of y_k h^(k - from) from k = from on, each component.
     template <int from>
     void tail(double h, double* sums) const {
-        // as many side by side as a line has room for
-        constexpr int line = TapeLayout::line;
-        for (int first = 0; first < size(); first += line) {
-            std::array<double, line> sum;
-            std::copy_n(series_.coefficients(series_.order()) + first, line, sum.begin());
-            for (int k = series_.order() - 1; k >= from; --k) {
-                const double* const y_k = series_.coefficients(k) + first;
-                for (std::size_t i = 0; i < line; ++i) sum[i] = sum[i] * h + y_k[i];
-            }
-            std::copy_n(sum.begin(), std::min(line, size() - first), sums + first);
-        }
+        series_.sum(from, h, sums);
     }
+    /// The numbers that tail() writes.
+    int room() const { return TapeLayout::whole(size()); }
 
   private:
     static double squared(double x) { return x * x; }
@@ -179,35 +114,12 @@ class RecordedCoefficients {
     Numbers<SystemType::dimension> scales_;
 };
 
-/// A rotation and its series about it, summed with compensation.
-template <int order, class Wide>
-class UnrolledSeries {
-  public:
-    template <class SystemType>
-    UnrolledSeries(const Problem& problem, const Segment& segment, const SystemType& system, double tolerance)
-        : coefficients_(problem, segment, system, tolerance) {}
-    void start(const double* y) { state_ = PackedRotation(y), lost_ = {}; }
-    void expand() { coefficients_.expand(state_); }
-    double step(double tolerance) const { return coefficients_.step(tolerance); }
-    void advance(double h) { coefficients_.move(h, state_, lost_); }
-    void look(double h, double* y) const {
-        PackedRotation state = state_, lost = lost_;
-        coefficients_.move(h, state, lost);
-        state.unpack(y);
-    }
-    void state(double* y) const { state_.unpack(y); }
-
-  private:
-    UnrolledCoefficients<order, Wide> coefficients_;
-    PackedRotation state_, lost_;
-};
-
-/// Any of the systems' likewise.
+/// A system's state and its series about it, summed with compensation.
 template <class SystemType>
 class RecordedSeries {
   public:
     RecordedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double tolerance)
-        : coefficients_(problem, segment, system, tolerance), sum_(system.size()), increment_(system.size()) {}
+        : coefficients_(problem, segment, system, tolerance), sum_(system.size()), increment_(coefficients_.room()) {}
     void start(const double* y) {
         for (int i = 0; i < size(); ++i) sum_[i] = {y[i], 0};
     }
@@ -232,12 +144,12 @@ class RecordedSeries {
     int size() const { return static_cast<int>(sum_.size()); }
     void find_increment(double h) {
         coefficients_.template tail<1>(h, increment_.data());
-        for (double& x : increment_) x *= h;
+        for (int i = 0; i < size(); ++i) increment_[i] *= h;
     }
 
     RecordedCoefficients<SystemType> coefficients_;
     Numbers<SystemType::dimension, CompensatedSum> sum_;
-    Numbers<SystemType::dimension> increment_;
+    Numbers<run_time> increment_;
 };
 
 /// I^-1 in posed axes, 1/(kg m^2).
@@ -284,8 +196,8 @@ double response_rate(const Problem& problem, const Segment& segment) {
 }
 
 /// A series whose state and first coefficients are in extended precision, and only the rest, some millionths of a
-/// step's increment, by coefficients of either kind in binary64.
-template <class Coefficients, class SystemType>
+/// step's increment, by coefficients in binary64.
+template <class SystemType>
 class ExtendedSeries {
   public:
     ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double)
@@ -312,7 +224,7 @@ class ExtendedSeries {
 
     int size() const { return static_cast<int>(state_.size()); }
     State after(double h) const {
-        Values tail(size());
+        Numbers<run_time> tail(coefficients_.room());
         coefficients_.template tail<extended + 1>(h, tail.data());
         const Extended step = h;
         State y(size());
@@ -327,7 +239,7 @@ class ExtendedSeries {
         for (std::size_t i = 0; i < state.size(); ++i) y[i] = static_cast<double>(state[i]);
     }
 
-    Coefficients coefficients_;
+    RecordedCoefficients<SystemType, true> coefficients_;
     truth::Series<Extended> first_;
     // near equilibrium the rounded state's coefficients can vanish where those of the state do not: beyond some 4/rate
     // what is left of it would then grow
@@ -503,42 +415,10 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     return trajectory;
 }
 
-bool is_unrolled(const Problem& problem) {
-    return std::all_of(problem.segments.begin(), problem.segments.end(),
-                       [](const Segment& s) { return RotationSeries<2, LanePair>::serves(s.forcing); });
-}
-
-template <int order, class SystemType, class Wide>
-Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
-    if constexpr (order == careful_order && has_extended) {
-        using Coefficients = UnrolledCoefficients<order, Wide>;
-        return solve_by<ExtendedSeries<Coefficients, SystemType>, SystemType>(problem, settings);
-    } else {
-        return solve_by<UnrolledSeries<order, Wide>, SystemType>(problem, settings);
-    }
-}
-
-template <class SystemType, class Wide>
-Trajectory solve_unrolled(const Problem& problem, const Settings& settings) {
-    if (*settings.tolerance < careful_below) return solve_unrolled<careful_order, SystemType, Wide>(problem, settings);
-    // p = 1 - log(tolerance) / 2 is the order at which a digit costs least (Jorba & Zou, 3.1)
-    const double order = 1 - std::log(*settings.tolerance) / 2;
-    if (order <= 12) return solve_unrolled<12, SystemType, Wide>(problem, settings);
-    if (order <= 16) return solve_unrolled<16, SystemType, Wide>(problem, settings);
-    return solve_unrolled<20, SystemType, Wide>(problem, settings);
-}
-
 Trajectory solve(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
-        if constexpr (is_rotation<SystemType>)
-            if (is_unrolled(problem) && !std::getenv("POLHODE_TRY")) {
-                if (instruction_set() == InstructionSet::avx512)
-                    return solve_unrolled<SystemType, Lanes8>(problem, settings);
-                return solve_unrolled<SystemType, LanePair>(problem, settings);
-            }
         if (*settings.tolerance < careful_below && has_extended)
-            return solve_by<ExtendedSeries<RecordedCoefficients<SystemType, true>, SystemType>, SystemType>(problem,
-                                                                                                          settings);
+            return solve_by<ExtendedSeries<SystemType>, SystemType>(problem, settings);
         return solve_by<RecordedSeries<SystemType>, SystemType>(problem, settings);
     });
 }
@@ -550,15 +430,14 @@ std::string refused_user_torque(const Problem& problem) {
 constexpr Method each[] = {
     {.name = "taylor",
      .documentation =
-         "Taylor series in binary64, of order 12, 16 or 20 by the tolerance (16 or 20 for several bodies), the step "
-         "from the last two coefficients "
-         "(Jorba & Zou), samples from the polynomial, the state summed with compensation. Below a tolerance of 3e-15 "
-         "it is of order 30 with steps for 1e-21, the state and the terms up to h^4 in extended precision where long "
-         "double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 4e-11 rad "
-         "after a million radians, for some seven times the time. Time is in units of a power of two near the motion's "
-         "fastest rate, so that motions at any rate are alike. Rotations have recurrences of their own, eight lanes "
-         "at a time, by AVX-512 or AVX2 where the processor has them with the same bits as elsewhere; all else is "
-         "recorded from the one right-hand side. An evaluation is a whole series.",
+         "Taylor series in binary64, of the order of least work at the tolerance, the step from the last two "
+         "coefficients (Jorba & Zou), samples from the polynomial, the state summed with compensation. Below a "
+         "tolerance of 3e-15 steps are taken for 1e-21, the state and the terms up to h^4 in extended precision where "
+         "long double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 4e-11 "
+         "rad after a million radians, for some seven times the time. Time is in units of a power of two near the "
+         "motion's fastest rate, so that motions at any rate are alike. The recurrences are recorded from the one "
+         "right-hand side and become machine code, by AVX-512 or AVX2, when the scene is known; where no code may be "
+         "made an interpreter gives the same bits. An evaluation is a whole series.",
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,

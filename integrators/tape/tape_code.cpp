@@ -39,7 +39,8 @@ class TapeCompiler {
           touched_(static_cast<std::size_t>(row_count_), 0),
           persistent_(static_cast<std::size_t>(program.slots), 0) {
         register_count_ = wide ? 32 : 16;
-        for (const int slot : program.rows) persistent_[slot] = 1;
+        if (wide) find_homes();
+        for (const TapeProgram::Row& row : program.rows) persistent_[row.slot] = 1;
     }
 
     void write() {
@@ -56,8 +57,8 @@ class TapeCompiler {
         begin();
         for (int k = 1; k < layout_.order; ++k) {
             begin_order(k, counts);
-            const int quarters = k == 1 ? 0 : (layout_.filled(k - 1) + 3) / 4;
-            set_masks(k - 1, vectors_of(quarters), masks);
+            const int quarters = k == 1 ? 0 : (layout_.filled(k) + 3) / 4;
+            a_.lea(x86::r13, x86::ptr(masks, mask_size() * mask_count() * k));
             if (!parts[quarters].isValid()) parts[quarters] = a_.newLabel();
             a_.call(parts[quarters]);
         }
@@ -68,7 +69,10 @@ class TapeCompiler {
             if (!parts[quarters_].isValid()) continue;
             a_.align(asmjit::AlignMode::kCode, 32);
             a_.bind(parts[quarters_]);
-            step(vectors_of(quarters_));
+            const bool is_first = quarters_ == 0;
+            if (is_first) quarters_ = 1;
+            step(is_first);
+            if (is_first) quarters_ = 0;
             a_.ret();
         }
         embed(counts, masks);
@@ -89,6 +93,8 @@ class TapeCompiler {
     std::vector<Register> place_;
     std::vector<char> touched_;     // by row: its newest coefficient is in its lane
     std::vector<char> persistent_;  // by slot: stored as soon as it is known
+    // what stays in registers from order to order: by row, the coefficients and the newest one; the sums
+    std::vector<Register> row_home_, newest_home_, sum_home_;
     bool stores_all_ = false;
     int register_count_;
     std::array<int, 32> held_{};     // by register: what it holds
@@ -97,11 +103,14 @@ class TapeCompiler {
     // the places in the part at hand where each is used, one after another
     std::vector<int> first_use_, uses_, next_;
     bool counting_ = false;
-    int now_ = 0;
-    int quarters_ = 0;  // of a cache line that products fill in the part at hand
+    int quarters_ = 2;   // of a cache line that products fill in the part at hand
+    bool inner_ = false;  // they are those of P
 
-    int vectors_of(int quarters) const { return (4 * quarters + width_ - 1) / width_; }
-    x86::Mem slot(int i) const { return x86::ptr(x86::rbx, 8 * i); }
+    int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
+    /// Of a state: its coefficient of the order at hand.
+    x86::Mem slot(int i) const {
+        return i < program_.states ? x86::ptr(x86::r12, 8 * i) : x86::ptr(x86::rbx, 8 * i);
+    }
     x86::Mem lanes_at(std::size_t base, int which, int vector) const {
         const std::size_t at = base + static_cast<std::size_t>(which) * layout_.lanes + vector * width_;
         return x86::ptr(x86::rbx, static_cast<int>(8 * at));
@@ -115,6 +124,23 @@ class TapeCompiler {
     int lanes_of(int row, int vector) const { return program_.slots + row_count_ + row * most_ + vector; }
 
     // --- registers
+
+    /// Gives small tapes registers of their own: the newest coefficients of states need not go through memory, sums and
+    /// rows need not be loaded and stored.
+    void find_homes() {
+        constexpr int working = 9, most = 40;
+        const auto is_of_state = [this](const TapeProgram::Row& row) {
+            return !row.is_inner() && row.slot < program_.states;
+        };
+        const auto states = std::count_if(program_.rows.begin(), program_.rows.end(), is_of_state);
+        if (states + most_ * (std::ssize(program_.rows) + std::ssize(program_.sums)) > most) return;
+        for (const TapeProgram::Row& row : program_.rows)
+            newest_home_.push_back(is_of_state(row) && register_count_ > working ? --register_count_ : none);
+        for (std::vector<Register>* const list : {&sum_home_, &row_home_})
+            for (std::size_t i = 0; i < (list == &sum_home_ ? program_.sums.size() : program_.rows.size()); ++i)
+                for (int v = 0; v < most_ && register_count_ - most_ + v >= working; ++v)
+                    list->push_back(--register_count_);
+    }
 
     static constexpr int never = std::numeric_limits<int>::max();
     int next_use(int id) const { return next_[id] < first_use_[id + 1] ? uses_[next_[id]] : never; }
@@ -135,7 +161,6 @@ class TapeCompiler {
         next_.assign(first_use_.begin(), first_use_.end() - 1);
         enumerate([&](int id, int at) { uses_[next_[id]++] = at; });
         next_.assign(first_use_.begin(), first_use_.end() - 1);
-        now_ = 0;
     }
     void used(int id) { ++next_[id]; }
 
@@ -183,18 +208,30 @@ class TapeCompiler {
         return place_[id];
     }
     Register fetch_newest(int row) {
+        if (!newest_home_.empty() && newest_home_[row] != none) return newest_home_[row];
         const int id = newest(row);
         if (place_[id] == none) {
             const Register r = take();
-            const int of = program_.rows[row];
-            a_.vbroadcastsd(vec(r), of < program_.states ? x86::ptr(x86::r12, 8 * (of - layout_.states)) : slot(of));
+            const TapeProgram::Row& of = program_.rows[row];
+            if (of.is_inner() && of.slot < program_.states)
+                // of the order before
+                a_.vbroadcastsd(vec(r), x86::ptr(x86::r12, 8 * (of.slot - layout_.states)));
+            else if (!of.is_inner() && place_[of.slot] != none)
+                a_.vbroadcastsd(vec(r), xmm(place_[of.slot]));
+            else
+                a_.vbroadcastsd(vec(r), slot(of.slot));
             hold(r, id, false);
         }
         in_use_[place_[id]] = true;
         return place_[id];
     }
-    Register fetch_lanes(int row, int vector, int vectors) {
-        if (!touched_[row]) touch(row, vectors);
+    Register home(const std::vector<Register>& list, int which, int vector) const {
+        const std::size_t i = static_cast<std::size_t>(which * most_ + vector);
+        return i < list.size() ? list[i] : none;
+    }
+    Register fetch_lanes(int row, int vector) {
+        if (!touched_[row]) touch(row);
+        if (const Register r = home(row_home_, row, vector); r != none) return r;
         const int id = lanes_of(row, vector);
         if (place_[id] == none) {
             const Register r = take();
@@ -205,10 +242,15 @@ class TapeCompiler {
         return place_[id];
     }
     /// Puts the newest coefficient in its lane.
-    void touch(int row, int vectors) {
+    void touch(int row) {
         const Register x = fetch_newest(row);
         touched_[row] = 1;
-        for (int v = 0; v < vectors; ++v) {
+        if (!program_.rows[row].is_inner()) used(program_.rows[row].slot), done(program_.rows[row].slot);
+        for (int v = 0; v < vectors(); ++v) {
+            if (const Register r = home(row_home_, row, v); r != none) {
+                a_.k(mask(v, newest_lane)).vmovapd(vec(r, v), vec(x, v));
+                continue;
+            }
             const Register r = take();
             in_use_[r] = true;
             const x86::Mem at = lanes_at(layout_.rows, row, v);
@@ -231,39 +273,43 @@ class TapeCompiler {
 
     enum Mask { begun, both, newest_lane };
     x86::KReg mask(int vector, Mask which) const { return x86::k(1 + 3 * vector + which); }
-    x86::Mem mask_at(int vector, Mask which) const { return x86::ptr(x86::r13, 32 * (3 * vector + which)); }
-    // of which lanes, the order m being the newest
-    static unsigned lanes(int m, Mask which) {
+    // for each order: those of W, then those of P; one byte each for AVX-512, 32 where they are numbers
+    int mask_size() const { return wide_ ? 1 : 32; }
+    int mask_count() const { return 2 * 3 * most_; }
+    x86::Mem mask_at(int vector, Mask which) const {
+        return x86::ptr(x86::r13, mask_size() * ((inner_ ? 3 * most_ : 0) + 3 * vector + which));
+    }
+    // of which lanes, where the newest coefficient is in this one
+    static unsigned lanes(int lane, Mask which) {
+        if (lane < 0) return 0;
         switch (which) {
             case begun:
-                return m < 2 ? 0 : (1U << (m - 2)) - 1;
+                return lane < 1 ? 0 : (1U << (lane - 1)) - 1;
             case both:
-                return (1U << (m - 1)) - 1;
+                return (1U << lane) - 1;
             default:
-                return 1U << (m - 1);
+                return 1U << lane;
         }
     }
-    void set_masks(int m, int vectors, const asmjit::Label& masks) {
-        if (vectors == 0) return;
-        if (!wide_) {
-            a_.lea(x86::r13, x86::ptr(masks, 32 * 3 * most_ * (m - 1)));
-            return;
-        }
-        for (int v = 0; v < vectors; ++v)
-            for (const Mask which : {begun, both, newest_lane}) {
-                a_.mov(x86::eax, (lanes(m, which) >> (8 * v)) & 0xFF);
-                a_.kmovb(mask(v, which), x86::eax);
-            }
+    void load_masks() {
+        if (!wide_) return;
+        for (int v = 0; v < vectors(); ++v)
+            for (const Mask which : {begun, both, newest_lane}) a_.kmovb(mask(v, which), mask_at(v, which));
     }
     void embed(const asmjit::Label& counts, const asmjit::Label& masks) {
         a_.align(asmjit::AlignMode::kData, 64);
         a_.bind(masks);
-        if (!wide_)
-            for (int m = 1; m + 1 < layout_.order; ++m)
+        for (int k = 0; k < layout_.order; ++k)
+            for (const int lane : {k, k - 2})
                 for (int v = 0; v < most_; ++v)
-                    for (const Mask which : {begun, both, newest_lane})
-                        for (int lane = 0; lane < width_; ++lane)
-                            a_.embedInt64((lanes(m, which) >> (v * width_ + lane)) & 1 ? -1 : 0);
+                    for (const Mask which : {begun, both, newest_lane}) {
+                        const unsigned taken = lanes(lane, which) >> (v * width_);
+                        if (wide_)
+                            a_.embedUInt8(static_cast<std::uint8_t>(taken));
+                        else
+                            for (int i = 0; i < width_; ++i) a_.embedInt64((taken >> i) & 1 ? -1 : 0);
+                    }
+        a_.align(asmjit::AlignMode::kData, 64);
         a_.bind(counts);
         for (int k = 0; k < layout_.order; ++k)
             for (const double count : {1.0 * k, 1.0 / std::max(k, 1), k + 1.0, 1.0 / (k + 1)}) a_.embedDouble(count);
@@ -346,6 +392,8 @@ class TapeCompiler {
                 define(op.to, to);
                 return finish(op);
             }
+            case Kind::sum:
+                return add_products(program_.sums[op.a]);
             case Kind::sine_cosine:
                 // all is in memory; no register outlives a call
                 used(op.a);
@@ -419,20 +467,40 @@ class TapeCompiler {
         else
             a_.vmulsd(xmm(to), xmm(now), xmm(share));
         a_.vmovsd(slot(i), xmm(to));
-        a_.vmovsd(x86::ptr(x86::r12, 8 * i), xmm(to));
+        for (int row = 0; row < static_cast<int>(newest_home_.size()); ++row)
+            if (newest_home_[row] != none && program_.rows[row].slot == i)
+                a_.vbroadcastsd(x86::zmm(newest_home_[row]), xmm(to));
         in_use_.fill(false);
         for (const int id : {rate.from, rate.factor, count})
             if (id != none) done(id);
     }
     void integrate(const std::vector<TapeProgram::Rate>& rates) {
         a_.add(x86::r12, 8 * layout_.states);
-        for (int i = 0; i < program_.states; ++i) ++now_, integrate(rates[i], i);
+        for (int i = 0; i < program_.states; ++i) integrate(rates[i], i);
+    }
+    template <class Visit>
+    void enumerate(const TapeProgram::Sum& sum, int& at, Visit&& visit) {
+        for (int i = sum.first; i < sum.end; ++i) {
+            const TapeProgram::Pair& pair = program_.pairs[i];
+            ++at;
+            visit(newest(pair.x), at), visit(newest(pair.y), at);
+            for (const int row : {pair.x, pair.y}) {
+                for (int v = 0; v < vectors(); ++v) visit(lanes_of(row, v), at);
+                // it comes from its slot
+                if (!touched_[row] && !program_.rows[row].is_inner()) visit(program_.rows[row].slot, at);
+                touched_[row] = 1;
+            }
+        }
     }
     template <class Visit>
     void enumerate(const std::vector<TapeProgram::Operation>& list, const std::vector<TapeProgram::Rate>& rates, int at,
-                   Visit&& visit) const {
+                   Visit&& visit) {
         for (const TapeProgram::Operation& op : list) {
             ++at;
+            if (op.kind == Kind::sum) {
+                enumerate(program_.sums[op.a], at, visit);
+                continue;
+            }
             visit(op.a, at);
             if (op.kind == Kind::sine_cosine) continue;
             for (const int id : {op.b, op.c})
@@ -443,35 +511,40 @@ class TapeCompiler {
             for (const int id : {rate.from, careful_ ? program_.next : program_.inverse_next, rate.factor})
                 if (id != none) visit(id, at);
         }
+        std::fill(touched_.begin(), touched_.end(), 0);
     }
 
     void begin() {
         note_uses([this](auto&& visit) { enumerate(program_.begin, program_.first_rates, 0, visit); });
         stores_all_ = true;
-        for (const TapeProgram::Operation& op : program_.begin) ++now_, operate(op);
+        for (const TapeProgram::Operation& op : program_.begin) operate(op);
         integrate(program_.first_rates);
         stores_all_ = false;
+        // the rows' first lanes; the others mean nothing yet, but are stored alike: what is loaded soon comes from there
+        for (int row = 0; row < row_count_; ++row) {
+            if (program_.rows[row].is_inner()) continue;
+            const Register r = std::max(home(row_home_, row, 0), 0);
+            a_.vbroadcastsd(vec(r), slot(program_.rows[row].value));
+            if (row_home_.size() <= static_cast<std::size_t>(row * most_)) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
+        }
     }
-
-    void step(int vectors) {
+    // the part of the first order has nothing in P yet
+    void step(bool is_first) {
         note_uses([&](auto&& visit) {
             int at = 0;
-            if (vectors > 0)
-                for (const TapeProgram::Sum& sum : program_.sums)
-                    for (int i = sum.first; i < sum.end; ++i) {
-                        const TapeProgram::Pair& pair = program_.pairs[i];
-                        ++at;
-                        visit(newest(pair.x), at), visit(newest(pair.y), at);
-                        for (int v = 0; v < vectors; ++v) visit(lanes_of(pair.x, v), at), visit(lanes_of(pair.y, v), at);
-                    }
+            for (int i = 0; i < program_.inner && !is_first; ++i) enumerate(program_.sums[i], at, visit);
             enumerate(program_.step, program_.rates, at, visit);
         });
-        for (const TapeProgram::Sum& sum : program_.sums)
-            if (vectors > 0)
-                add_products(sum, vectors);
+        inner_ = true;
+        if (program_.inner > 0) load_masks();
+        for (int i = 0; i < program_.inner; ++i)
+            if (is_first)
+                define_zero(program_.sums[i].to);
             else
-                define_zero(sum.to);
-        for (const TapeProgram::Operation& op : program_.step) ++now_, operate(op);
+                add_products(program_.sums[i]);
+        inner_ = false;
+        load_masks();
+        for (const TapeProgram::Operation& op : program_.step) operate(op);
         integrate(program_.rates);
     }
     void define_zero(int to) {
@@ -479,13 +552,16 @@ class TapeCompiler {
         a_.vxorpd(xmm(r), xmm(r), xmm(r));
         define(to, r);
     }
-    void add_products(const TapeProgram::Sum& sum, int vectors) {
+    void add_products(const TapeProgram::Sum& sum) {
+        const int vectors = this->vectors();
         const int which = static_cast<int>(&sum - program_.sums.data());
         std::array<Register, 4> p{}, u{};
         for (int v = 0; v < vectors; ++v) {
             p[v] = temporary(), u[v] = temporary();
             const x86::Mem at = lanes_at(layout_.sums, which, v);
-            if (wide_) {
+            if (const Register r = home(sum_home_, which, v); r != none) {
+                a_.k(mask(v, begun)).z().vmovapd(vec(p[v], v), vec(r, v));
+            } else if (wide_) {
                 a_.k(mask(v, begun)).z().vmovapd(vec(p[v], v), at);
             } else {
                 a_.vmovapd(vec(p[v]), mask_at(v, begun));
@@ -494,7 +570,6 @@ class TapeCompiler {
         }
         for (int i = sum.first; i < sum.end; ++i) {
             const TapeProgram::Pair& pair = program_.pairs[i];
-            ++now_;
             Register x = fetch_newest(pair.x), y = fetch_newest(pair.y);
             Register own_x = none, own_y = none;
             if (pair.weight != none) {
@@ -506,7 +581,7 @@ class TapeCompiler {
                 x = own_x, y = own_y;
             }
             for (int v = 0; v < vectors; ++v) {
-                const Register y_j = fetch_lanes(pair.y, v, vectors), x_j = fetch_lanes(pair.x, v, vectors);
+                const Register y_j = fetch_lanes(pair.y, v), x_j = fetch_lanes(pair.x, v);
                 if (pair.negative)
                     a_.vfnmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
                 else
@@ -540,9 +615,9 @@ class TapeCompiler {
         }
         // each lane is one order less far from the next newest order
         for (int v = 0; v < vectors; ++v) {
-            const Register above = v + 1 < vectors ? p[v + 1] : none;
+            const Register above = v + 1 < vectors ? p[v + 1] : none, r = home(sum_home_, which, v);
             if (wide_) {
-                a_.valignq(vec(u[v], v), vec(above != none ? above : p[v], v), vec(p[v], v), 1);
+                a_.valignq(vec(r != none ? r : u[v], v), vec(above != none ? above : p[v], v), vec(p[v], v), 1);
             } else {
                 a_.vpermpd(vec(u[v]), vec(p[v]), 0x39);
                 if (above != none) {
@@ -552,7 +627,7 @@ class TapeCompiler {
                     release(m);
                 }
             }
-            a_.vmovapd(lanes_at(layout_.sums, which, v), vec(u[v], v));
+            if (r == none) a_.vmovapd(lanes_at(layout_.sums, which, v), vec(u[v], v));
             release(u[v]);
         }
         for (int v = 1; v < vectors; ++v) release(p[v]);

@@ -14,10 +14,20 @@ ExpandTape expand_tape_plain;
 ExpandTape expand_tape_avx2;    ///< with fused multiplication and addition
 ExpandTape expand_tape_avx512;  ///< the same bits
 
+/// sums = y_from + y_{from+1} h + .. + y_order h^(order - from), each state's, in whole lines; from < order. The same
+/// bits by all instructions.
+using SumTape = void(const double* coefficients, int states, int order, int from, double h, double* sums);
+
+SumTape sum_tape_plain;
+SumTape sum_tape_avx2;    ///< with fused multiplication and addition
+SumTape sum_tape_avx512;  ///< likewise
+
 /// What both they and code take for sines.
 void sine_cosine_of(double x, double& sine, double& cosine);
 
 /// The one for these instructions.
 ExpandTape* expand_tape(InstructionSet set);
+/// Likewise.
+SumTape* sum_tape(InstructionSet set);
 
 }  // namespace polhode

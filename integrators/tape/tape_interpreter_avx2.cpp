@@ -6,4 +6,8 @@ void expand_tape_avx2(const TapeProgram& program, const TapeLayout& layout, bool
     expand(program, layout, careful, memory);
 }
 
+void sum_tape_avx2(const double* coefficients, int states, int order, int from, double h, double* sums) {
+    sum_states(coefficients, states, order, from, h, sums);
+}
+
 }  // namespace polhode

@@ -6,4 +6,8 @@ void expand_tape_avx512(const TapeProgram& program, const TapeLayout& layout, bo
     expand(program, layout, careful, memory);
 }
 
+void sum_tape_avx512(const double* coefficients, int states, int order, int from, double h, double* sums) {
+    sum_states(coefficients, states, order, from, h, sums);
+}
+
 }  // namespace polhode

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 
 #include "integrators/tape/tape_program.h"
 
@@ -12,22 +13,26 @@ namespace polhode {
 /// as an order has products, then the coefficients of the states, order by order.
 struct TapeLayout {
     static constexpr int line = 8;        ///< numbers
-    static constexpr int most_order = 34;  ///< lanes for two lines
+    static constexpr int most_order = 32;  ///< lanes for two lines
 
     int order;
-    int lanes;   ///< of a row: lane j - 1 holds the j-th coefficient; of a sum, the order that is j later
+    /// Of a row: lane j holds the j-th coefficient, of an inner one lane j - 1. Of a sum: lane j is what the order j later
+    /// has so far, of an inner one lane j - 1.
+    int lanes;
     int states;  ///< the numbers from one order's coefficients to the next
     std::size_t rows, sums, coefficients, end;
 
-    TapeLayout(const TapeProgram& program, int order_) : order(order_), lanes(whole((order_ - 1) / 2)) {
+    /// `order_` is from 2 to most_order.
+    TapeLayout(const TapeProgram& program, int order_) : order(order_), lanes(whole((order_ - 1) / 2 + 1)) {
+        if (order < 2 || order > most_order) throw std::invalid_argument("a series is of order 2 to 32");
         states = whole(program.states);
         rows = static_cast<std::size_t>(whole(program.slots));
         sums = rows + program.rows.size() * static_cast<std::size_t>(lanes);
         coefficients = sums + program.sums.size() * static_cast<std::size_t>(lanes);
         end = coefficients + static_cast<std::size_t>(states) * static_cast<std::size_t>(order + 1);
     }
-    /// The lanes that products of the newest order m fill: those of later orders up to the last but one.
-    int filled(int m) const { return std::min(m, order - 1 - m); }
+    /// The lanes that products fill in the order k: those of later orders up to the last but one.
+    int filled(int k) const { return std::max(std::min(k, order - 1 - k) + 1, std::min(k - 1, order - k)); }
     static int whole(int n) { return (n + line - 1) / line * line; }
 };
 

@@ -17,7 +17,7 @@ constexpr int none = TapeProgram::none;
 class TapeProgrammer {
   public:
     TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording)
-        : program_(program), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none) {}
+        : program_(program), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none), inner_row_of_(nodes_.size(), none) {}
 
     void write() {
         const int n = program_.states = static_cast<int>(rates_.size());
@@ -39,16 +39,12 @@ class TapeProgrammer {
                                                    : Rate{constant(rate.factor), none});
             program_.rates.push_back({changes ? later_rate(rate.node) : constant(0), changes ? factor : none});
         }
-        // those first whose rows are known first: they need not wait
-        const auto known = [&](const TapeProgram::Sum& sum) {
-            double last = 0;
-            for (int j = sum.first; j < sum.end; ++j)
-                for (const int row : {program_.pairs[j].x, program_.pairs[j].y})
-                    last = std::max(last, arrival_[program_.rows[row]]);
-            return last;
-        };
-        std::stable_sort(program_.sums.begin(), program_.sums.end(),
-                         [&](const TapeProgram::Sum& a, const TapeProgram::Sum& b) { return known(a) < known(b); });
+        // those of P first
+        program_.sums = inner_;
+        program_.inner = static_cast<int>(inner_.size());
+        program_.sums.insert(program_.sums.end(), whole_.begin(), whole_.end());
+        for (TapeProgram::Operation& op : program_.step)
+            if (op.kind == Kind::sum) op.a += program_.inner;
     }
 
   private:
@@ -67,13 +63,13 @@ class TapeProgrammer {
     TapeProgram& program_;
     const std::vector<Node>& nodes_;
     const std::vector<truth::Traced<double>>& rates_;
-    std::vector<int> row_of_;    // by node
+    std::vector<int> row_of_, inner_row_of_;  // by node
     std::vector<int> value_of_;  // by node: the slot of coefficient 0
     std::vector<int> now_of_;    // by node: the slot of the coefficient of the order at hand; none: dissolved
     std::vector<int> inverse_of_;
+    std::vector<TapeProgram::Sum> inner_, whole_;
     std::vector<double> arrival_;  // by slot: about the cycles from an order's beginning
     std::map<std::uint64_t, int> constant_of_;  // by bits
-    std::map<std::pair<std::uint64_t, int>, int> share_of_;
 
     int count() const { return static_cast<int>(nodes_.size()); }
     int slot() {
@@ -92,14 +88,6 @@ class TapeProgrammer {
         program_.begin.push_back({kind, slot(), a, b, c});
         return program_.begin.back().to;
     }
-    /// The slot of factor * a value, found with the values.
-    int share(double factor, int node) {
-        if (factor == 1) return value_of_[node];
-        const auto [found, is_new] = share_of_.try_emplace({std::bit_cast<std::uint64_t>(factor), node}, none);
-        if (is_new) found->second = begin_with(Kind::multiply, constant(factor), value_of_[node]);
-        return found->second;
-    }
-
     // places for all but the sums and products that are used by one sum alone
     void dissolve() {
         std::vector<int> uses(nodes_.size(), 0);
@@ -160,21 +148,20 @@ class TapeProgrammer {
         }
     }
 
-    int row(int node) {
-        if (row_of_[node] == none) {
-            row_of_[node] = static_cast<int>(program_.rows.size());
-            program_.rows.push_back(now_of_[node]);
-        }
-        return row_of_[node];
+    int row(int node, bool is_inner) {
+        int& row = (is_inner ? inner_row_of_ : row_of_)[node];
+        if (row == none) row = new_row(now_of_[node], is_inner ? none : value_of_[node]);
+        return row;
     }
-    void add_pair(int x, int y, double weight, double first_weight) {
-        const double relative = weight / first_weight;
-        program_.pairs.push_back({x, y, std::abs(relative) == 1 ? none : constant(std::abs(relative)), relative < 0});
+    int new_row(int slot, int value) {
+        program_.rows.push_back({slot, value});
+        return static_cast<int>(program_.rows.size()) - 1;
     }
-    /// The sum of the pairs from `first` on.
-    int sum_from(int first) {
-        const int to = slot(), end = static_cast<int>(program_.pairs.size());
-        program_.sums.push_back({to, first, end});
+    /// P of the one pair.
+    int inner_sum(int x, int y) {
+        const int first = static_cast<int>(program_.pairs.size()), to = slot();
+        program_.pairs.push_back({x, y, none, false});
+        inner_.push_back({to, first, first + 1});
         return to;
     }
     void step(Kind kind, int to, int a, int b, int c = none) {
@@ -193,7 +180,6 @@ class TapeProgrammer {
     // the node's coefficient of the order at hand
     void decode(int i) {
         const Node& node = nodes_[i];
-        const int first = static_cast<int>(program_.pairs.size());
         std::vector<Term> terms;
         Signed sum;
         switch (node.kind) {
@@ -205,24 +191,23 @@ class TapeProgrammer {
                 break;
             case Node::Kind::quotient: {
                 const int inverse = inverse_of_[i];
-                add_pair(row(node.b), row(i), 1, 1);
-                sum = {step_with(Kind::multiply, sum_from(first), inverse), true};
+                sum = {step_with(Kind::multiply, inner_sum(row(node.b, true), row(i, true)), inverse), true};
                 terms.push_back({begin_with(Kind::multiply, value_of_[i], inverse), true, now_of_[node.b]});
                 if (node.a >= 0) terms.push_back({inverse, false, now_of_[node.a]});
                 break;
             }
             case Node::Kind::root:
-                add_pair(row(i), row(i), 1, 1);
-                sum = {step_with(Kind::multiply, sum_from(first), inverse_of_[i]), true};
+                sum = {step_with(Kind::multiply, inner_sum(row(i, true), row(i, true)), inverse_of_[i]), true};
                 terms.push_back({inverse_of_[i], false, now_of_[node.a]});
                 break;
             case Node::Kind::sine:
             case Node::Kind::cosine: {
                 const bool is_sine = node.kind == Node::Kind::sine;
                 if (program_.order == none) program_.order = slot(), program_.inverse_order = slot();
-                if (is_sine) slope_ = slope(now_of_[node.a]);
-                add_pair(slope_, row(node.b), 1, 1);
-                sum = {step_with(Kind::multiply, sum_from(first), program_.inverse_order), !is_sine};
+                // the row of k times the argument's coefficients
+                if (is_sine)
+                    slope_ = new_row(step_with(Kind::multiply, program_.order, now_of_[node.a]), none);
+                sum = {step_with(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order), !is_sine};
                 terms.push_back({value_of_[node.b], !is_sine, now_of_[node.a]});
             }
         }
@@ -231,11 +216,6 @@ class TapeProgrammer {
     /// The slot of a rate that states, as they change, leave as it is.
     int later_rate(int node) {
         return node < program_.states ? step_with(Kind::add, constant(0), now_of_[node]) : now_of_[node];
-    }
-    /// The row of k times the coefficients of a slot.
-    int slope(int of) {
-        program_.rows.push_back(step_with(Kind::multiply, program_.order, of));
-        return static_cast<int>(program_.rows.size()) - 1;
     }
     int slope_ = none;  // of the last sine
 
@@ -247,35 +227,37 @@ class TapeProgrammer {
         };
         std::vector<Product> products;
         std::vector<std::pair<int, double>> open{{i, 1.0}};
-        const auto add_term = [&](double factor, int share_node, int x) {
-            const int of = share_node == none ? std::abs(factor) == 1 ? none : constant(std::abs(factor))
-                                              : share(std::abs(factor), share_node);
-            terms.push_back({of, factor < 0, now_of_[x]});
-        };
         while (!open.empty()) {
             const auto [at, factor] = open.back();
             open.pop_back();
             const Node& node = nodes_[at];
             if (at != i && now_of_[at] != none) {
-                add_term(factor, none, at);
+                const double share = std::abs(factor);
+                terms.push_back({share == 1 ? none : constant(share), factor < 0, now_of_[at]});
             } else if (node.kind == Node::Kind::combination) {
                 if (node.b >= 0) open.emplace_back(node.b, factor * node.factor_b);
                 open.emplace_back(node.a, factor * node.factor_a);
             } else {
-                if (node.a == node.b)
-                    add_term(2 * factor, node.a, node.a);
-                else
-                    add_term(factor, node.b, node.a), add_term(factor, node.a, node.b);
-                products.push_back({row(node.a), row(node.b), factor});
+                products.push_back({row(node.a, false), row(node.b, false), factor});
             }
         }
         if (products.empty()) return {};
-        const int first = static_cast<int>(program_.pairs.size());
+        const auto known = [&](const Product& p) {
+            return std::max(arrival_[program_.rows[p.x].slot], arrival_[program_.rows[p.y].slot]);
+        };
+        std::stable_sort(products.begin(), products.end(),
+                         [&](const Product& a, const Product& b) { return known(a) < known(b); });
+        const int first = static_cast<int>(program_.pairs.size()), to = slot();
         const double weight = products.front().weight;
-        for (const Product& p : products) add_pair(p.x, p.y, p.weight, weight);
-        const int sum = sum_from(first);
-        if (std::abs(weight) == 1) return {sum, weight < 0};
-        return {step_with(Kind::multiply, constant(std::abs(weight)), sum), weight < 0};
+        for (const Product& p : products) {
+            const double relative = p.weight / weight, size = std::abs(relative);
+            program_.pairs.push_back({p.x, p.y, size == 1 ? none : constant(size), relative < 0});
+        }
+        program_.step.push_back({Kind::sum, to, static_cast<int>(whole_.size())});
+        whole_.push_back({to, first, static_cast<int>(program_.pairs.size())});
+        arrival_[to] = known(products.back()) + 10 + 4 * static_cast<double>(products.size());
+        if (std::abs(weight) == 1) return {to, weight < 0};
+        return {step_with(Kind::multiply, constant(std::abs(weight)), to), weight < 0};
     }
 
     // to = sum + all terms, the latest last
@@ -292,6 +274,12 @@ class TapeProgrammer {
             sum = with(sum, terms[j], is_last ? to : none);
         }
         if (!sum.negative && sum.slot == to) return;
+        if (!sum.negative && terms.empty() && program_.step.back().to == sum.slot) {
+            if (program_.step.back().kind == Kind::sum) whole_.back().to = to;
+            program_.step.back().to = to;
+            arrival_[to] = arrival_[sum.slot];
+            return;
+        }
         // a single term of factor 1 has no place of its own; what ends negative is turned
         if (sum.negative)
             step(Kind::subtract, to, constant(0), sum.slot);

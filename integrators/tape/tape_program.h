@@ -1,19 +1,18 @@
 // A recorded system made ready for its Taylor coefficients in binary64: straight lines of operations on numbered places
 // in memory, for the interpreter (tape_interpreter.h) and for machine code (tape_code.h) alike.
 //
-// In the order k > 0 a node of the tape is linear in the coefficients of that order: with P a sum of products of lower
-// orders
+// In the order k > 0 the coefficient of a node follows from sums of products, and of some but those of lower orders:
 //
-//   a b:     v_k = P_k + b_0 a_k + a_0 b_k                   P_k = sum of a_j b_{k-j}            0 < j < k
-//   a / b:   v_k = (-P_k + a_k - v_0 b_k) / b_0              P_k = sum of b_j v_{k-j}
+//   a b:     v_k = W_k                                       W_k = sum of a_j b_{k-j}            0 <= j <= k
+//   a / b:   v_k = (-P_k + a_k - v_0 b_k) / b_0              P_k = sum of b_j v_{k-j}            0 < j < k
 //   sqrt a:  v_k = (-P_k + a_k) / (2 v_0)                    P_k = sum of v_j v_{k-j}
 //   sin a:   v_k = P_k / k + cos a_0 a_k                     P_k = sum of j a_j (cos a)_{k-j}
 //   cos a:   v_k = -P_k / k - sin a_0 a_k                    P_k = sum of j a_j (sin a)_{k-j}
 //
-// and so are sums. Products and sums that one sum alone uses are therefore dissolved into it: what is left to find in
-// each order is one sum of terms for each other node, and one P for each sum of products. As soon as an order m is
-// known, all that it adds to the later P is added, side by side in vector registers: P_{m+j} += x_m y_j + y_m x_j for
-// j < m, and x_m y_m to P_{2m}.
+// Products and sums that one sum alone uses are dissolved into it: what is left to find in each order is one sum of terms
+// for each other node, and one W for all its products. As soon as an order m of two factors is known, all that it adds to
+// W_m and to the later ones is added, side by side in vector registers: W_{m+j} += x_m y_j + y_m x_j for j < m, and
+// x_m y_m to W_{2m}; likewise for P, one order later.
 //
 // Products are added by fused multiplication and addition, rounded once (IEEE 754-2008, 5.4.1): half the operations, two
 // thirds of the time that each waits for the one before, and as well defined as any other: the same bits by every
@@ -40,7 +39,8 @@ struct TapeProgram {
         minus_product_minus,  ///< -a b - c
         divide,               ///< a / b
         root,                 ///< the square root of a
-        sine_cosine           ///< the sine of a; its cosine to b
+        sine_cosine,          ///< the sine of a; its cosine to b
+        sum                   ///< W of the order at hand, of the a-th sum, with what that order adds to later ones
     };
     struct Operation {
         Kind kind;
@@ -55,6 +55,13 @@ struct TapeProgram {
     /// The sum of the pairs first to end - 1, the first of which has no weight and is not negative.
     struct Sum {
         int to, first, end;
+    };
+    /// The coefficients of a slot as products need them: in W up to the order at hand, in P up to the one before.
+    struct Row {
+        int slot;
+        int value;  ///< the slot of the coefficient 0; none: in P
+
+        bool is_inner() const { return value == none; }
     };
     /// (k + 1) y_{k+1}: the number in a slot, times that in another, if there is one.
     struct Rate {
@@ -72,11 +79,10 @@ struct TapeProgram {
     std::vector<Operation> begin;    ///< order 0, and what the later ones multiply by
     std::vector<Rate> first_rates;   ///< then, by state
     // each later order
-    /// By row: the slot of its coefficients. What products are made of is one order behind: those of states, which are
-    /// one ahead, come from the order before.
-    std::vector<int> rows;
+    std::vector<Row> rows;
     std::vector<Pair> pairs;
-    std::vector<Sum> sums;
+    std::vector<Sum> sums;  ///< those of P first: they are found before all else
+    int inner = 0;          ///< so many
     std::vector<Operation> step;
     std::vector<Rate> rates;  ///< by state
     // slots of what depends on the order at hand, k

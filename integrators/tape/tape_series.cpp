@@ -78,6 +78,11 @@ ExpandTape* expand_tape(InstructionSet set) {
     return all[static_cast<std::size_t>(set)];
 }
 
+SumTape* sum_tape(InstructionSet set) {
+    constexpr SumTape* all[] = {sum_tape_plain, sum_tape_avx2, sum_tape_avx512};
+    return all[static_cast<std::size_t>(set)];
+}
+
 PreparedTape::PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_)
     : program(recording),
       layout(program, options_.order > 0 ? options_.order : best_order(program, options_.tolerance)),
@@ -114,6 +119,7 @@ int best_order(const TapeProgram& program, double tolerance) {
 TapeSeries::TapeSeries(const truth::Recording<double>& recording, const TapeOptions& options)
     : tape_(prepared(recording, options)),
       interpreter_(expand_tape(options.instructions)),
+      sum_(sum_tape(options.instructions)),
       memory_(tape_->layout.end, 0.0) {
     for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
 }

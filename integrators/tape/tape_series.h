@@ -64,12 +64,17 @@ class TapeSeries {
         return memory_.data() + tape_->layout.coefficients +
                static_cast<std::size_t>(k) * static_cast<std::size_t>(tape_->layout.states);
     }
+    /// The sum of y_k h^(k - from) from k = from < order() on: into as many numbers as coefficients() has.
+    void sum(int from, double h, double* sums) const {
+        sum_(coefficients(0), tape_->layout.states, order(), from, h, sums);
+    }
     /// The k-th coefficient of the i-th state variable.
     double coefficient(int i, int k) const { return coefficients(k)[i]; }
 
   private:
     std::shared_ptr<const PreparedTape> tape_;
     ExpandTape* interpreter_;
+    SumTape* sum_;
     std::vector<double, LineAllocator<double>> memory_;
 };
 

@@ -163,8 +163,11 @@ struct Choice {
     const Method* method;  ///< never null
     std::string_view why;  ///< in a few words
 };
-/// The most accurate method for a problem: what `auto` takes, and why.
-Choice choose_method(const Problem& problem);
+/// The tolerance where none is given.
+inline constexpr double default_tolerance = 1e-10;
+
+/// What `auto` takes, and why: exact where it can be; else what is fastest at the accuracy that the tolerance asks for.
+Choice choose_method(const Problem& problem, double tolerance = default_tolerance);
 
 /// Whether the method can be told a step.
 bool takes_step(const Method& method);

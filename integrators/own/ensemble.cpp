@@ -111,7 +111,7 @@ EnsembleRow solve_one(const Scene& scene, const EnsembleBody& body, const Ensemb
         }
         validate(one, scene.name);
         const Problem problem = pose(one);
-        const Choice choice = choose_method(problem);
+        const Choice choice = choose_method(problem, settings.tolerance);
         Settings run;
         run.samples = 1, run.max_steps = settings.max_steps, run.seconds_limit = settings.seconds_limit;
         if (takes_tolerance(*choice.method)) run.tolerance = settings.tolerance;

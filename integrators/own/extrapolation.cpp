@@ -8,10 +8,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/compensated_state.h"
+#include "integrators/own/lane_columns.h"
 #include "integrators/own/midpoint_columns.h"
+#include "integrators/own/recorded.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
@@ -45,22 +48,25 @@ struct StepErrors {
 /// steps were else rejected, and the worst accepted ones made the error.
 class OrderControl {
   public:
-    explicit OrderControl(double tolerance)
-        : first_(tolerance < least_of_variable_order
+    OrderControl(double tolerance, const ExtrapolationTable& table, int most)
+        : table_(&table),
+          most_(most),
+          first_(tolerance < least_of_variable_order
                      ? careful_row
-                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most_columns)) {
+                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most)) {
         restart();
     }
     void restart() {
         row_ = first_, rejected_ = false;
         forget();
     }
-    int row() const { return row_; }
+    int number() const { return row_; }
+    const ExtrapolationRow& row() const { return (*table_)[row_]; }
 
-    /// After a step H by row(): the next H.
+    /// After a step H by the row: the next H.
     double next(double H, const StepErrors& errors, bool accepted) {
         constexpr double gain_to_lower = 0.8, gain_to_raise = 0.7;
-        const int K = extrapolation_rows[row_].columns;
+        const int K = row().columns;
         double same = H * factor(errors.squared, K), lower = H * factor(errors.squared_before, K - 1);
         if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
         suggested_ = {same, suggested_[0], suggested_[1], suggested_[2]};
@@ -70,9 +76,9 @@ class OrderControl {
         if (K > fewest_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
             row_ = K - 1, same = lower;
             forget();
-        } else if (accepted && !rejected_ && K < most_columns && work(K, same) < gain_to_raise * work(K - 1, lower)) {
+        } else if (accepted && !rejected_ && K < most_ && work(K, same) < gain_to_raise * work(K - 1, lower)) {
             // the step at which K + 1 columns would cost as much to a unit of time
-            row_ = K + 1, same *= evaluations(K + 1) / evaluations(K);
+            row_ = K + 1, same *= work(K + 1, 1) / work(K, 1);
             forget();
         }
         rejected_ = !accepted;
@@ -90,14 +96,13 @@ class OrderControl {
     double on_grid(double H) const {
         if (H < 1e-200) return H;
         const double unit = power_of_two(exponent_of(H) - 30);
-        const double grid = extrapolation_rows[row_].odd_multiple * unit;
+        const double grid = row().odd_multiple * unit;
         return static_cast<double>(static_cast<long>(H / grid)) * grid;
     }
 
   private:
     void forget() { suggested_.fill(std::numeric_limits<double>::infinity()); }
-    static double evaluations(int K) { return extrapolation_rows[K].evaluations; }
-    static double work(int K, double H) { return evaluations(K) / H; }
+    double work(int K, double H) const { return (*table_)[K].work / H; }
     /// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)); with care the aim is so low that the
     /// error of T_KK itself, at its worst along the motion, is below rounding.
     double factor(double squared_error, int K) const {
@@ -106,50 +111,93 @@ class OrderControl {
         return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
     }
 
-    int first_, row_ = first_;
+    const ExtrapolationTable* table_;
+    int most_, first_, row_ = first_;
     bool rejected_ = false;
     std::array<double, 4> suggested_{};
 };
 
-/// Any right-hand side, the columns one after the other.
+/// What a step of K columns finds of any of the systems: increments by `column(j, i)`, with what they lost.
 template <class SystemType>
-class GeneralColumns : public GeneralState<SystemType> {
-    using Base = GeneralState<SystemType>;
-    using Y = typename Base::Y;
-
+class ColumnsState : public GeneralState<SystemType> {
   public:
-    GeneralColumns(const Problem& problem, double tolerance)
-        : Base(problem, tolerance), rounding_(rounding(tolerance)) {}
+    ColumnsState(const Problem& problem, double tolerance)
+        : GeneralState<SystemType>(problem, tolerance), rounding_(rounding(tolerance)) {}
 
-    StepErrors attempt(double t, double H, int number) {
-        const ExtrapolationRow& row = extrapolation_rows[number];
-        const int K = row.columns;
-        const bool careful = number == careful_row;
-        const int N = this->system_.size();
-        Y f(N);
-        this->system_.derivative(t, this->y_.data(), f.data());
-        std::array<Y, most_columns> column = copies_of<most_columns>(Y(N)), lost_column = column;
-        for (int j = 0; j < K; ++j)
-            midpoint(t, f, H / row.substeps[j], row.substeps[j], careful, column[j], lost_column[j]);
-        const Y& finest = column[K - 1];
+  protected:
+    template <class Column, class Lost>
+    StepErrors extrapolated(const ExtrapolationRow& row, Column&& column, Lost&& lost) {
+        const int last = row.columns - 1;
         StepErrors errors{0, 0};
-        for (int i = 0; i < N; ++i) {
+        for (int i = 0; i < this->system_.size(); ++i) {
+            const double finest = column(last, i), finest_lost = lost(last, i);
             double value = 0, error = 0, error_before = 0;
-            for (int j = 0; j + 1 < K; ++j) {
-                const double difference = (column[j][i] - finest[i]) + (lost_column[j][i] - lost_column[K - 1][i]);
+            for (int j = 0; j < last; ++j) {
+                const double difference = (column(j, i) - finest) + (lost(j, i) - finest_lost);
                 value += row.weights.value[j] * difference;
                 error += row.weights.error[j] * difference;
                 error_before += row.weights.error_before[j] * difference;
             }
-            const double slack = rounding_ * row.amplification * finest[i];
+            const double slack = rounding_ * row.amplification * finest;
             const double allowed = this->squared_scale_[i] + slack * slack;
             errors.squared += error * error / allowed;
             errors.squared_before += error_before * error_before / allowed;
             // y + z_K and what it rounds away, then the rest
-            value += lost_column[K - 1][i];
-            this->add(i, finest[i], value);
+            this->add(i, finest, value + finest_lost);
         }
         return errors;
+    }
+
+  private:
+    double rounding_;
+};
+
+/// Any right-hand side that can be recorded: compiled, the columns side by side.
+template <class SystemType>
+class RecordedColumns : public ColumnsState<SystemType> {
+    using Base = ColumnsState<SystemType>;
+
+  public:
+    static constexpr const ExtrapolationTable& table = rows_in_lanes;
+    static constexpr int most = most_columns_in_lanes;
+
+    using Base::Base;
+    void enter(const Segment& segment) {
+        Base::enter(segment);
+        columns_.emplace(recorded<double>(this->system_));
+    }
+    StepErrors attempt(double, double H, int number) {
+        const ExtrapolationRow& row = table[number];
+        columns_->step(this->y_.data(), H, row, number == careful_row);
+        return this->extrapolated(
+            row, [&](int j, int i) { return columns_->increment(j, i); },
+            [&](int j, int i) { return columns_->lost(j, i); });
+    }
+
+  private:
+    std::optional<LaneColumns> columns_;
+};
+
+/// Any right-hand side, the columns one after the other.
+template <class SystemType>
+class GeneralColumns : public ColumnsState<SystemType> {
+    using Y = typename ColumnsState<SystemType>::Y;
+
+  public:
+    static constexpr const ExtrapolationTable& table = extrapolation_rows;
+    static constexpr int most = most_columns;
+
+    using ColumnsState<SystemType>::ColumnsState;
+    StepErrors attempt(double t, double H, int number) {
+        const ExtrapolationRow& row = table[number];
+        const int N = this->system_.size();
+        Y f(N);
+        this->system_.derivative(t, this->y_.data(), f.data());
+        std::array<Y, most_columns> column = copies_of<most_columns>(Y(N)), lost_column = column;
+        for (int j = 0; j < row.columns; ++j)
+            midpoint(t, f, H / row.substeps[j], row.substeps[j], number == careful_row, column[j], lost_column[j]);
+        return this->extrapolated(
+            row, [&](int j, int i) { return column[j][i]; }, [&](int j, int i) { return lost_column[j][i]; });
     }
 
   private:
@@ -170,8 +218,6 @@ class GeneralColumns : public GeneralState<SystemType> {
             }
         }
     }
-
-    double rounding_;
 };
 
 /// Rotations on registers, the columns side by side.
@@ -180,6 +226,9 @@ class RotationColumns : public RotationLanes<SystemType> {
     using Base = RotationLanes<SystemType>;
 
   public:
+    static constexpr const ExtrapolationTable& table = extrapolation_rows;
+    static constexpr int most = most_columns;
+
     RotationColumns(const Problem& problem, double tolerance)
         : Base(problem, tolerance, rounding(tolerance)), step_(midpoint_step(instruction_set())) {}
 
@@ -196,7 +245,7 @@ template <class Columns>
 class ControlledExtrapolation {
   public:
     ControlledExtrapolation(const Problem& problem, double tolerance)
-        : duration_(problem.scene.duration), columns_(problem, tolerance), control_(tolerance) {}
+        : duration_(problem.scene.duration), columns_(problem, tolerance), control_(tolerance, Columns::table, Columns::most) {}
 
     void restart() {
         columns_.restart();
@@ -210,8 +259,8 @@ class ControlledExtrapolation {
         return control_.on_grid(columns_.first_step(t, duration_));
     }
     Attempt attempt(double& t, double& h) {
-        const StepErrors errors = columns_.attempt(t, h, control_.row());
-        evaluations_ += extrapolation_rows[control_.row()].evaluations;
+        const StepErrors errors = columns_.attempt(t, h, control_.number());
+        evaluations_ += control_.row().evaluations;
         if (!std::isfinite(errors.squared) || !std::isfinite(errors.squared_before)) {
             h = control_.retreat(h);
             return Attempt::not_finite;
@@ -242,6 +291,9 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
             if (RotationLanes<SystemType>::serves(problem))
                 return march_controlled(problem, settings,
                                         ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
+        if (!problem.needs.user_torque)
+            return march_controlled(problem, settings,
+                                    ControlledExtrapolation<RecordedColumns<SystemType>>(problem, tolerance));
         return march_controlled(problem, settings,
                                 ControlledExtrapolation<GeneralColumns<SystemType>>(problem, tolerance));
     });

@@ -52,10 +52,9 @@ struct ExtrapolationWeights {
 };
 
 /// The weights at n = infinity of columns first..last - 1; zero elsewhere.
-template <int row>
+template <auto n>
 constexpr auto column_weights(int first, int last) {
-    constexpr auto n = substeps<row>();
-    constexpr int K = columns_of<row>;
+    constexpr int K = static_cast<int>(n.size());
     std::array<long double, K> weights{};
     for (int j = first; j < last; ++j) {
         weights[j] = 1;
@@ -65,12 +64,12 @@ constexpr auto column_weights(int first, int last) {
     return weights;
 }
 
-template <int row>
-constexpr auto extrapolation_weights() {
-    constexpr int K = columns_of<row>;
+template <auto n>
+constexpr auto weights_of() {
+    constexpr int K = static_cast<int>(n.size());
     ExtrapolationWeights<K> weights;
-    const auto all = column_weights<row>(0, K), without_first = column_weights<row>(1, K);
-    const auto before = column_weights<row>(0, K - 1), before_without_first = column_weights<row>(1, K - 1);
+    const auto all = column_weights<n>(0, K), without_first = column_weights<n>(1, K);
+    const auto before = column_weights<n>(0, K - 1), before_without_first = column_weights<n>(1, K - 1);
     for (int j = 0; j < K; ++j) {
         weights.value[j] = static_cast<double>(all[j]);
         weights.error[j] = static_cast<double>(all[j] - without_first[j]);
@@ -79,22 +78,27 @@ constexpr auto extrapolation_weights() {
     return weights;
 }
 
+template <int row>
+constexpr auto extrapolation_weights() {
+    return weights_of<substeps<row>()>();
+}
+
 /// A row of the extrapolation table chosen at run time: its columns, their weights and what a step costs.
 struct ExtrapolationRow {
     int columns = 0;
     int evaluations = 0;       ///< of the right-hand side in a step
+    int work = 0;              ///< what a step costs, in evaluations
     double amplification = 0;  ///< sum |c_j|
     int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
     std::array<int, most_columns> substeps{};
     ExtrapolationWeights<most_columns> weights;
 };
 
-template <int number>
-constexpr ExtrapolationRow extrapolation_row() {
+template <auto n>
+constexpr ExtrapolationRow row_of() {
     ExtrapolationRow row;
-    const auto n = substeps<number>();
-    const auto weights = extrapolation_weights<number>();
-    row.columns = columns_of<number>, row.evaluations = 1;
+    const auto weights = weights_of<n>();
+    row.columns = static_cast<int>(n.size()), row.evaluations = 1;
     for (int j = 0; j < row.columns; ++j) {
         row.substeps[j] = n[j];
         row.weights.value[j] = weights.value[j];
@@ -106,13 +110,36 @@ constexpr ExtrapolationRow extrapolation_row() {
         while (odd % 2 == 0) odd /= 2;
         row.odd_multiple = std::lcm(row.odd_multiple, odd);
     }
+    row.work = row.evaluations;
     return row;
 }
+template <int number>
+constexpr ExtrapolationRow extrapolation_row() {
+    return row_of<substeps<number>()>();
+}
 
-inline constexpr std::array<ExtrapolationRow, rows> extrapolation_rows{
+using ExtrapolationTable = std::array<ExtrapolationRow, rows>;
+inline constexpr ExtrapolationTable extrapolation_rows{
     ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(),          extrapolation_row<3>(),
     extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(),          extrapolation_row<7>(),
     extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
+
+/// Where each column has a lane of its own the longest is all that counts: n_j = 2, 4, 6, .., the shortest of all.
+template <int K>
+constexpr ExtrapolationRow row_in_lanes() {
+    constexpr auto n = [] {
+        std::array<int, K> even{};
+        for (int j = 0; j < K; ++j) even[j] = 2 * (j + 1);
+        return even;
+    }();
+    ExtrapolationRow row = row_of<n>();
+    row.work = n[K - 1];
+    return row;
+}
+inline constexpr int most_columns_in_lanes = 8;
+inline constexpr ExtrapolationTable rows_in_lanes{
+    ExtrapolationRow{}, ExtrapolationRow{}, row_in_lanes<2>(), row_in_lanes<3>(), row_in_lanes<4>(), row_in_lanes<5>(),
+    row_in_lanes<6>(),  row_in_lanes<7>(),  row_in_lanes<8>(), ExtrapolationRow{}, extrapolation_row<careful_row>()};
 
 /// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
 /// the other, independent of the other chains, so that the processor has several in flight.

@@ -15,7 +15,7 @@ MechanismRow solved_row(const Scene& scene, long samples, const EnsembleSettings
     MechanismRow row;
     try {
         const Problem problem = pose(scene);
-        const Choice choice = choose_method(problem);
+        const Choice choice = choose_method(problem, settings.tolerance);
         Settings run;
         run.samples = samples, run.max_steps = settings.max_steps, run.seconds_limit = settings.seconds_limit;
         if (takes_tolerance(*choice.method)) run.tolerance = settings.tolerance;

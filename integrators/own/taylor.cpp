@@ -18,6 +18,7 @@
 
 #include "integrators/closed_form/turn.h"
 #include "integrators/own/binary_parts.h"
+#include "integrators/own/recorded.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "integrators/tape/tape_series.h"
@@ -73,14 +74,6 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-template <class T, class SystemType>
-truth::Recording<T> recorded(const SystemType& system) {
-    struct Form {
-        const SystemType* system;
-        void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system->derivative(0, y, dy); }
-    };
-    return truth::record<T>(Form{&system}, system.size());
-}
 /// The coefficients of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with truncation
 /// errors far below the rounding of what they are the rest of.
 template <class SystemType, bool careful = false>

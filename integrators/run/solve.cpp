@@ -73,7 +73,7 @@ bool takes_tolerance(const Method& method) {
 Settings with_defaults(const Problem& problem, const Method& method, Settings settings) {
     if (settings.step || settings.tolerance) return settings;
     if (takes_tolerance(method))
-        settings.tolerance = 1e-10;
+        settings.tolerance = default_tolerance;
     else if (takes_step(method))
         settings.step = problem.scene.duration / 1e4;
     return settings;

@@ -25,9 +25,11 @@ constexpr int none = TapeProgram::none;
 
 class TapeCompiler {
   public:
-    TapeCompiler(const TapeProgram& program, const TapeLayout& layout, bool careful, bool wide,
+    /// `eight`: the program is for rates, and numbers are eight side by side.
+    TapeCompiler(const TapeProgram& program, const TapeLayout& layout, bool careful, bool wide, bool eight,
                  asmjit::CodeHolder& holder)
-        : program_(program),
+        : eight_(eight),
+          program_(program),
           layout_(layout),
           careful_(careful),
           wide_(wide),
@@ -39,7 +41,7 @@ class TapeCompiler {
           touched_(static_cast<std::size_t>(row_count_), 0),
           persistent_(static_cast<std::size_t>(program.slots), 0) {
         register_count_ = wide ? 32 : 16;
-        if (wide) find_homes();
+        if (wide && !eight) find_homes();
         for (const TapeProgram::Row& row : program.rows) persistent_[row.slot] = 1;
     }
 
@@ -78,10 +80,33 @@ class TapeCompiler {
         embed(counts, masks);
     }
 
+    void write_rates() {
+        a_.push(x86::rbx), a_.push(x86::r12), a_.push(x86::r13);
+        a_.mov(x86::rbx, x86::rdi), a_.mov(x86::r12, x86::rsi), a_.mov(x86::r13, x86::rdx);
+        const asmjit::Label part = a_.newLabel();
+        if (!wide_) {
+            a_.sub(x86::rsp, 8);
+            a_.call(part);
+            a_.add(x86::rbx, 32), a_.add(x86::r12, 32), a_.add(x86::r13, 32);
+            a_.call(part);
+            a_.add(x86::rsp, 8);
+        } else {
+            find_eight_rates();
+        }
+        a_.vzeroupper();
+        a_.pop(x86::r13), a_.pop(x86::r12), a_.pop(x86::rbx);
+        a_.ret();
+        if (wide_) return;
+        a_.bind(part);
+        find_eight_rates();
+        a_.ret();
+    }
+
   private:
     using Register = int;
     static constexpr int free_ = -1, locked_ = -2;
 
+    bool eight_;
     const TapeProgram& program_;
     const TapeLayout& layout_;
     bool careful_, wide_;
@@ -109,6 +134,11 @@ class TapeCompiler {
     int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
     /// Of a state: its coefficient of the order at hand.
     x86::Mem slot(int i) const {
+        if (eight_) {
+            const int state = i - program_.values[0];
+            const bool is_state = state >= 0 && state < program_.states;
+            return is_state ? x86::ptr(x86::r12, 64 * state) : x86::ptr(x86::rbx, 64 * i);
+        }
         return i < program_.states ? x86::ptr(x86::r12, 8 * i) : x86::ptr(x86::rbx, 8 * i);
     }
     x86::Mem lanes_at(std::size_t base, int which, int vector) const {
@@ -119,7 +149,17 @@ class TapeCompiler {
     x86::Vec vec(Register r, int part = 0) const {
         return wide_ && quarters_ >= 2 * part + 2 ? x86::Vec(x86::zmm(r)) : x86::Vec(x86::ymm(r));
     }
-    static x86::Xmm xmm(Register r) { return x86::xmm(r); }
+    /// As numbers are, alone or side by side.
+    x86::Vec number(Register r) const { return eight_ ? vec(r) : x86::Vec(x86::xmm(r)); }
+    std::uint32_t instruction(std::uint32_t alone, std::uint32_t side_by_side) const {
+        return eight_ ? side_by_side : alone;
+    }
+    void load(Register r, const x86::Mem& from) {
+        a_.emit(instruction(x86::Inst::kIdVmovsd, x86::Inst::kIdVmovapd), number(r), from);
+    }
+    void store(const x86::Mem& to, Register r) {
+        a_.emit(instruction(x86::Inst::kIdVmovsd, x86::Inst::kIdVmovapd), to, number(r));
+    }
     int newest(int row) const { return program_.slots + row; }
     int lanes_of(int row, int vector) const { return program_.slots + row_count_ + row * most_ + vector; }
 
@@ -180,7 +220,7 @@ class TapeCompiler {
     }
     void evict(Register r) {
         const int id = held_[r];
-        if (dirty_[r] && next_use(id) != never) a_.vmovsd(slot(id), xmm(r));
+        if (dirty_[r] && next_use(id) != never) store(slot(id), r);
         place_[id] = none, held_[r] = free_, dirty_[r] = false;
     }
     Register temporary() {
@@ -201,7 +241,7 @@ class TapeCompiler {
     Register fetch_scalar(int id) {
         if (place_[id] == none) {
             const Register r = take();
-            a_.vmovsd(xmm(r), slot(id));
+            load(r, slot(id));
             hold(r, id, false);
         }
         in_use_[place_[id]] = true;
@@ -217,7 +257,7 @@ class TapeCompiler {
                 // of the order before
                 a_.vbroadcastsd(vec(r), x86::ptr(x86::r12, 8 * (of.slot - layout_.states)));
             else if (!of.is_inner() && place_[of.slot] != none)
-                a_.vbroadcastsd(vec(r), xmm(place_[of.slot]));
+                a_.vbroadcastsd(vec(r), x86::xmm(place_[of.slot]));
             else
                 a_.vbroadcastsd(vec(r), slot(of.slot));
             hold(r, id, false);
@@ -342,14 +382,14 @@ class TapeCompiler {
     template <class Instruction>
     void emit(Instruction id, Register to, Register a, const Operand& b) {
         if (b.in != none)
-            a_.emit(id, xmm(to), xmm(a), xmm(b.in));
+            a_.emit(id, number(to), number(a), number(b.in));
         else
-            a_.emit(id, xmm(to), xmm(a), b.at);
+            a_.emit(id, number(to), number(a), b.at);
     }
     void define(int to, Register r) {
         const bool stored = stores_all_ || persistent_[to] != 0;
         hold(r, to, !stored);
-        if (stored) a_.vmovsd(slot(to), xmm(r));
+        if (stored) store(slot(to), r);
         done(to);
     }
     void finish(const TapeProgram::Operation& op) {
@@ -369,42 +409,62 @@ class TapeCompiler {
     void operate(const TapeProgram::Operation& op) {
         switch (op.kind) {
             case Kind::add:
-                return two(op, x86::Inst::kIdVaddsd, true);
+                return two(op, instruction(x86::Inst::kIdVaddsd, x86::Inst::kIdVaddpd), true);
             case Kind::subtract:
-                return two(op, x86::Inst::kIdVsubsd, false);
+                return two(op, instruction(x86::Inst::kIdVsubsd, x86::Inst::kIdVsubpd), false);
             case Kind::multiply:
-                return two(op, x86::Inst::kIdVmulsd, true);
+                return two(op, instruction(x86::Inst::kIdVmulsd, x86::Inst::kIdVmulpd), true);
             case Kind::divide:
-                return two(op, x86::Inst::kIdVdivsd, false);
+                return two(op, instruction(x86::Inst::kIdVdivsd, x86::Inst::kIdVdivpd), false);
             case Kind::product_plus:
-                return three(op, x86::Inst::kIdVfmadd231sd, x86::Inst::kIdVfmadd213sd);
+                return three(op, instruction(x86::Inst::kIdVfmadd231sd, x86::Inst::kIdVfmadd231pd),
+                             instruction(x86::Inst::kIdVfmadd213sd, x86::Inst::kIdVfmadd213pd));
             case Kind::product_minus:
-                return three(op, x86::Inst::kIdVfmsub231sd, x86::Inst::kIdVfmsub213sd);
+                return three(op, instruction(x86::Inst::kIdVfmsub231sd, x86::Inst::kIdVfmsub231pd),
+                             instruction(x86::Inst::kIdVfmsub213sd, x86::Inst::kIdVfmsub213pd));
             case Kind::minus_product:
-                return three(op, x86::Inst::kIdVfnmadd231sd, x86::Inst::kIdVfnmadd213sd);
+                return three(op, instruction(x86::Inst::kIdVfnmadd231sd, x86::Inst::kIdVfnmadd231pd),
+                             instruction(x86::Inst::kIdVfnmadd213sd, x86::Inst::kIdVfnmadd213pd));
             case Kind::minus_product_minus:
-                return three(op, x86::Inst::kIdVfnmsub231sd, x86::Inst::kIdVfnmsub213sd);
+                return three(op, instruction(x86::Inst::kIdVfnmsub231sd, x86::Inst::kIdVfnmsub231pd),
+                             instruction(x86::Inst::kIdVfnmsub213sd, x86::Inst::kIdVfnmsub213pd));
             case Kind::root: {
                 const Register a = fetch_scalar(op.a);
                 used(op.a);
                 const Register to = result({{op.a, a}});
-                a_.vsqrtsd(xmm(to), xmm(a), xmm(a));
+                if (eight_)
+                    a_.vsqrtpd(vec(to), vec(a));
+                else
+                    a_.vsqrtsd(x86::xmm(to), x86::xmm(a), x86::xmm(a));
                 define(op.to, to);
                 return finish(op);
             }
             case Kind::sum:
                 return add_products(program_.sums[op.a]);
             case Kind::sine_cosine:
-                // all is in memory; no register outlives a call
                 used(op.a);
-                a_.vmovsd(x86::xmm0, slot(op.a));
-                a_.lea(x86::rdi, slot(op.to)), a_.lea(x86::rsi, slot(op.b));
-                a_.vzeroupper();
-                a_.mov(x86::rax, reinterpret_cast<std::uint64_t>(&sine_cosine_of));
-                a_.call(x86::rax);
+                // no register outlives a call
+                for (Register r = 0; r < register_count_; ++r)
+                    if (held_[r] >= 0 && dirty_[r] && (held_[r] == op.a || next_use(held_[r]) != never))
+                        store(slot(held_[r]), r);
                 held_.fill(free_), dirty_.fill(false);
                 std::fill(place_.begin(), place_.end(), none);
+                call_sine(op);
         }
+    }
+    void call_sine(const TapeProgram::Operation& op) {
+        std::uint64_t function = reinterpret_cast<std::uint64_t>(&sine_cosine_of);
+        if (eight_) {
+            a_.lea(x86::rdi, slot(op.a)), a_.lea(x86::rsi, slot(op.to)), a_.lea(x86::rdx, slot(op.b));
+            function = wide_ ? reinterpret_cast<std::uint64_t>(&sines_cosines_of_eight)
+                             : reinterpret_cast<std::uint64_t>(&sines_cosines_of_four);
+        } else {
+            a_.vmovsd(x86::xmm0, slot(op.a));
+            a_.lea(x86::rdi, slot(op.to)), a_.lea(x86::rsi, slot(op.b));
+        }
+        a_.vzeroupper();
+        a_.mov(x86::rax, function);
+        a_.call(x86::rax);
     }
     void two(const TapeProgram::Operation& op, std::uint32_t instruction, bool commutes) {
         int first = op.a, second = op.b;
@@ -435,14 +495,14 @@ class TapeCompiler {
             define(op.to, sum);
         } else if (sum != none && dies(second) && !is_factor && first != second && a.in != none) {
             place_[second] = none, held_[right] = free_, dirty_[right] = false;
-            a_.emit(onto_factor, xmm(right), xmm(a.in), xmm(sum));
+            a_.emit(onto_factor, number(right), number(a.in), number(sum));
             define(op.to, right);
         } else {
             const Register to = take();
             if (sum != none)
-                a_.vmovapd(xmm(to), xmm(sum));
+                a_.emit(x86::Inst::kIdVmovapd, number(to), number(sum));
             else
-                a_.vmovsd(xmm(to), slot(op.c));
+                load(to, slot(op.c));
             emit(onto_sum, to, right, a);
             define(op.to, to);
         }
@@ -463,13 +523,13 @@ class TapeCompiler {
             used(rate.factor), now = to;
         }
         if (careful_)
-            a_.vdivsd(xmm(to), xmm(now), xmm(share));
+            a_.vdivsd(x86::xmm(to), x86::xmm(now), x86::xmm(share));
         else
-            a_.vmulsd(xmm(to), xmm(now), xmm(share));
-        a_.vmovsd(slot(i), xmm(to));
+            a_.vmulsd(x86::xmm(to), x86::xmm(now), x86::xmm(share));
+        a_.vmovsd(slot(i), x86::xmm(to));
         for (int row = 0; row < static_cast<int>(newest_home_.size()); ++row)
             if (newest_home_[row] != none && program_.rows[row].slot == i)
-                a_.vbroadcastsd(x86::zmm(newest_home_[row]), xmm(to));
+                a_.vbroadcastsd(x86::zmm(newest_home_[row]), x86::xmm(to));
         in_use_.fill(false);
         for (const int id : {rate.from, rate.factor, count})
             if (id != none) done(id);
@@ -528,6 +588,33 @@ class TapeCompiler {
             if (row_home_.size() <= static_cast<std::size_t>(row * most_)) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
         }
     }
+    void find_eight_rates() {
+        note_uses([this](auto&& visit) {
+            int at = 0;
+            enumerate(program_.begin, {}, at, visit);
+            at += static_cast<int>(program_.begin.size());
+            for (const TapeProgram::Rate& rate : program_.first_rates) {
+                visit(rate.from, ++at);
+                if (rate.factor != none) visit(rate.factor, at);
+            }
+        });
+        for (const TapeProgram::Operation& op : program_.begin) operate(op);
+        for (int i = 0; i < program_.states; ++i) {
+            const TapeProgram::Rate& rate = program_.first_rates[i];
+            Register r = fetch_scalar(rate.from);
+            used(rate.from);
+            if (rate.factor != none) {
+                const Operand factor = operand(rate.factor);
+                const Register to = take();
+                emit(x86::Inst::kIdVmulpd, to, r, factor);
+                used(rate.factor), r = to;
+            }
+            store(x86::ptr(x86::r13, 64 * i), r);
+            in_use_.fill(false);
+            for (const int id : {rate.from, rate.factor})
+                if (id != none) done(id);
+        }
+    }
     // the part of the first order has nothing in P yet
     void step(bool is_first) {
         note_uses([&](auto&& visit) {
@@ -549,7 +636,7 @@ class TapeCompiler {
     }
     void define_zero(int to) {
         const Register r = take();
-        a_.vxorpd(xmm(r), xmm(r), xmm(r));
+        a_.vxorpd(x86::xmm(r), x86::xmm(r), x86::xmm(r));
         define(to, r);
     }
     void add_products(const TapeProgram::Sum& sum) {
@@ -648,13 +735,10 @@ bool may_compile() {
     return may;
 }
 
-std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
-                                         InstructionSet instructions) {
+namespace {
+
+std::shared_ptr<const TapeCode> placed(asmjit::CodeHolder& holder) {
     using asmjit::VirtMem::MemoryFlags;
-    if (instructions == InstructionSet::plain) return nullptr;
-    asmjit::CodeHolder holder;
-    holder.init(asmjit::Environment::host());
-    TapeCompiler(program, layout, careful, instructions == InstructionSet::avx512, holder).write();
     if (holder.flatten() != asmjit::kErrorOk || holder.resolveUnresolvedLinks() != asmjit::kErrorOk ||
         holder.hasUnresolvedLinks())
         return nullptr;
@@ -668,6 +752,26 @@ std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeL
         asmjit::VirtMem::protect(memory, size, MemoryFlags::kAccessRX) != asmjit::kErrorOk)
         return nullptr;
     return code;
+}
+
+}  // namespace
+
+std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
+                                         InstructionSet instructions) {
+    if (instructions == InstructionSet::plain) return nullptr;
+    asmjit::CodeHolder holder;
+    holder.init(asmjit::Environment::host());
+    TapeCompiler(program, layout, careful, instructions == InstructionSet::avx512, false, holder).write();
+    return placed(holder);
+}
+
+std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram& program, InstructionSet instructions) {
+    if (instructions == InstructionSet::plain) return nullptr;
+    asmjit::CodeHolder holder;
+    holder.init(asmjit::Environment::host());
+    const TapeLayout layout(program, 2);
+    TapeCompiler(program, layout, false, instructions == InstructionSet::avx512, true, holder).write_rates();
+    return placed(holder);
 }
 
 }  // namespace polhode

@@ -19,6 +19,10 @@ class TapeCode {
 
     /// What the interpreter does (ExpandTape), in memory of the layout that it was made for.
     void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_)(memory); }
+    /// What find_rates() does, with as much room.
+    void rates(double* memory, const double* y, double* rates) const {
+        reinterpret_cast<void (*)(double*, const double*, double*)>(memory_)(memory, y, rates);
+    }
     std::size_t size() const { return size_; }
 
   private:
@@ -32,5 +36,7 @@ bool may_compile();
 /// The code, or nothing where none can be made: another architecture, no instructions for lanes, no memory for code.
 std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
                                          InstructionSet instructions);
+/// Of a program for rates.
+std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram& program, InstructionSet instructions);
 
 }  // namespace polhode

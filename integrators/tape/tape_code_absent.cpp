@@ -8,5 +8,6 @@ bool may_compile() { return false; }
 std::shared_ptr<const TapeCode> compiled(const TapeProgram&, const TapeLayout&, bool, InstructionSet) {
     return nullptr;
 }
+std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram&, InstructionSet) { return nullptr; }
 
 }  // namespace polhode

@@ -22,12 +22,24 @@ SumTape sum_tape_plain;
 SumTape sum_tape_avx2;    ///< with fused multiplication and addition
 SumTape sum_tape_avx512;  ///< likewise
 
+/// The rates of eight states side by side, of a program for rates: of the i-th variable from 8 i on, as of the states y;
+/// likewise eight numbers a slot in memory. All from the beginning of a cache line on.
+using FindRates = void(const TapeProgram& program, double* memory, const double* y, double* rates);
+
+FindRates find_rates_plain;
+FindRates find_rates_avx2;    ///< with fused multiplication and addition
+FindRates find_rates_avx512;  ///< likewise
+
 /// What both they and code take for sines.
 void sine_cosine_of(double x, double& sine, double& cosine);
+/// Likewise, of numbers side by side.
+void sines_cosines_of_eight(const double* x, double* sines, double* cosines);
+void sines_cosines_of_four(const double* x, double* sines, double* cosines);
 
 /// The one for these instructions.
 ExpandTape* expand_tape(InstructionSet set);
 /// Likewise.
 SumTape* sum_tape(InstructionSet set);
+FindRates* find_rates(InstructionSet set);
 
 }  // namespace polhode

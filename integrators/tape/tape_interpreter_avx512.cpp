@@ -10,4 +10,8 @@ void sum_tape_avx512(const double* coefficients, int states, int order, int from
     sum_states(coefficients, states, order, from, h, sums);
 }
 
+void find_rates_avx512(const TapeProgram& program, double* memory, const double* y, double* rates) {
+    find_rates_of(program, memory, y, rates);
+}
+
 }  // namespace polhode

@@ -152,6 +152,61 @@ void expand(const TapeProgram& program, const TapeLayout& layout, bool careful, 
     }
 }
 
+void find_rates_of(const TapeProgram& program, double* memory, const double* y, double* rates) {
+    using Kind = TapeProgram::Kind;
+    constexpr int line = TapeLayout::line;
+    const auto at = [memory](int slot) { return memory + static_cast<std::size_t>(slot) * line; };
+    for (int i = 0; i < program.states * line; ++i) at(program.values.data()[0])[i] = y[i];
+    const TapeProgram::Operation* const list = program.begin.data();
+    for (std::size_t n = 0; n < program.begin.size(); ++n) {
+        const TapeProgram::Operation& op = list[n];
+        const double* const a = at(op.a);
+        const double* const b = op.b == TapeProgram::none ? a : at(op.b);
+        const double* const c = op.c == TapeProgram::none ? a : at(op.c);
+        double* const to = at(op.to);
+        switch (op.kind) {
+            case Kind::add:
+                for (int i = 0; i < line; ++i) to[i] = a[i] + b[i];
+                break;
+            case Kind::subtract:
+                for (int i = 0; i < line; ++i) to[i] = a[i] - b[i];
+                break;
+            case Kind::multiply:
+                for (int i = 0; i < line; ++i) to[i] = a[i] * b[i];
+                break;
+            case Kind::product_plus:
+                for (int i = 0; i < line; ++i) to[i] = fused(a[i], b[i], c[i]);
+                break;
+            case Kind::product_minus:
+                for (int i = 0; i < line; ++i) to[i] = fused(a[i], b[i], -c[i]);
+                break;
+            case Kind::minus_product:
+                for (int i = 0; i < line; ++i) to[i] = fused(-a[i], b[i], c[i]);
+                break;
+            case Kind::minus_product_minus:
+                for (int i = 0; i < line; ++i) to[i] = fused(-a[i], b[i], -c[i]);
+                break;
+            case Kind::divide:
+                for (int i = 0; i < line; ++i) to[i] = a[i] / b[i];
+                break;
+            case Kind::root:
+                for (int i = 0; i < line; ++i) to[i] = __builtin_sqrt(a[i]);
+                break;
+            case Kind::sine_cosine:
+                sines_cosines_of_eight(a, to, at(op.b));
+                break;
+            case Kind::sum:
+                break;
+        }
+    }
+    for (int i = 0; i < program.states; ++i) {
+        const TapeProgram::Rate& rate = program.first_rates.data()[i];
+        const double* const from = at(rate.from);
+        for (int lane = 0; lane < line; ++lane)
+            rates[i * line + lane] = rate.factor == TapeProgram::none ? from[lane] : from[lane] * at(rate.factor)[lane];
+    }
+}
+
 // even and odd degrees beside each other: half the time that each waits for the one before
 void sum_states(const double* coefficients, int states, int order, int from, double h, double* sums) {
     constexpr int line = TapeLayout::line;

@@ -16,8 +16,8 @@ constexpr int none = TapeProgram::none;
 
 class TapeProgrammer {
   public:
-    TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording)
-        : program_(program), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none), inner_row_of_(nodes_.size(), none) {}
+    TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording, bool is_series)
+        : program_(program), is_series_(is_series), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none), inner_row_of_(nodes_.size(), none) {}
 
     void write() {
         const int n = program_.states = static_cast<int>(rates_.size());
@@ -28,16 +28,19 @@ class TapeProgrammer {
         program_.values.assign(value_of_.begin(), value_of_.begin() + n);
         program_.next = slot(), program_.inverse_next = slot();
         for (int i = n; i < count(); ++i) begin(i);
+        for (const truth::Traced<double>& rate : rates_) {
+            const int factor = rate.node < 0 || rate.factor == 1 ? none : constant(rate.factor);
+            program_.first_rates.push_back({rate.node >= 0 ? value_of_[rate.node] : constant(rate.factor), factor});
+        }
+        if (!is_series_) return;
         for (int i = n; i < count(); ++i)
             if (now_of_[i] == 0) now_of_[i] = slot();
         for (int i = n; i < count(); ++i)
             if (now_of_[i] != none) decode(i);
-        for (const truth::Traced<double>& rate : rates_) {
-            const int factor = rate.factor == 1 ? none : constant(rate.factor);
-            const bool changes = rate.node >= 0;
-            program_.first_rates.push_back(changes ? Rate{value_of_[rate.node], factor}
-                                                   : Rate{constant(rate.factor), none});
-            program_.rates.push_back({changes ? later_rate(rate.node) : constant(0), changes ? factor : none});
+        for (int i = 0; i < n; ++i) {
+            const bool changes = rates_[i].node >= 0;
+            program_.rates.push_back({changes ? later_rate(rates_[i].node) : constant(0),
+                                      changes ? program_.first_rates[i].factor : none});
         }
         // those of P first
         program_.sums = inner_;
@@ -48,7 +51,6 @@ class TapeProgrammer {
     }
 
   private:
-    using Rate = TapeProgram::Rate;
     /// share * x, the share in a slot or 1, times -1 if negative
     struct Term {
         int share;
@@ -61,6 +63,7 @@ class TapeProgrammer {
     };
 
     TapeProgram& program_;
+    bool is_series_;
     const std::vector<Node>& nodes_;
     const std::vector<truth::Traced<double>>& rates_;
     std::vector<int> row_of_, inner_row_of_;  // by node
@@ -137,14 +140,14 @@ class TapeProgrammer {
                 break;
             case Node::Kind::quotient:
                 list.push_back({Kind::divide, to, a == none ? constant(1) : a, b});
-                inverse_of_[i] = a == none ? to : begin_with(Kind::divide, constant(1), b);
+                if (is_series_) inverse_of_[i] = a == none ? to : begin_with(Kind::divide, constant(1), b);
                 break;
             case Node::Kind::sine:
                 list.push_back({Kind::sine_cosine, to, a, b});
                 break;
             case Node::Kind::root:
                 list.push_back({Kind::root, to, a});
-                inverse_of_[i] = begin_with(Kind::divide, constant(0.5), to);
+                if (is_series_) inverse_of_[i] = begin_with(Kind::divide, constant(0.5), to);
         }
     }
 
@@ -313,8 +316,8 @@ class TapeProgrammer {
 
 }  // namespace
 
-TapeProgram::TapeProgram(const truth::Recording<double>& recording) : states(0), slots(0) {
-    TapeProgrammer(*this, recording).write();
+TapeProgram::TapeProgram(const truth::Recording<double>& recording, Purpose purpose) : states(0), slots(0) {
+    TapeProgrammer(*this, recording, purpose == Purpose::series).write();
 }
 
 }  // namespace polhode

@@ -90,7 +90,10 @@ struct TapeProgram {
     int inverse_order = none;        ///< 1/k, where used
     int next = none, inverse_next = none;  ///< k + 1 and 1/(k + 1)
 
-    explicit TapeProgram(const truth::Recording<double>& recording);
+    /// What a program is for: the coefficients of any order; or rates alone, which are its first_rates, not divided.
+    enum class Purpose { series, rates };
+
+    explicit TapeProgram(const truth::Recording<double>& recording, Purpose purpose = Purpose::series);
 };
 
 }  // namespace polhode

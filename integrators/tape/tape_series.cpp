@@ -83,11 +83,22 @@ SumTape* sum_tape(InstructionSet set) {
     return all[static_cast<std::size_t>(set)];
 }
 
+FindRates* find_rates(InstructionSet set) {
+    constexpr FindRates* all[] = {find_rates_plain, find_rates_avx2, find_rates_avx512};
+    return all[static_cast<std::size_t>(set)];
+}
+
 PreparedTape::PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_)
-    : program(recording),
-      layout(program, options_.order > 0 ? options_.order : best_order(program, options_.tolerance)),
-      options(options_),
-      code(options.compiled ? compiled(program, layout, options.careful, options.instructions) : nullptr) {}
+    : program(recording, options_.purpose),
+      layout(program, options_.purpose == TapeProgram::Purpose::rates ? 2
+                      : options_.order > 0                            ? options_.order
+                                                                      : best_order(program, options_.tolerance)),
+      options(options_) {
+    if (!options.compiled) return;
+    code = options.purpose == TapeProgram::Purpose::rates
+               ? compiled_rates(program, options.instructions)
+               : compiled(program, layout, options.careful, options.instructions);
+}
 
 std::shared_ptr<const PreparedTape> prepared(const truth::Recording<double>& recording, const TapeOptions& options) {
     static Shelf shelf;
@@ -122,6 +133,15 @@ TapeSeries::TapeSeries(const truth::Recording<double>& recording, const TapeOpti
       sum_(sum_tape(options.instructions)),
       memory_(tape_->layout.end, 0.0) {
     for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
+}
+
+TapeRates::TapeRates(const truth::Recording<double>& recording, TapeOptions options)
+    : interpreter_(find_rates(options.instructions)) {
+    options.purpose = TapeProgram::Purpose::rates;
+    tape_ = prepared(recording, options);
+    memory_.resize(static_cast<std::size_t>(tape_->program.slots) * lanes);
+    for (const TapeProgram::Constant& constant : tape_->program.constants)
+        std::fill_n(&memory_[static_cast<std::size_t>(constant.slot) * lanes], lanes, constant.value);
 }
 
 }  // namespace polhode

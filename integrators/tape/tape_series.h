@@ -19,6 +19,7 @@ struct TapeOptions {
     bool careful = false;           ///< as in ExpandTape
     int order = 0;                  ///< from 2 to TapeLayout::most_order; 0: that of least work at the tolerance
     double tolerance = 1e-12;
+    TapeProgram::Purpose purpose = TapeProgram::Purpose::series;
 
     bool operator==(const TapeOptions&) const = default;
 };
@@ -75,6 +76,27 @@ class TapeSeries {
     std::shared_ptr<const PreparedTape> tape_;
     ExpandTape* interpreter_;
     SumTape* sum_;
+    std::vector<double, LineAllocator<double>> memory_;
+};
+
+/// The rates of eight states of a recorded system side by side.
+class TapeRates {
+  public:
+    static constexpr int lanes = TapeLayout::line;
+
+    explicit TapeRates(const truth::Recording<double>& recording, TapeOptions options = {});
+
+    /// Of the i-th variable from lanes * i on, as the states in y. Both from the beginning of a cache line on.
+    void operator()(const double* y, double* rates) {
+        if (tape_->code)
+            tape_->code->rates(memory_.data(), y, rates);
+        else
+            interpreter_(tape_->program, memory_.data(), y, rates);
+    }
+
+  private:
+    std::shared_ptr<const PreparedTape> tape_;
+    FindRates* interpreter_;
     std::vector<double, LineAllocator<double>> memory_;
 };
 

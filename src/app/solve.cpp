@@ -44,7 +44,7 @@ void require_sane(const SolveOptions& options) {
 
 // What auto takes: the most accurate method, of those that take a step or a tolerance where one is given.
 Choice automatic(const SolveOptions& options, const Problem& problem) {
-    const Choice best = choose_method(problem);
+    const Choice best = choose_method(problem, options.tolerance.value_or(default_tolerance));
     const bool step = options.step || options.steps;
     if ((!step || takes_step(*best.method)) && (!options.tolerance || takes_tolerance(*best.method))) return best;
     const auto first = [&](std::initializer_list<const char*> names, std::string_view why) -> Choice {

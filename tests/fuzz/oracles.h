@@ -182,6 +182,7 @@ inline void convention(std::string_view text) {
 inline void tape(std::string_view text) {
     const testing::TapeOfBytes made(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     testing::compare_ways(made.recording, made.order, made.careful, made.start);
+    testing::compare_ways_of_rates(made.recording, made.start);
 }
 
 /// Result tables, the files of finished cases and of their series.

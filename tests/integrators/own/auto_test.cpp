@@ -6,6 +6,7 @@
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/scenes.h"
+#include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
@@ -88,6 +89,20 @@ TEST(Stiffness, CountsDecaysAndTurning) {
         EXPECT_LT(found.turning, 1 / c);
         EXPECT_EQ(found.stiff(), c == 100.0);
     }
+}
+
+// Right-hand sides of few operations go to series, those of many to extrapolation: earlier where errors may be larger.
+TEST(ChooseMethod, TakesWhatIsFastestForJoinedBodies) {
+    const auto taken = [](const char* name, double tolerance) {
+        return std::string(choose_method(pose(find_scene(name)), tolerance).method->name);
+    };
+    for (const double tolerance : {1e-6, 1e-9, 1e-12})
+        EXPECT_EQ(taken("mechanisms/double_pendulum", tolerance), "taylor");
+    EXPECT_EQ(taken("mechanisms/four_bar", 1e-9), "extrapolation");
+    EXPECT_EQ(taken("mechanisms/four_bar", 1e-13), "taylor");
+    EXPECT_EQ(taken("mechanisms/chain_10", 1e-12), "extrapolation");
+    // rounding is all that is left to gain
+    EXPECT_EQ(taken("mechanisms/chain_10", 1e-15), "taylor");
 }
 
 }  // namespace

@@ -45,6 +45,29 @@ inline int compare_ways(const truth::Recording<double>& recording, int order, bo
     return ways;
 }
 
+/// Likewise of the rates of eight states side by side: `start` and what is near it.
+inline int compare_ways_of_rates(const truth::Recording<double>& recording, const std::vector<double>& start) {
+    using Lanes = std::vector<double, LineAllocator<double>>;
+    constexpr int lanes = TapeRates::lanes;
+    Lanes y(start.size() * lanes), rates(y.size()), others(y.size());
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] = start[i / lanes] * (1 + 0.25 * static_cast<double>(i % lanes));
+    TapeRates(recording, {.instructions = InstructionSet::plain, .compiled = false})(y.data(), rates.data());
+    int ways = 0;
+    for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512})
+        for (const bool compiled : {false, true}) {
+            if (set > widest_instruction_set()) continue;
+            TapeRates other(recording, {.instructions = set, .compiled = compiled});
+            // once more: what is left in memory means nothing
+            other(y.data(), others.data()), other(y.data(), others.data());
+            for (std::size_t i = 0; i < y.size(); ++i)
+                if (!same_bits(rates[i], others[i]))
+                    throw std::logic_error(std::string(name_of(set)) + (compiled ? " code" : " interpreted") +
+                                           ": another rate of variable " + std::to_string(i / lanes));
+            ++ways;
+        }
+    return ways;
+}
+
 /// A tape from any bytes: a few for the states and the order, then some for each operation. Reads no further than to
 /// the end; the same bytes give the same tape.
 class TapeOfBytes {

@@ -51,6 +51,41 @@ RC_GTEST_PROP(TapeSeries, HasTheSameBitsInEveryWayForAnyTape, ()) {
     const auto bytes = *rc::gen::scale(8, rc::gen::arbitrary<std::vector<std::uint8_t>>());
     const testing::TapeOfBytes tape(bytes.data(), bytes.size());
     testing::compare_ways(tape.recording, tape.order, tape.careful, tape.start);
+    testing::compare_ways_of_rates(tape.recording, tape.start);
+}
+
+RC_GTEST_PROP(TapeRates, AreTheRightHandSideInEveryLane, ()) {
+    const testing::RandomSystem system = testing::random_system(60);
+    const int n = static_cast<int>(system.variables);
+    constexpr int lanes = TapeRates::lanes;
+    TapeRates rates(truth::record<double>(system, n));
+    std::vector<double, LineAllocator<double>> y(system.variables * lanes), f(y.size());
+    for (int i = 0; i < n * lanes; ++i) y[i] = system.start[i / lanes] + 0.125 * (i % lanes);
+    rates(y.data(), f.data());
+    for (int lane = 0; lane < lanes; ++lane) {
+        std::vector<double> one(system.variables), exact(system.variables);
+        for (int i = 0; i < n; ++i) one[i] = y[i * lanes + lane];
+        system.derivative(one.data(), exact.data());
+        for (int i = 0; i < n; ++i)
+            RC_ASSERT(std::abs(f[i * lanes + lane] - exact[i]) <= 1e-13 * (1 + std::abs(exact[i])));
+    }
+    testing::compare_ways_of_rates(truth::record<double>(system, n), system.start);
+}
+
+// beyond what lanes take, and what is no angle at all
+TEST(TapeRates, TakeAnyAngle) {
+    struct Wave {
+        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
+            truth::Traced<double> c;
+            sine_cosine(y[0], dy[0], c);
+        }
+    };
+    TapeRates rates(truth::record<double>(Wave{}, 1));
+    alignas(64) const double y[8] = {0, 1, -1e5, 1e5 + 1, 1e300, -1e22, 1e-300, HUGE_VAL};
+    alignas(64) double f[8];
+    rates(y, f);
+    for (int i = 0; i < 7; ++i) EXPECT_NEAR(f[i], std::sin(y[i]), 2.3e-16) << y[i];
+    EXPECT_TRUE(std::isnan(f[7]));
 }
 
 // (k + 1) y_{k+1} = [k = 0]: a tape without an operation

@@ -11,11 +11,12 @@ namespace {
 
 // A series' work grows as the square of its order and waits for one coefficient after the other; a right-hand side of
 // many operations is better found eight times side by side. Measured on all trees and loops of the catalogue, at errors
-// of 1e-6, 1e-9 and 1e-12: from some 140 operations on extrapolation takes less time, but for the smallest errors, which
-// it does not reach along chaotic motions.
+// of 1e-6, 1e-9 and 1e-12: from some 140 operations on extrapolation takes less time, but for the smallest errors,
+// which it does not reach along chaotic motions.
 bool is_long(const Problem& problem, double tolerance) {
     constexpr std::size_t long_for_most = 140, long_for_all = 300;
-    constexpr double tight = 3e-12, least = 1e-14;  // below it rounding is what is left, and series sum it with more care
+    constexpr double tight = 3e-12,
+                     least = 1e-14;  // below it rounding is what is left, and series sum it with more care
     if (!problem.own || tolerance < least) return false;
     OwnSystem system(problem);
     Numbers<run_time> y(system.size());
@@ -34,7 +35,8 @@ Choice choose_method(const Problem& problem, double tolerance) {
         if (const Method* method = find_method("radau"))
             return {method, "the motion is stiff: it damps far faster than the body turns"};
     if (is_long(problem, tolerance))
-        return {find_method("extrapolation"), "many joined bodies: eight right-hand sides side by side take least time"};
+        return {find_method("extrapolation"),
+                "many joined bodies: eight right-hand sides side by side take least time"};
     if (!problem.needs.user_torque)
         return {find_method("taylor"), "smooth motion without stiffness: a Taylor series comes nearest to round-off"};
     return {find_method("dop853"),

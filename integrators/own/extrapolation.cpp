@@ -245,7 +245,9 @@ template <class Columns>
 class ControlledExtrapolation {
   public:
     ControlledExtrapolation(const Problem& problem, double tolerance)
-        : duration_(problem.scene.duration), columns_(problem, tolerance), control_(tolerance, Columns::table, Columns::most) {}
+        : duration_(problem.scene.duration),
+          columns_(problem, tolerance),
+          control_(tolerance, Columns::table, Columns::most) {}
 
     void restart() {
         columns_.restart();

@@ -137,9 +137,17 @@ constexpr ExtrapolationRow row_in_lanes() {
     return row;
 }
 inline constexpr int most_columns_in_lanes = 8;
-inline constexpr ExtrapolationTable rows_in_lanes{
-    ExtrapolationRow{}, ExtrapolationRow{}, row_in_lanes<2>(), row_in_lanes<3>(), row_in_lanes<4>(), row_in_lanes<5>(),
-    row_in_lanes<6>(),  row_in_lanes<7>(),  row_in_lanes<8>(), ExtrapolationRow{}, extrapolation_row<careful_row>()};
+inline constexpr ExtrapolationTable rows_in_lanes{ExtrapolationRow{},
+                                                  ExtrapolationRow{},
+                                                  row_in_lanes<2>(),
+                                                  row_in_lanes<3>(),
+                                                  row_in_lanes<4>(),
+                                                  row_in_lanes<5>(),
+                                                  row_in_lanes<6>(),
+                                                  row_in_lanes<7>(),
+                                                  row_in_lanes<8>(),
+                                                  ExtrapolationRow{},
+                                                  extrapolation_row<careful_row>()};
 
 /// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
 /// the other, independent of the other chains, so that the processor has several in flight.

@@ -74,11 +74,11 @@ void LaneColumns::step(const double* y, double H, const ExtrapolationRow& row, b
     constexpr Work* all[] = {work_plain, work_avx2, work_avx512};
     Work* const work = all[static_cast<std::size_t>(instruction_set())];
     const int K = row.columns;
-    alignas(64) std::array<double, TapeRates::lanes> h;
+    alignas(64) std::array<double, TapeRates::lanes> h{};
     // lanes that are left over do what the last column does
     for (int j = 0; j < TapeRates::lanes; ++j) h[j] = H / row.substeps[std::min(j, K - 1)];
-    const Substep substep{size_,         careful,     y,           rate_.data(), before_.data(),
-                          now_.data(), lost_before_.data(), lost_.data(), y_.data()};
+    const Substep substep{size_,        careful,  y, rate_.data(), before_.data(), now_.data(), lost_before_.data(),
+                          lost_.data(), y_.data()};
     for (int i = 0; i < size_; ++i) std::fill_n(&y_[place(i, 0)], TapeRates::lanes, y[i]);
     for (int m = 1, j = 0; j < K; ++m) {
         rates_(y_.data(), rate_.data());

@@ -23,7 +23,9 @@ class LaneColumns {
 
   private:
     using Lanes = std::vector<double, LineAllocator<double>>;
-    static std::size_t place(int i, int column) { return static_cast<std::size_t>(i * TapeRates::lanes + column); }
+    static std::size_t place(int i, int column) {
+        return static_cast<std::size_t>(i) * TapeRates::lanes + static_cast<std::size_t>(column);
+    }
 
     int size_;
     TapeRates rates_;

@@ -74,8 +74,8 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-/// The coefficients of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with truncation
-/// errors far below the rounding of what they are the rest of.
+/// The coefficients of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with
+/// truncation errors far below the rounding of what they are the rest of.
 template <class SystemType, bool careful = false>
 class RecordedCoefficients {
   public:

@@ -1,6 +1,6 @@
-// Code is one function of the memory: order 0, then for each order a call of the part that an order does, of which there
-// is one for each number of vector registers that its products fill. Registers are given to what is used next (Belady
-// 1966): what is used last of all, or no more, makes room.
+// Code is one function of the memory: order 0, then for each order a call of the part that an order does, of which
+// there is one for each number of vector registers that its products fill. Registers are given to what is used next
+// (Belady 1966): what is used last of all, or no more, makes room.
 #include "integrators/tape/tape_code.h"
 
 #include <asmjit/x86.h>
@@ -114,7 +114,8 @@ class TapeCompiler {
     x86::Assembler a_;
     int most_;  ///< registers of a row
     int row_count_;
-    // What can be in a register: slots, then for each row its newest coefficient in all lanes, then the row's registers.
+    // What can be in a register: slots, then for each row its newest coefficient in all lanes, then the row's
+    // registers.
     std::vector<Register> place_;
     std::vector<char> touched_;     // by row: its newest coefficient is in its lane
     std::vector<char> persistent_;  // by slot: stored as soon as it is known
@@ -127,8 +128,7 @@ class TapeCompiler {
     std::array<bool, 32> in_use_{};  // by the instruction at hand
     // the places in the part at hand where each is used, one after another
     std::vector<int> first_use_, uses_, next_;
-    bool counting_ = false;
-    int quarters_ = 2;   // of a cache line that products fill in the part at hand
+    int quarters_ = 2;    // of a cache line that products fill in the part at hand
     bool inner_ = false;  // they are those of P
 
     int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
@@ -266,7 +266,8 @@ class TapeCompiler {
         return place_[id];
     }
     Register home(const std::vector<Register>& list, int which, int vector) const {
-        const std::size_t i = static_cast<std::size_t>(which * most_ + vector);
+        const std::size_t i =
+            static_cast<std::size_t>(which) * static_cast<std::size_t>(most_) + static_cast<std::size_t>(vector);
         return i < list.size() ? list[i] : none;
     }
     Register fetch_lanes(int row, int vector) {
@@ -580,12 +581,13 @@ class TapeCompiler {
         for (const TapeProgram::Operation& op : program_.begin) operate(op);
         integrate(program_.first_rates);
         stores_all_ = false;
-        // the rows' first lanes; the others mean nothing yet, but are stored alike: what is loaded soon comes from there
+        // the rows' first lanes; the others mean nothing yet, but are stored alike: what is loaded soon comes from
+        // there
         for (int row = 0; row < row_count_; ++row) {
             if (program_.rows[row].is_inner()) continue;
             const Register r = std::max(home(row_home_, row, 0), 0);
             a_.vbroadcastsd(vec(r), slot(program_.rows[row].value));
-            if (row_home_.size() <= static_cast<std::size_t>(row * most_)) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
+            if (home(row_home_, row, 0) == none) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
         }
     }
     void find_eight_rates() {
@@ -725,8 +727,6 @@ class TapeCompiler {
 
 }  // namespace
 
-TapeCode::~TapeCode() { asmjit::VirtMem::release(memory_, size_); }
-
 bool may_compile() {
     static const bool may = [] {
         const char* const asked = std::getenv("POLHODE_CODE");
@@ -746,12 +746,12 @@ std::shared_ptr<const TapeCode> placed(asmjit::CodeHolder& holder) {
     const std::size_t size = (holder.codeSize() + page - 1) / page * page;
     void* memory = nullptr;
     if (asmjit::VirtMem::alloc(&memory, size, MemoryFlags::kAccessRW) != asmjit::kErrorOk) return nullptr;
-    auto code = std::make_shared<const TapeCode>(memory, size);
+    const std::shared_ptr<void> held(memory, [size](void* m) { asmjit::VirtMem::release(m, size); });
     if (holder.relocateToBase(reinterpret_cast<std::uint64_t>(memory)) != asmjit::kErrorOk ||
         holder.copyFlattenedData(memory, size) != asmjit::kErrorOk ||
         asmjit::VirtMem::protect(memory, size, MemoryFlags::kAccessRX) != asmjit::kErrorOk)
         return nullptr;
-    return code;
+    return std::make_shared<const TapeCode>(held, size);
 }
 
 }  // namespace

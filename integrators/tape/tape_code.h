@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <utility>
 
 #include "integrators/lanes/lanes.h"
 #include "integrators/tape/tape_layout.h"
@@ -12,21 +13,19 @@ namespace polhode {
 /// Code in memory of its own, which nobody may write to.
 class TapeCode {
   public:
-    TapeCode(void* memory, std::size_t size) : memory_(memory), size_(size) {}
-    ~TapeCode();
-    TapeCode(const TapeCode&) = delete;
-    TapeCode& operator=(const TapeCode&) = delete;
+    /// The memory knows how it is given back.
+    TapeCode(std::shared_ptr<void> memory, std::size_t size) : memory_(std::move(memory)), size_(size) {}
 
     /// What the interpreter does (ExpandTape), in memory of the layout that it was made for.
-    void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_)(memory); }
+    void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_.get())(memory); }
     /// What find_rates() does, with as much room.
     void rates(double* memory, const double* y, double* rates) const {
-        reinterpret_cast<void (*)(double*, const double*, double*)>(memory_)(memory, y, rates);
+        reinterpret_cast<void (*)(double*, const double*, double*)>(memory_.get())(memory, y, rates);
     }
     std::size_t size() const { return size_; }
 
   private:
-    void* memory_;
+    std::shared_ptr<void> memory_;
     std::size_t size_;  ///< bytes
 };
 

@@ -3,7 +3,6 @@
 
 namespace polhode {
 
-TapeCode::~TapeCode() = default;
 bool may_compile() { return false; }
 std::shared_ptr<const TapeCode> compiled(const TapeProgram&, const TapeLayout&, bool, InstructionSet) {
     return nullptr;

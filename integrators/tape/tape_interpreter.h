@@ -22,8 +22,8 @@ SumTape sum_tape_plain;
 SumTape sum_tape_avx2;    ///< with fused multiplication and addition
 SumTape sum_tape_avx512;  ///< likewise
 
-/// The rates of eight states side by side, of a program for rates: of the i-th variable from 8 i on, as of the states y;
-/// likewise eight numbers a slot in memory. All from the beginning of a cache line on.
+/// The rates of eight states side by side, of a program for rates: of the i-th variable from 8 i on, as of the states
+/// y; likewise eight numbers a slot in memory. All from the beginning of a cache line on.
 using FindRates = void(const TapeProgram& program, double* memory, const double* y, double* rates);
 
 FindRates find_rates_plain;

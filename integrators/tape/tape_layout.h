@@ -9,15 +9,15 @@
 
 namespace polhode {
 
-/// In units of eight bytes from the beginning of a cache line on: the slots, then for each row and each sum as many lanes
-/// as an order has products, then the coefficients of the states, order by order.
+/// In units of eight bytes from the beginning of a cache line on: the slots, then for each row and each sum as many
+/// lanes as an order has products, then the coefficients of the states, order by order.
 struct TapeLayout {
-    static constexpr int line = 8;        ///< numbers
+    static constexpr int line = 8;         ///< numbers
     static constexpr int most_order = 32;  ///< lanes for two lines
 
     int order;
-    /// Of a row: lane j holds the j-th coefficient, of an inner one lane j - 1. Of a sum: lane j is what the order j later
-    /// has so far, of an inner one lane j - 1.
+    /// Of a row: lane j holds the j-th coefficient, of an inner one lane j - 1. Of a sum: lane j is what the order j
+    /// later has so far, of an inner one lane j - 1.
     int lanes;
     int states;  ///< the numbers from one order's coefficients to the next
     std::size_t rows, sums, coefficients, end;

@@ -17,7 +17,12 @@ constexpr int none = TapeProgram::none;
 class TapeProgrammer {
   public:
     TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording, bool is_series)
-        : program_(program), is_series_(is_series), nodes_(recording.tape.nodes), rates_(recording.rates), row_of_(nodes_.size(), none), inner_row_of_(nodes_.size(), none) {}
+        : program_(program),
+          is_series_(is_series),
+          nodes_(recording.tape.nodes),
+          rates_(recording.rates),
+          row_of_(nodes_.size(), none),
+          inner_row_of_(nodes_.size(), none) {}
 
     void write() {
         const int n = program_.states = static_cast<int>(rates_.size());
@@ -39,8 +44,8 @@ class TapeProgrammer {
             if (now_of_[i] != none) decode(i);
         for (int i = 0; i < n; ++i) {
             const bool changes = rates_[i].node >= 0;
-            program_.rates.push_back({changes ? later_rate(rates_[i].node) : constant(0),
-                                      changes ? program_.first_rates[i].factor : none});
+            program_.rates.push_back(
+                {changes ? later_rate(rates_[i].node) : constant(0), changes ? program_.first_rates[i].factor : none});
         }
         // those of P first
         program_.sums = inner_;
@@ -67,11 +72,11 @@ class TapeProgrammer {
     const std::vector<Node>& nodes_;
     const std::vector<truth::Traced<double>>& rates_;
     std::vector<int> row_of_, inner_row_of_;  // by node
-    std::vector<int> value_of_;  // by node: the slot of coefficient 0
-    std::vector<int> now_of_;    // by node: the slot of the coefficient of the order at hand; none: dissolved
+    std::vector<int> value_of_;               // by node: the slot of coefficient 0
+    std::vector<int> now_of_;  // by node: the slot of the coefficient of the order at hand; none: dissolved
     std::vector<int> inverse_of_;
     std::vector<TapeProgram::Sum> inner_, whole_;
-    std::vector<double> arrival_;  // by slot: about the cycles from an order's beginning
+    std::vector<double> arrival_;               // by slot: about the cycles from an order's beginning
     std::map<std::uint64_t, int> constant_of_;  // by bits
 
     int count() const { return static_cast<int>(nodes_.size()); }
@@ -102,8 +107,7 @@ class TapeProgrammer {
         for (const truth::Traced<double>& rate : rates_)
             if (rate.node >= 0) uses[rate.node] += 2;
         for (int i = 0; i < count(); ++i) {
-            const bool is_linear =
-                nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
+            const bool is_linear = nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
             now_of_.push_back(i < program_.states ? i : is_linear && uses[i] <= 1 ? none : 0);
         }
         inverse_of_.assign(nodes_.size(), none);
@@ -208,9 +212,9 @@ class TapeProgrammer {
                 const bool is_sine = node.kind == Node::Kind::sine;
                 if (program_.order == none) program_.order = slot(), program_.inverse_order = slot();
                 // the row of k times the argument's coefficients
-                if (is_sine)
-                    slope_ = new_row(step_with(Kind::multiply, program_.order, now_of_[node.a]), none);
-                sum = {step_with(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order), !is_sine};
+                if (is_sine) slope_ = new_row(step_with(Kind::multiply, program_.order, now_of_[node.a]), none);
+                sum = {step_with(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order),
+                       !is_sine};
                 terms.push_back({value_of_[node.b], !is_sine, now_of_[node.a]});
             }
         }

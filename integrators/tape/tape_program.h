@@ -9,13 +9,13 @@
 //   sin a:   v_k = P_k / k + cos a_0 a_k                     P_k = sum of j a_j (cos a)_{k-j}
 //   cos a:   v_k = -P_k / k - sin a_0 a_k                    P_k = sum of j a_j (sin a)_{k-j}
 //
-// Products and sums that one sum alone uses are dissolved into it: what is left to find in each order is one sum of terms
-// for each other node, and one W for all its products. As soon as an order m of two factors is known, all that it adds to
-// W_m and to the later ones is added, side by side in vector registers: W_{m+j} += x_m y_j + y_m x_j for j < m, and
-// x_m y_m to W_{2m}; likewise for P, one order later.
+// Products and sums that one sum alone uses are dissolved into it: what is left to find in each order is one sum of
+// terms for each other node, and one W for all its products. As soon as an order m of two factors is known, all that it
+// adds to W_m and to the later ones is added, side by side in vector registers: W_{m+j} += x_m y_j + y_m x_j for j < m,
+// and x_m y_m to W_{2m}; likewise for P, one order later.
 //
-// Products are added by fused multiplication and addition, rounded once (IEEE 754-2008, 5.4.1): half the operations, two
-// thirds of the time that each waits for the one before, and as well defined as any other: the same bits by every
+// Products are added by fused multiplication and addition, rounded once (IEEE 754-2008, 5.4.1): half the operations,
+// two thirds of the time that each waits for the one before, and as well defined as any other: the same bits by every
 // processor, by code and by the interpreter.
 #pragma once
 
@@ -43,8 +43,8 @@ struct TapeProgram {
         sum                   ///< W of the order at hand, of the a-th sum, with what that order adds to later ones
     };
     struct Operation {
-        Kind kind;
-        int to, a, b = none, c = none;
+        Kind kind = Kind::add;
+        int to = none, a = none, b = none, c = none;
     };
     /// The products of two rows, times the number in the slot `weight`, if there is one, times -1 if negative.
     struct Pair {
@@ -72,12 +72,12 @@ struct TapeProgram {
         double value;
     };
 
-    int states;                      ///< of which slot i holds the newest coefficient of the i-th
-    int slots;                       ///< in all
+    int states;                       ///< of which slot i holds the newest coefficient of the i-th
+    int slots;                        ///< in all
     std::vector<Constant> constants;  ///< what slots hold before anything is done; all others zero
-    std::vector<int> values;         ///< by state: the slot of y_0
-    std::vector<Operation> begin;    ///< order 0, and what the later ones multiply by
-    std::vector<Rate> first_rates;   ///< then, by state
+    std::vector<int> values;          ///< by state: the slot of y_0
+    std::vector<Operation> begin;     ///< order 0, and what the later ones multiply by
+    std::vector<Rate> first_rates;    ///< then, by state
     // each later order
     std::vector<Row> rows;
     std::vector<Pair> pairs;
@@ -86,8 +86,8 @@ struct TapeProgram {
     std::vector<Operation> step;
     std::vector<Rate> rates;  ///< by state
     // slots of what depends on the order at hand, k
-    int order = none;                ///< k, where used
-    int inverse_order = none;        ///< 1/k, where used
+    int order = none;                      ///< k, where used
+    int inverse_order = none;              ///< 1/k, where used
     int next = none, inverse_next = none;  ///< k + 1 and 1/(k + 1)
 
     /// What a program is for: the coefficients of any order; or rates alone, which are its first_rates, not divided.

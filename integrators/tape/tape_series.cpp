@@ -35,7 +35,8 @@ std::uint64_t hash_of(const truth::Recording<double>& recording) {
         hash = mixed(hash, (static_cast<std::uint64_t>(node.kind) << 60U) ^
                                (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a)) << 28U) ^
                                static_cast<std::uint32_t>(node.b));
-        hash = mixed(hash, std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
+        hash =
+            mixed(hash, std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
     }
     for (const truth::Traced<double>& rate : recording.rates)
         hash = mixed(hash, std::bit_cast<std::uint64_t>(rate.factor) + static_cast<std::uint64_t>(rate.node));
@@ -120,7 +121,10 @@ int best_order(const TapeProgram& program, double tolerance) {
     for (int order = 8; order <= TapeLayout::most_order; order += 2) {
         const TapeLayout layout(program, order);
         double work = once + each * order;
-        for (int m = 1; m + 1 < order; ++m) work += lanes * ((layout.filled(m) + 3) / 4);
+        for (int m = 1; m + 1 < order; ++m) {
+            const int quarters = (layout.filled(m) + 3) / 4;
+            work += lanes * quarters;
+        }
         const double step = std::pow(tolerance, 1.0 / order) * std::exp(-0.7 / (order - 1));
         if (work / step < least) least = work / step, best = order;
     }

@@ -37,8 +37,8 @@ struct PreparedTape {
 /// The one of this process for an equal recording and options, made at the first call. By any number of threads.
 std::shared_ptr<const PreparedTape> prepared(const truth::Recording<double>& recording, const TapeOptions& options);
 
-/// The order of least work for a time, with steps as long as the tolerance admits (Jorba & Zou 2005, 3.1: where a step's
-/// work is as the order squared, this is 1 - log(tolerance) / 2).
+/// The order of least work for a time, with steps as long as the tolerance admits (Jorba & Zou 2005, 3.1: where a
+/// step's work is as the order squared, this is 1 - log(tolerance) / 2).
 int best_order(const TapeProgram& program, double tolerance);
 
 /// The coefficients of a recorded system's solution up to an order.

@@ -54,8 +54,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
                       Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
                       Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}},
-                      Target{"tape", oracles::tape, {}},
-                      Target{"cache", oracles::cache, {}}),
+                      Target{"tape", oracles::tape, {}}, Target{"cache", oracles::cache, {}}),
     name_of);
 
 }  // namespace

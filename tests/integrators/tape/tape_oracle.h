@@ -1,9 +1,9 @@
 // What holds for any tape: machine code, and the interpreter by any instructions, give the same bits.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,11 +14,11 @@ namespace polhode::testing {
 
 /// Whatever sign and payload a NaN has: they are those of one operand or the other.
 inline bool same_bits(double a, double b) {
-    return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
+    return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// Throws std::logic_error where one of the ways gives other bits than the plain interpreter. Returns how many ways there
-/// were.
+/// Throws std::logic_error where one of the ways gives other bits than the plain interpreter. Returns how many ways
+/// there were.
 inline int compare_ways(const truth::Recording<double>& recording, int order, bool careful,
                         const std::vector<double>& start) {
     const auto made = [&](InstructionSet set, bool compiled) {

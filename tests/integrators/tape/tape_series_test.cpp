@@ -1,5 +1,5 @@
-// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and on tapes of any
-// operations.
+// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and on tapes of
+// any operations.
 #include "integrators/tape/tape_series.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,7 @@ void check_tape(const testing::RandomSystem& system, int order) {
 
 RC_GTEST_PROP(TapeSeries, HasTheCoefficientsOfPlainSeriesInEveryWay, ()) {
     const testing::RandomSystem system = testing::random_system(60);
-    const truth::Recording<double> recording =
-        truth::record<double>(system, static_cast<int>(system.variables));
+    const truth::Recording<double> recording = truth::record<double>(system, static_cast<int>(system.variables));
     for (const int order : {2, 3, 12, 17, 20, TapeLayout::most_order}) {
         check_tape(system, order);
         testing::compare_ways(recording, order, order % 2 == 0, system.start);
@@ -110,7 +109,9 @@ TEST(TapeSeries, OfConstantRatesIsALine) {
 // y'' = -y: the rates are states, each read after the other has changed
 TEST(TapeSeries, OfTwoStatesThatAreEachOthersRates) {
     struct Circle {
-        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const { dy[0] = y[1], dy[1] = -y[0]; }
+        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
+            dy[0] = y[1], dy[1] = -y[0];
+        }
     };
     const double start[2] = {0, 1};
     for (const bool compiled : {false, true}) {

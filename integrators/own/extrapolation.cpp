@@ -1,9 +1,9 @@
 // Gragg, Bulirsch and Stoer's extrapolation of the explicit midpoint rule, order and step by the tolerance.
 //
-// A step of K columns is carried out whole: all its columns are independent and run side by side, so that there is
-// nothing to gain from stopping early. After it the errors of orders 2K - 1 and 2K - 3 tell the best H of either, and
-// the one with less work to a unit of time is taken, or one order more (Deuflhard 1983; Hairer, Norsett & Wanner 1993,
-// II.9).
+// A step of K columns is carried out whole: all its columns are independent and run side by side, each in a lane of its
+// own or packed into fewer, so that there is nothing to gain from stopping early. After it the errors of orders 2K - 1
+// and 2K - 3 tell the best H of either, and the one with less work to a unit of time is taken, or one order more
+// (Deuflhard 1983; Hairer, Norsett & Wanner 1993, II.9).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -305,9 +305,10 @@ constexpr Method each[] = {
     {.name = "extrapolation",
      .documentation =
          "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
-         "compensated summation; any right-hand side. Rotations under the loads of a scene file run on vector "
-         "registers, the columns side by side, with the same bits on every instruction set. Each component's error in "
-         "a step is held to R times its scale, or to what rounding leaves of it.",
+         "compensated summation; any right-hand side. The columns run side by side on vector registers, with the same "
+         "bits on every instruction set: rotations under the loads of a scene file in code of their own, all else but "
+         "a user's torque in machine code made when the scene is known. Each component's error in a step is held to R "
+         "times its scale, or to what rounding leaves of it.",
      .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",

@@ -1,5 +1,9 @@
 // The interpreter's source, compiled for each set of instructions by a file of its own. Nothing here may become a
 // function that those files share: the linker would keep one, of instructions that not every processor has.
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include "integrators/tape/tape_interpreter.h"
 
 namespace polhode {
@@ -7,14 +11,81 @@ namespace {
 
 double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
 
-template <int lanes>
-void add_lanes(double x, const double* __restrict y, double* __restrict sum) {
-    for (int j = 0; j < lanes; ++j) sum[j] = fused(x, y[j], sum[j]);
+/// Eight numbers side by side, in what registers there are.
+#if defined(__AVX512F__)
+struct Line {
+    __m512d v;
+};
+Line loaded(const double* from) { return {_mm512_loadu_pd(from)}; }
+void store(const Line& x, double* to) { _mm512_storeu_pd(to, x.v); }
+Line eight(double x) { return {_mm512_set1_pd(x)}; }
+Line fused(const Line& a, const Line& b, const Line& c) { return {_mm512_fmadd_pd(a.v, b.v, c.v)}; }
+Line operator+(const Line& a, const Line& b) { return {_mm512_add_pd(a.v, b.v)}; }
+Line operator*(const Line& a, const Line& b) { return {_mm512_mul_pd(a.v, b.v)}; }
+/// The first `count` of one, the rest of the other.
+Line first_of(int count, const Line& first, const Line& rest) {
+    const unsigned taken = count >= 8 ? 0xFF : count <= 0 ? 0 : (1U << static_cast<unsigned>(count)) - 1;
+    return {_mm512_mask_blend_pd(static_cast<__mmask8>(taken), rest.v, first.v)};
 }
+#elif defined(__AVX2__)
+struct Line {
+    __m256d low, high;
+};
+Line loaded(const double* from) { return {_mm256_loadu_pd(from), _mm256_loadu_pd(from + 4)}; }
+void store(const Line& x, double* to) { _mm256_storeu_pd(to, x.low), _mm256_storeu_pd(to + 4, x.high); }
+Line eight(double x) { return {_mm256_set1_pd(x), _mm256_set1_pd(x)}; }
+Line fused(const Line& a, const Line& b, const Line& c) {
+    return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
+}
+Line operator+(const Line& a, const Line& b) { return {_mm256_add_pd(a.low, b.low), _mm256_add_pd(a.high, b.high)}; }
+Line operator*(const Line& a, const Line& b) { return {_mm256_mul_pd(a.low, b.low), _mm256_mul_pd(a.high, b.high)}; }
+/// The first `count` of one, the rest of the other.
+Line first_of(int count, const Line& first, const Line& rest) {
+    const __m256i end = _mm256_set1_epi64x(count);
+    const auto taken = [&](long long from) {
+        return _mm256_castsi256_pd(_mm256_cmpgt_epi64(end, _mm256_setr_epi64x(from, from + 1, from + 2, from + 3)));
+    };
+    return {_mm256_blendv_pd(rest.low, first.low, taken(0)), _mm256_blendv_pd(rest.high, first.high, taken(4))};
+}
+#else
+struct Line {
+    double v[8];
+};
+Line loaded(const double* from) {
+    Line x{};
+    __builtin_memcpy(x.v, from, sizeof x.v);
+    return x;
+}
+void store(const Line& x, double* to) { __builtin_memcpy(to, x.v, sizeof x.v); }
+template <class Each>
+Line by_each(const Each& each) {
+    Line x{};
+    for (int i = 0; i < 8; ++i) x.v[i] = each(i);
+    return x;
+}
+Line eight(double x) {
+    return by_each([&](int) { return x; });
+}
+Line fused(const Line& a, const Line& b, const Line& c) {
+    return by_each([&](int i) { return fused(a.v[i], b.v[i], c.v[i]); });
+}
+Line operator+(const Line& a, const Line& b) {
+    return by_each([&](int i) { return a.v[i] + b.v[i]; });
+}
+Line operator*(const Line& a, const Line& b) {
+    return by_each([&](int i) { return a.v[i] * b.v[i]; });
+}
+/// The first `count` of one, the rest of the other.
+Line first_of(int count, const Line& first, const Line& rest) {
+    return by_each([&](int i) { return i < count ? first.v[i] : rest.v[i]; });
+}
+#endif
 
 /// One order's work on memory: `states` are the coefficients of the order before.
 template <int lanes>
 class Order {
+    static constexpr int lines = lanes / 8;
+
   public:
     Order(const TapeProgram& program, const TapeLayout& layout, int k, const double* states, double* memory)
         : program_(program), layout_(layout), k_(k), states_(states), memory_(memory) {}
@@ -80,35 +151,52 @@ class Order {
         const TapeProgram::Row& of = program_.rows.data()[row];
         return of.is_inner() && of.slot < program_.states ? states_[of.slot] : memory_[of.slot];
     }
-    /// The row, with its newest coefficient in the lane.
-    double* lanes_of(int row, int lane) const {
+    /// A row, with its newest coefficient in the lane.
+    struct Lanes {
+        Line line[lines];
+    };
+    Lanes row_with(int row, const Line& x, int lane) const {
         double* const at = memory_ + layout_.rows + static_cast<std::size_t>(row) * layout_.lanes;
-        if (lane < lanes) at[lane] = newest(row);
-        return at;
+        Lanes result{};
+        for (int v = 0; v < lines; ++v) {
+            // all are stored, as they will be loaded: a load that takes in one number's store alone would wait for it
+            const Line old = loaded(at + 8 * v);
+            result.line[v] = first_of(lane - 8 * v, old, first_of(lane + 1 - 8 * v, x, old));
+            store(result.line[v], at + 8 * v);
+        }
+        return result;
     }
     // what the newest order, in that lane, adds to a sum of this and of later orders
     void add_products(int which, int lane) {
         double* const sum = memory_ + layout_.sums + static_cast<std::size_t>(which) * layout_.lanes;
         const TapeProgram::Sum& of = program_.sums.data()[which];
-        double p[lanes], u[lanes];
-        // those that have begun; both of j < lane, one of j = lane
-        for (int j = 0; j < lanes; ++j) p[j] = j < lane - 1 ? sum[j] : 0.0;
-        const TapeProgram::Pair& head = program_.pairs.data()[of.first];
-        const double *x = lanes_of(head.x, lane), *y = lanes_of(head.y, lane);
-        add_lanes<lanes>(newest(head.x), y, p);
-        for (int j = 0; j < lanes; ++j) u[j] = newest(head.y) * x[j];
-        for (int i = of.first + 1; i < of.end; ++i) {
-            const TapeProgram::Pair& pair = program_.pairs.data()[i];
-            x = lanes_of(pair.x, lane), y = lanes_of(pair.y, lane);
-            double x_m = newest(pair.x), y_m = newest(pair.y);
-            if (pair.weight != TapeProgram::none) x_m *= memory_[pair.weight], y_m *= memory_[pair.weight];
-            if (pair.negative) x_m = -x_m, y_m = -y_m;
-            add_lanes<lanes>(x_m, y, p);
-            add_lanes<lanes>(y_m, x, u);
+        const Line zero = eight(0);
+        Line p[lines], u[lines];
+        for (int v = 0; v < lines; ++v) {
+            // those that have begun
+            p[v] = first_of(lane - 1 - 8 * v, loaded(sum + 8 * v), zero);
+            u[v] = zero;
         }
-        for (int j = 0; j < lanes; ++j) p[j] = j < lane ? p[j] + u[j] : p[j];
-        memory_[of.to] = p[0];
-        for (int j = 1; j < lanes; ++j) sum[j - 1] = p[j];
+        for (int i = of.first; i < of.end; ++i) {
+            const TapeProgram::Pair& pair = program_.pairs.data()[i];
+            Line x_m = eight(newest(pair.x)), y_m = eight(newest(pair.y));
+            const Lanes x = row_with(pair.x, x_m, lane), y = row_with(pair.y, y_m, lane);
+            if (pair.weight != TapeProgram::none) {
+                const Line weight = eight(memory_[pair.weight]);
+                x_m = x_m * weight, y_m = y_m * weight;
+            }
+            if (pair.negative) x_m = x_m * eight(-1), y_m = y_m * eight(-1);
+            for (int v = 0; v < lines; ++v) {
+                p[v] = fused(x_m, y.line[v], p[v]);
+                u[v] = i == of.first ? y_m * x.line[v] : fused(y_m, x.line[v], u[v]);
+            }
+        }
+        // both of j < lane, one of j = lane
+        for (int v = 0; v < lines; ++v) p[v] = first_of(lane - 8 * v, p[v] + u[v], p[v]);
+        alignas(64) double shifted[lanes];
+        for (int v = 0; v < lines; ++v) store(p[v], shifted + 8 * v);
+        memory_[of.to] = shifted[0];
+        __builtin_memcpy(sum, shifted + 1, sizeof shifted - sizeof(double));
     }
 };
 

@@ -1,5 +1,6 @@
 // The program as a user's script sees it: exit codes, stdout, stderr, files.
 #include <fmt/format.h>
+#include <sys/prctl.h>
 
 #include <nlohmann/json.hpp>
 
@@ -113,6 +114,24 @@ TEST_F(Program, SolvesToStdoutAndToAFileAlike) {
     settings.step = 1e-3, settings.samples = 10;
     EXPECT_EQ(printed.out,
               trajectory_csv(polhode::solve(find_scene("lagrange_top"), *find_method("odeint_rk4"), settings)));
+}
+
+// by machine code or by the interpreter, by any instructions; also where the system lets nobody make code
+TEST_F(Program, GivesTheSameBitsWithAndWithoutMachineCode) {
+    const auto set = [](const char* name, const char* value) { return [=] { ::setenv(name, value, 1); }; };
+    const std::function<void()> ways[] = {
+        set("POLHODE_CODE", "interpreted"), set("POLHODE_INSTRUCTION_SET", "avx2"),
+        set("POLHODE_INSTRUCTION_SET", "plain"),
+        // PR_SET_MDWE (Linux 6.3): no memory gains the right to be executed; older systems take no notice
+        [] { ::prctl(65, 1, 0, 0, 0); }};
+    for (const char* const scene : {"every_load", "lagrange_top", "mechanisms/double_pendulum", "mechanisms/four_bar"})
+        for (const char* const method : {"taylor", "extrapolation"}) {
+            std::vector<std::string> arguments{"solve", scene, "--method", method, "--samples", "3"};
+            arguments.insert(arguments.end(), {"--tolerance", "1e-9"});
+            const Outcome usual = run(arguments);
+            EXPECT_EQ(usual.exit_code, 0) << usual.err;
+            for (const auto& way : ways) EXPECT_EQ(run(arguments, way).out, usual.out) << scene << " " << method;
+        }
 }
 
 TEST_F(Program, StopsAtTheLimitsThatItIsGiven) {

@@ -11,6 +11,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
+#include "integrators/own/exact.h"
 #include "integrators/run/stiffness.h"
 #include "measure/growth.h"
 #include "scene/scene_file.h"
@@ -34,12 +35,23 @@ constexpr std::size_t most_tree_bodies = 10;
 std::vector<Comparison> comparisons(const Problem& problem) {
     if (is_mechanism(problem.scene)) {
         const bool small_tree = problem.scene.loops.empty() && problem.scene.bodies.size() <= most_tree_bodies;
-        return {{"", "", {0, small_tree ? 3.0 : 0.0, 0}}};
+        if (!small_tree) return {{"", "", {0, 0, 0}}};
+        return {{"", "", {4, 6, 9}}};
     }
     if (problem.needs.torque_free)
-        return {{"exact", "", {60, 100, 250}}, {"", "odeint_fehlberg78", {3, 5, 5}}, {"", "", {0, 0, 0}}};
+        return {{"exact", "", {60, 100, 250}}, {"", "odeint_fehlberg78", {5, 8, 12}}, {"", "", {0, 0, 0}}};
     if (is_stiff(problem)) return {{"", "cvode_bdf", {1.5, 2.5, 2}}, {"", "", {0, 0, 0}}};
-    return {{"", "odeint_fehlberg78", {4, 7, 9}}, {"", "", {0, 0, 0}}};
+    const Forcing<double>& forcing = problem.segments.front().forcing;
+    std::array<double, 3> asked{4, 7, 9};
+    if (!forcing.springs.empty() || problem.segments.size() > 1)
+        asked = {3, 5, 7};
+    else if (!forcing.world_points.empty())
+        asked = {5, 6, 0};
+    else if (forcing.has_damping)
+        asked = {6, 9, 12};
+    else if (has_closed_form(problem))
+        asked = {8, 15, 25};
+    return {{"", "odeint_fehlberg78", asked}, {"", "", {0, 0, 0}}};
 }
 
 /// Median and minimum of one method's times at one error.

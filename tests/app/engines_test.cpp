@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_fixture.h"
+#include "build_kind.h"
 #include "experiment/run/findings.h"
 #include "table/table.h"
 
@@ -43,7 +44,7 @@ class Engines : public Program {
             {"settings", {{"steps", {1.0 / 60, 1.0 / 240, 1e-3}}}},
             {"samples", 20},
             {"repeats", 1},
-            {"seconds_per_run", 0.5}};
+            {"seconds_per_run", optimised_build ? 0.5 : 2.5}};
         std::ofstream(directory / "few.json") << experiment;
     }
     Table table(const std::string& folder, const std::string& name) const {

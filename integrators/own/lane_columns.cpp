@@ -1,8 +1,10 @@
 #include "integrators/own/lane_columns.h"
 
 #include <algorithm>
+#include <array>
 
 #include "integrators/lanes/lane_math.h"
+#include "integrators/lanes/rotation_lanes.h"
 
 namespace polhode {
 namespace {
@@ -44,8 +46,7 @@ POLHODE_INLINE void go_on(const Substep& s, const Octet& h) {
             continue;
         }
         change = change + loaded(s.lost_before + 8 * i);
-        const Octet next = before + change, kept = next - before;
-        const Octet lost = (before - (next - kept)) + (change - kept);
+        const Octet next = before + change, lost = rounded_away(before, change, next);
         store(loaded(s.lost + 8 * i), s.lost_before + 8 * i), store(lost, s.lost + 8 * i);
         store(now, s.before + 8 * i), store(next, s.now + 8 * i);
         store(octet(s.start[i]) + (next + lost), s.y + 8 * i);

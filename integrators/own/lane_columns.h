@@ -1,7 +1,7 @@
 // Midpoint columns of any recorded system, each in a lane of its own.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "integrators/own/extrapolation_columns.h"

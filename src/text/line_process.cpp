@@ -93,14 +93,14 @@ LineProcess::~LineProcess() {
 
 LineAnswer LineProcess::next(std::chrono::duration<double> time) {
     if (!alive()) return fault_;
-    return read_line(after(time));
+    return read_line(after(time), time);
 }
 
 LineAnswer LineProcess::ask(std::string_view question, std::chrono::duration<double> time) {
     if (!alive()) return fault_;
     const Clock::time_point until = after(time);
     if (!write_all(std::string(question) + '\n', until)) return fault_;
-    return read_line(until);
+    return read_line(until, time);
 }
 
 bool LineProcess::write_all(std::string_view text, Clock::time_point until) {
@@ -125,8 +125,7 @@ bool LineProcess::write_all(std::string_view text, Clock::time_point until) {
     return true;
 }
 
-LineAnswer LineProcess::read_line(Clock::time_point until) {
-    const auto asked = Clock::now();
+LineAnswer LineProcess::read_line(Clock::time_point until, std::chrono::duration<double> time) {
     std::size_t looked_at = 0;
     for (;;) {
         if (const std::size_t end = unread_.find('\n', looked_at); end != std::string::npos) {
@@ -145,9 +144,7 @@ LineAnswer LineProcess::read_line(Clock::time_point until) {
         }
         if (got == 0 || (errno != EAGAIN && errno != EINTR)) return die("");
         if (Clock::now() >= until)
-            return die(fmt::format("was stopped: it gave no answer within {:.3g} s",
-                                   std::chrono::duration<double>(until - asked).count()),
-                       true);
+            return die(fmt::format("was stopped: it gave no answer within {:.3g} s", time.count()), true);
         pollfd waiting{output_, POLLIN, 0};
         poll(&waiting, 1, milliseconds_until(until));
     }

@@ -38,7 +38,7 @@ class LineProcess {
     bool alive() const { return fault_.fault.empty(); }
 
   private:
-    LineAnswer read_line(std::chrono::steady_clock::time_point until);
+    LineAnswer read_line(std::chrono::steady_clock::time_point until, std::chrono::duration<double> time);
     LineAnswer die(std::string what, bool out_of_time = false);
     bool write_all(std::string_view text, std::chrono::steady_clock::time_point until);
 

@@ -82,8 +82,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     };
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(message("killed:default", "t_handle", i), "failed: sh was ended by signal 9");
-    EXPECT_EQ(message("hung:default", "t_handle", 0).substr(0, 51),
-              "failed: sh was stopped: it gave no answer within 2 ");
+    EXPECT_EQ(message("hung:default", "t_handle", 0).find("failed: sh was stopped: it gave no answer within "), 0u);
     EXPECT_NE(message("hung:default", "t_handle", 1).find("the curve was cut"), std::string::npos);
     EXPECT_EQ(message("absent:default", "t_handle", 0),
               "unsupported: absent is not here: it needs Debian's libnone-dev");

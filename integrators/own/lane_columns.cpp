@@ -9,14 +9,6 @@
 namespace polhode {
 namespace {
 
-/// What a substep works on: of each variable eight numbers, and one of y's.
-struct Substep {
-    int size;
-    bool careful;
-    const double *start, *rate;
-    double *before, *now, *lost_before, *lost, *y;
-};
-
 POLHODE_INLINE Octet loaded(const double* from) {
     Octet x;
     __builtin_memcpy(&x.v, from, sizeof x.v);
@@ -24,66 +16,64 @@ POLHODE_INLINE Octet loaded(const double* from) {
 }
 POLHODE_INLINE void store(const Octet& x, double* to) { __builtin_memcpy(to, &x.v, sizeof x.v); }
 
-// z_1 = h f(y)
-POLHODE_INLINE void begin(const Substep& s, const Octet& h) {
-    const Octet zero = octet(0);
-    for (int i = 0; i < s.size; ++i) {
-        const Octet now = h * loaded(s.rate + 8 * i);
-        store(zero, s.before + 8 * i), store(zero, s.lost_before + 8 * i), store(zero, s.lost + 8 * i);
-        store(now, s.now + 8 * i);
-        store(octet(s.start[i]) + now, s.y + 8 * i);
-    }
-}
-POLHODE_INLINE void go_on(const Substep& s, const Octet& h) {
-    const Octet twice = 2.0 * h;
-    for (int i = 0; i < s.size; ++i) {
-        const Octet before = loaded(s.before + 8 * i), now = loaded(s.now + 8 * i);
-        Octet change = twice * loaded(s.rate + 8 * i);
-        if (!s.careful) {
-            const Octet next = before + change;
-            store(now, s.before + 8 * i), store(next, s.now + 8 * i);
-            store(octet(s.start[i]) + next, s.y + 8 * i);
-            continue;
-        }
-        change = change + loaded(s.lost_before + 8 * i);
+/// What a substep with care works on: of each variable eight numbers.
+struct CarefulSubstep {
+    std::size_t end;
+    const double *start, *twice_h, *rate;
+    double *before, *now, *lost_before, *lost, *y;
+};
+POLHODE_INLINE void work(const CarefulSubstep& s) {
+    const Octet twice_h = loaded(s.twice_h);
+    for (std::size_t i = 0; i < s.end; i += 8) {
+        const Octet before = loaded(s.before + i), lost_before = loaded(s.lost_before + i);
+        const Octet change = twice_h * loaded(s.rate + i) + lost_before;
         const Octet next = before + change, lost = rounded_away(before, change, next);
-        store(loaded(s.lost + 8 * i), s.lost_before + 8 * i), store(lost, s.lost + 8 * i);
-        store(now, s.before + 8 * i), store(next, s.now + 8 * i);
-        store(octet(s.start[i]) + (next + lost), s.y + 8 * i);
+        store(loaded(s.lost + i), s.lost_before + i), store(lost, s.lost + i);
+        store(loaded(s.now + i), s.before + i), store(next, s.now + i);
+        store(loaded(s.start + i) + (next + lost), s.y + i);
     }
 }
-POLHODE_INLINE void work(const Substep& s, const double* h, bool is_first) {
-    if (is_first)
-        begin(s, loaded(h));
-    else
-        go_on(s, loaded(h));
-}
-using Work = void(const Substep&, const double*, bool);
-void work_plain(const Substep& s, const double* h, bool is_first) { work(s, h, is_first); }
-POLHODE_TARGET_AVX2 void work_avx2(const Substep& s, const double* h, bool is_first) { work(s, h, is_first); }
-POLHODE_TARGET_AVX512 void work_avx512(const Substep& s, const double* h, bool is_first) { work(s, h, is_first); }
+using Work = void(const CarefulSubstep&);
+void work_plain(const CarefulSubstep& s) { work(s); }
+POLHODE_TARGET_AVX2 void work_avx2(const CarefulSubstep& s) { work(s); }
+POLHODE_TARGET_AVX512 void work_avx512(const CarefulSubstep& s) { work(s); }
 
 }  // namespace
 
 LaneColumns::LaneColumns(const truth::Recording<double>& recording)
     : size_(static_cast<int>(recording.rates.size())), rates_(recording) {
-    for (Lanes* const lanes : {&before_, &now_, &lost_before_, &lost_, &y_, &rate_, &found_, &found_lost_})
-        lanes->assign(place(size_, 0), 0);
+    for (Lanes* const list :
+         {&start_, &before_, &now_, &lost_before_, &lost_, &y_, &rate_, &zero_, &found_, &found_lost_})
+        list->assign(place(size_, 0), 0);
+}
+
+void LaneColumns::find_rates(const Lanes& y) {
+    alignas(64) static constexpr std::array<double, lanes> one{1, 1, 1, 1, 1, 1, 1, 1};
+    std::fill(rate_.begin(), rate_.end(), 0);
+    rates_({y.data(), zero_.data(), one.data(), rate_.data()});
 }
 
 void LaneColumns::step(const double* y, double H, const ExtrapolationRow& row, bool careful) {
     constexpr Work* all[] = {work_plain, work_avx2, work_avx512};
     Work* const work = all[static_cast<std::size_t>(instruction_set())];
     const int K = row.columns;
-    alignas(64) std::array<double, TapeRates::lanes> h{};
+    alignas(64) std::array<double, lanes> twice_h{};
     // lanes that are left over do what the last column does
-    for (int j = 0; j < TapeRates::lanes; ++j) h[j] = H / row.substeps[std::min(j, K - 1)];
-    const Substep substep{size_,        careful,  y, rate_.data(), before_.data(), now_.data(), lost_before_.data(),
-                          lost_.data(), y_.data()};
-    for (int i = 0; i < size_; ++i) std::fill_n(&y_[place(i, 0)], TapeRates::lanes, y[i]);
+    for (int j = 0; j < lanes; ++j) twice_h[j] = 2 * (H / row.substeps[std::min(j, K - 1)]);
+    for (int i = 0; i < size_; ++i) std::fill_n(&start_[place(i, 0)], lanes, y[i]);
+    find_rates(start_);
+    for (Lanes* const list : {&before_, &lost_before_, &lost_}) std::fill(list->begin(), list->end(), 0);
+    for (std::size_t i = 0; i < rate_.size(); ++i)
+        now_[i] = twice_h[i % lanes] / 2 * rate_[i], y_[i] = start_[i] + now_[i];
     for (int m = 1, j = 0; j < K; ++m) {
-        rates_(y_.data(), rate_.data());
-        work(substep, h.data(), m == 1);
+        if (m > 1 && careful) {
+            find_rates(y_);
+            work({rate_.size(), start_.data(), twice_h.data(), rate_.data(), before_.data(), now_.data(),
+                  lost_before_.data(), lost_.data(), y_.data()});
+        } else if (m > 1) {
+            rates_({start_.data(), now_.data(), twice_h.data(), before_.data()});
+            std::swap(before_, now_);
+        }
         for (; j < K && row.substeps[j] == m; ++j)
             for (int i = 0; i < size_; ++i)
                 found_[place(i, j)] = now_[place(i, j)], found_lost_[place(i, j)] = lost_[place(i, j)];

@@ -22,14 +22,16 @@ class LaneColumns {
     double lost(int column, int i) const { return found_lost_[place(i, column)]; }
 
   private:
+    static constexpr int lanes = TapeRates::lanes;
     using Lanes = std::vector<double, LineAllocator<double>>;
     static std::size_t place(int i, int column) {
-        return static_cast<std::size_t>(i) * TapeRates::lanes + static_cast<std::size_t>(column);
+        return static_cast<std::size_t>(i) * lanes + static_cast<std::size_t>(column);
     }
+    void find_rates(const Lanes& y);
 
     int size_;
     TapeRates rates_;
-    Lanes before_, now_, lost_before_, lost_, y_, rate_, found_, found_lost_;
+    Lanes start_, before_, now_, lost_before_, lost_, y_, rate_, zero_, found_, found_lost_;
 };
 
 }  // namespace polhode

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -81,24 +80,27 @@ class TapeCompiler {
     }
 
     void write_rates() {
-        a_.push(x86::rbx), a_.push(x86::r12), a_.push(x86::r13);
-        a_.mov(x86::rbx, x86::rdi), a_.mov(x86::r12, x86::rsi), a_.mov(x86::r13, x86::rdx);
+        // memory, start, now, scale, change
+        const std::array held{x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+        const std::array given{x86::rdi, x86::rsi, x86::rdx, x86::rcx, x86::r8};
+        for (const x86::Gp& r : held) a_.push(r);
+        for (std::size_t i = 0; i < held.size(); ++i) a_.mov(held[i], given[i]);
         const asmjit::Label part = a_.newLabel();
         if (!wide_) {
             a_.sub(x86::rsp, 8);
             a_.call(part);
-            a_.add(x86::rbx, 32), a_.add(x86::r12, 32), a_.add(x86::r13, 32);
+            for (const x86::Gp& r : held) a_.add(r, 32);
             a_.call(part);
             a_.add(x86::rsp, 8);
         } else {
-            find_eight_rates();
+            add_eight_rates();
         }
         a_.vzeroupper();
-        a_.pop(x86::r13), a_.pop(x86::r12), a_.pop(x86::rbx);
+        for (auto r = held.rbegin(); r != held.rend(); ++r) a_.pop(*r);
         a_.ret();
         if (wide_) return;
         a_.bind(part);
-        find_eight_rates();
+        add_eight_rates();
         a_.ret();
     }
 
@@ -134,13 +136,12 @@ class TapeCompiler {
     int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
     /// Of a state: its coefficient of the order at hand.
     x86::Mem slot(int i) const {
-        if (eight_) {
-            const int state = i - program_.values[0];
-            const bool is_state = state >= 0 && state < program_.states;
-            return is_state ? x86::ptr(x86::r12, 64 * state) : x86::ptr(x86::rbx, 64 * i);
-        }
+        if (eight_) return is_start(i) ? x86::ptr(x86::r12, 64 * (i - program_.values[0])) : x86::ptr(x86::rbx, 64 * i);
         return i < program_.states ? x86::ptr(x86::r12, 8 * i) : x86::ptr(x86::rbx, 8 * i);
     }
+    // of eight: what is given, and that of it to which the increment is to be added
+    bool is_start(int i) const { return eight_ && i >= program_.values[0] && i < program_.values[0] + program_.states; }
+    bool is_moving(int i) const { return is_start(i) && program_.first_rates[i - program_.values[0]].from != none; }
     x86::Mem lanes_at(std::size_t base, int which, int vector) const {
         const std::size_t at = base + static_cast<std::size_t>(which) * layout_.lanes + vector * width_;
         return x86::ptr(x86::rbx, static_cast<int>(8 * at));
@@ -242,6 +243,7 @@ class TapeCompiler {
         if (place_[id] == none) {
             const Register r = take();
             load(r, slot(id));
+            if (is_moving(id)) a_.vaddpd(vec(r), vec(r), x86::ptr(x86::r13, 64 * (id - program_.values[0])));
             hold(r, id, false);
         }
         in_use_[place_[id]] = true;
@@ -374,7 +376,7 @@ class TapeCompiler {
     /// In its register; in memory where it stands there and is used once more only.
     Operand operand(int id) {
         const bool last = next_[id] + 1 >= first_use_[id + 1];
-        if (place_[id] == none && last) return {none, slot(id)};
+        if (place_[id] == none && last && !is_moving(id)) return {none, slot(id)};
         return {fetch_scalar(id), {}};
     }
     Register in_register(const Operand& operand, int id) { return operand.in != none ? operand.in : fetch_scalar(id); }
@@ -443,6 +445,7 @@ class TapeCompiler {
             case Kind::sum:
                 return add_products(program_.sums[op.a]);
             case Kind::sine_cosine:
+                if (is_moving(op.a)) store(x86::ptr(x86::rbx, 64 * op.a), fetch_scalar(op.a));
                 used(op.a);
                 // no register outlives a call
                 for (Register r = 0; r < register_count_; ++r)
@@ -456,7 +459,8 @@ class TapeCompiler {
     void call_sine(const TapeProgram::Operation& op) {
         std::uint64_t function = reinterpret_cast<std::uint64_t>(&sine_cosine_of);
         if (eight_) {
-            a_.lea(x86::rdi, slot(op.a)), a_.lea(x86::rsi, slot(op.to)), a_.lea(x86::rdx, slot(op.b));
+            a_.lea(x86::rdi, is_moving(op.a) ? x86::ptr(x86::rbx, 64 * op.a) : slot(op.a));
+            a_.lea(x86::rsi, slot(op.to)), a_.lea(x86::rdx, slot(op.b));
             function = wide_ ? reinterpret_cast<std::uint64_t>(&sines_cosines_of_eight)
                              : reinterpret_cast<std::uint64_t>(&sines_cosines_of_four);
         } else {
@@ -487,7 +491,7 @@ class TapeCompiler {
         const Register right = in_register(b, second);
         if (first == second) a.in = right;
         const bool is_factor = op.c == op.a || op.c == op.b;
-        const Register sum = is_factor ? fetch_scalar(op.c) : place_[op.c];
+        const Register sum = is_factor || is_moving(op.c) ? fetch_scalar(op.c) : place_[op.c];
         if (sum != none) in_use_[sum] = true;
         used(op.a), used(op.b), used(op.c);
         if (sum != none && dies(op.c) && !is_factor) {
@@ -590,28 +594,37 @@ class TapeCompiler {
             if (home(row_home_, row, 0) == none) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
         }
     }
-    void find_eight_rates() {
+    void add_eight_rates() {
         note_uses([this](auto&& visit) {
             int at = 0;
             enumerate(program_.begin, {}, at, visit);
             at += static_cast<int>(program_.begin.size());
             for (const TapeProgram::Rate& rate : program_.first_rates) {
+                if (rate.from == none) continue;
                 visit(rate.from, ++at);
                 if (rate.factor != none) visit(rate.factor, at);
             }
         });
         for (const TapeProgram::Operation& op : program_.begin) operate(op);
+        const Register scale = temporary();
+        a_.vmovapd(vec(scale), x86::ptr(x86::r14));
         for (int i = 0; i < program_.states; ++i) {
             const TapeProgram::Rate& rate = program_.first_rates[i];
+            if (rate.from == none) continue;
             Register r = fetch_scalar(rate.from);
             used(rate.from);
             if (rate.factor != none) {
                 const Operand factor = operand(rate.factor);
-                const Register to = take();
-                emit(x86::Inst::kIdVmulpd, to, r, factor);
-                used(rate.factor), r = to;
+                const Register product = take();
+                in_use_[product] = true;
+                emit(x86::Inst::kIdVmulpd, product, r, factor);
+                used(rate.factor), r = product;
             }
-            store(x86::ptr(x86::r13, 64 * i), r);
+            const Register sum = take();
+            const x86::Mem change = x86::ptr(x86::r15, 64 * i);
+            load(sum, change);
+            a_.vfmadd231pd(vec(sum), vec(r), vec(scale));
+            store(change, sum);
             in_use_.fill(false);
             for (const int id : {rate.from, rate.factor})
                 if (id != none) done(id);

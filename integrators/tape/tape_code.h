@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "integrators/lanes/lanes.h"
-#include "integrators/tape/tape_layout.h"
+#include "integrators/tape/tape_interpreter.h"
 
 namespace polhode {
 
@@ -16,11 +16,12 @@ class TapeCode {
     /// The memory knows how it is given back.
     TapeCode(std::shared_ptr<void> memory, std::size_t size) : memory_(std::move(memory)), size_(size) {}
 
-    /// What the interpreter does (ExpandTape), in memory of the layout that it was made for.
+    /// What TapeInterpreter::expand does, in memory of the layout that it was made for.
     void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_.get())(memory); }
-    /// What find_rates() does, with as much room.
-    void rates(double* memory, const double* y, double* rates) const {
-        reinterpret_cast<void (*)(double*, const double*, double*)>(memory_.get())(memory, y, rates);
+    /// What TapeInterpreter::add_rates does, with as much room.
+    void add_rates(double* memory, const TapeSubstep& substep) const {
+        reinterpret_cast<void (*)(double*, const double*, const double*, const double*, double*)>(memory_.get())(
+            memory, substep.start, substep.now, substep.scale, substep.change);
     }
     std::size_t size() const { return size_; }
 

@@ -10,6 +10,7 @@ namespace polhode {
 namespace {
 
 double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
+double root(double a) { return __builtin_sqrt(a); }
 
 /// Eight numbers side by side, in what registers there are.
 #if defined(__AVX512F__)
@@ -21,7 +22,10 @@ void store(const Line& x, double* to) { _mm512_storeu_pd(to, x.v); }
 Line eight(double x) { return {_mm512_set1_pd(x)}; }
 Line fused(const Line& a, const Line& b, const Line& c) { return {_mm512_fmadd_pd(a.v, b.v, c.v)}; }
 Line operator+(const Line& a, const Line& b) { return {_mm512_add_pd(a.v, b.v)}; }
+Line operator-(const Line& a, const Line& b) { return {_mm512_sub_pd(a.v, b.v)}; }
 Line operator*(const Line& a, const Line& b) { return {_mm512_mul_pd(a.v, b.v)}; }
+Line operator/(const Line& a, const Line& b) { return {_mm512_div_pd(a.v, b.v)}; }
+Line root(const Line& a) { return {_mm512_maskz_sqrt_pd(0xFF, a.v)}; }
 /// The first `count` of one, the rest of the other.
 Line first_of(int count, const Line& first, const Line& rest) {
     const unsigned taken = count >= 8 ? 0xFF : count <= 0 ? 0 : (1U << static_cast<unsigned>(count)) - 1;
@@ -38,7 +42,10 @@ Line fused(const Line& a, const Line& b, const Line& c) {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
 }
 Line operator+(const Line& a, const Line& b) { return {_mm256_add_pd(a.low, b.low), _mm256_add_pd(a.high, b.high)}; }
+Line operator-(const Line& a, const Line& b) { return {_mm256_sub_pd(a.low, b.low), _mm256_sub_pd(a.high, b.high)}; }
 Line operator*(const Line& a, const Line& b) { return {_mm256_mul_pd(a.low, b.low), _mm256_mul_pd(a.high, b.high)}; }
+Line operator/(const Line& a, const Line& b) { return {_mm256_div_pd(a.low, b.low), _mm256_div_pd(a.high, b.high)}; }
+Line root(const Line& a) { return {_mm256_sqrt_pd(a.low), _mm256_sqrt_pd(a.high)}; }
 /// The first `count` of one, the rest of the other.
 Line first_of(int count, const Line& first, const Line& rest) {
     const __m256i end = _mm256_set1_epi64x(count);
@@ -63,23 +70,45 @@ Line by_each(const Each& each) {
     for (int i = 0; i < 8; ++i) x.v[i] = each(i);
     return x;
 }
-Line eight(double x) {
-    return by_each([&](int) { return x; });
-}
-Line fused(const Line& a, const Line& b, const Line& c) {
-    return by_each([&](int i) { return fused(a.v[i], b.v[i], c.v[i]); });
-}
-Line operator+(const Line& a, const Line& b) {
-    return by_each([&](int i) { return a.v[i] + b.v[i]; });
-}
-Line operator*(const Line& a, const Line& b) {
-    return by_each([&](int i) { return a.v[i] * b.v[i]; });
-}
+// clang-format off
+Line eight(double x) { return by_each([&](int) { return x; }); }
+Line fused(const Line& a, const Line& b, const Line& c) { return by_each([&](int i) { return fused(a.v[i], b.v[i], c.v[i]); }); }
+Line operator+(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] + b.v[i]; }); }
+Line operator-(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] - b.v[i]; }); }
+Line operator*(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] * b.v[i]; }); }
+Line operator/(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] / b.v[i]; }); }
+Line root(const Line& a) { return by_each([&](int i) { return root(a.v[i]); }); }
 /// The first `count` of one, the rest of the other.
-Line first_of(int count, const Line& first, const Line& rest) {
-    return by_each([&](int i) { return i < count ? first.v[i] : rest.v[i]; });
-}
+Line first_of(int count, const Line& first, const Line& rest) { return by_each([&](int i) { return i < count ? first.v[i] : rest.v[i]; }); }
+// clang-format on
 #endif
+Line operator-(const Line& a) { return eight(-0.0) - a; }
+
+/// What an operation but a sine or a sum finds, of a number or of eight.
+template <class Number>
+Number found(TapeProgram::Kind kind, const Number& a, const Number& b, const Number& c) {
+    using Kind = TapeProgram::Kind;
+    switch (kind) {
+        case Kind::add:
+            return a + b;
+        case Kind::subtract:
+            return a - b;
+        case Kind::multiply:
+            return a * b;
+        case Kind::product_plus:
+            return fused(a, b, c);
+        case Kind::product_minus:
+            return fused(a, b, -c);
+        case Kind::minus_product:
+            return fused(-a, b, c);
+        case Kind::minus_product_minus:
+            return fused(-a, b, -c);
+        case Kind::divide:
+            return a / b;
+        default:
+            return root(a);
+    }
+}
 
 /// One order's work on memory: `states` are the coefficients of the order before.
 template <int lanes>
@@ -100,43 +129,14 @@ class Order {
     void operate(const TapeProgram::Operation* at, const TapeProgram::Operation* end) {
         using Kind = TapeProgram::Kind;
         double* const x = memory_;
+        const auto number = [x](int slot) { return slot == TapeProgram::none ? 0 : x[slot]; };
         for (; at != end; ++at) {
-            const double a = at->kind == Kind::sum ? 0 : x[at->a];
-            double& to = x[at->to];
-            switch (at->kind) {
-                case Kind::add:
-                    to = a + x[at->b];
-                    break;
-                case Kind::subtract:
-                    to = a - x[at->b];
-                    break;
-                case Kind::multiply:
-                    to = a * x[at->b];
-                    break;
-                case Kind::product_plus:
-                    to = fused(a, x[at->b], x[at->c]);
-                    break;
-                case Kind::product_minus:
-                    to = fused(a, x[at->b], -x[at->c]);
-                    break;
-                case Kind::minus_product:
-                    to = fused(-a, x[at->b], x[at->c]);
-                    break;
-                case Kind::minus_product_minus:
-                    to = fused(-a, x[at->b], -x[at->c]);
-                    break;
-                case Kind::divide:
-                    to = a / x[at->b];
-                    break;
-                case Kind::root:
-                    to = __builtin_sqrt(a);
-                    break;
-                case Kind::sine_cosine:
-                    sine_cosine_of(a, to, x[at->b]);
-                    break;
-                case Kind::sum:
-                    add_products(at->a, k_);
-            }
+            if (at->kind == Kind::sum)
+                add_products(at->a, k_);
+            else if (at->kind == Kind::sine_cosine)
+                sine_cosine_of(x[at->a], x[at->to], x[at->b]);
+            else
+                x[at->to] = found(at->kind, x[at->a], number(at->b), number(at->c));
         }
     }
 
@@ -240,82 +240,48 @@ void expand(const TapeProgram& program, const TapeLayout& layout, bool careful, 
     }
 }
 
-void find_rates_of(const TapeProgram& program, double* memory, const double* y, double* rates) {
+void add_rates_of(const TapeProgram& program, double* memory, const TapeSubstep& substep) {
     using Kind = TapeProgram::Kind;
     constexpr int line = TapeLayout::line;
-    const auto at = [memory](int slot) { return memory + static_cast<std::size_t>(slot) * line; };
-    for (int i = 0; i < program.states * line; ++i) at(program.values.data()[0])[i] = y[i];
-    const TapeProgram::Operation* const list = program.begin.data();
-    for (std::size_t n = 0; n < program.begin.size(); ++n) {
-        const TapeProgram::Operation& op = list[n];
-        const double* const a = at(op.a);
-        const double* const b = op.b == TapeProgram::none ? a : at(op.b);
-        const double* const c = op.c == TapeProgram::none ? a : at(op.c);
-        double* const to = at(op.to);
-        switch (op.kind) {
-            case Kind::add:
-                for (int i = 0; i < line; ++i) to[i] = a[i] + b[i];
-                break;
-            case Kind::subtract:
-                for (int i = 0; i < line; ++i) to[i] = a[i] - b[i];
-                break;
-            case Kind::multiply:
-                for (int i = 0; i < line; ++i) to[i] = a[i] * b[i];
-                break;
-            case Kind::product_plus:
-                for (int i = 0; i < line; ++i) to[i] = fused(a[i], b[i], c[i]);
-                break;
-            case Kind::product_minus:
-                for (int i = 0; i < line; ++i) to[i] = fused(a[i], b[i], -c[i]);
-                break;
-            case Kind::minus_product:
-                for (int i = 0; i < line; ++i) to[i] = fused(-a[i], b[i], c[i]);
-                break;
-            case Kind::minus_product_minus:
-                for (int i = 0; i < line; ++i) to[i] = fused(-a[i], b[i], -c[i]);
-                break;
-            case Kind::divide:
-                for (int i = 0; i < line; ++i) to[i] = a[i] / b[i];
-                break;
-            case Kind::root:
-                for (int i = 0; i < line; ++i) to[i] = __builtin_sqrt(a[i]);
-                break;
-            case Kind::sine_cosine:
-                sines_cosines_of_eight(a, to, at(op.b));
-                break;
-            case Kind::sum:
-                break;
-        }
+    const auto at = [memory](int slot) { return memory + slot * line; };
+    const auto number = [&](int slot) { return slot == TapeProgram::none ? eight(0) : loaded(at(slot)); };
+    for (int i = 0; i < program.states; ++i) {
+        const Line start = loaded(substep.start + i * line);
+        const bool is_moving = program.first_rates.data()[i].from != TapeProgram::none;
+        store(is_moving ? start + loaded(substep.now + i * line) : start, at(program.values.data()[i]));
     }
+    for (std::size_t n = 0; n < program.begin.size(); ++n) {
+        const TapeProgram::Operation& op = program.begin.data()[n];
+        if (op.kind == Kind::sine_cosine)
+            sines_cosines_of_eight(at(op.a), at(op.to), at(op.b));
+        else
+            store(found(op.kind, number(op.a), number(op.b), number(op.c)), at(op.to));
+    }
+    const Line scale = loaded(substep.scale);
     for (int i = 0; i < program.states; ++i) {
         const TapeProgram::Rate& rate = program.first_rates.data()[i];
-        const double* const from = at(rate.from);
-        for (int lane = 0; lane < line; ++lane)
-            rates[i * line + lane] = rate.factor == TapeProgram::none ? from[lane] : from[lane] * at(rate.factor)[lane];
+        if (rate.from == TapeProgram::none) continue;
+        Line of = loaded(at(rate.from));
+        if (rate.factor != TapeProgram::none) of = of * loaded(at(rate.factor));
+        double* const to = substep.change + i * line;
+        store(fused(of, scale, loaded(to)), to);
     }
 }
 
 // even and odd degrees beside each other: half the time that each waits for the one before
 void sum_states(const double* coefficients, int states, int order, int from, double h, double* sums) {
     constexpr int line = TapeLayout::line;
-    const double hh = h * h;
+    const Line hh = eight(h * h);
     for (int first = 0; first < states; first += line) {
-        const double* const last = coefficients + static_cast<std::size_t>(order) * states + first;
-        double even[line], odd[line];
-        for (int i = 0; i < line; ++i) even[i] = last[i], odd[i] = last[i - states];
+        const auto degree = [=](int k) { return loaded(coefficients + static_cast<std::size_t>(k) * states + first); };
+        Line even = degree(order), odd = degree(order - 1);
         int k = order - 2;
-        for (; k > from; k -= 2) {
-            const double* const y = coefficients + static_cast<std::size_t>(k) * states + first;
-            for (int i = 0; i < line; ++i) even[i] = fused(even[i], hh, y[i]);
-            for (int i = 0; i < line; ++i) odd[i] = fused(odd[i], hh, y[i - states]);
-        }
+        for (; k > from; k -= 2) even = fused(even, hh, degree(k)), odd = fused(odd, hh, degree(k - 1));
         // of the degree `from`, or of the one after it, is the last of one of the two
-        if (k == from) {
-            const double* const y = coefficients + static_cast<std::size_t>(k) * states + first;
-            for (int i = 0; i < line; ++i) sums[first + i] = fused(odd[i], h, fused(even[i], hh, y[i]));
-        } else {
-            for (int i = 0; i < line; ++i) sums[first + i] = fused(even[i], h, odd[i]);
-        }
+        if (k == from)
+            even = fused(even, hh, degree(k)), store(fused(odd, eight(h), even), sums + first);
+        else
+            store(fused(even, eight(h), odd), sums + first);
     }
 }
 

@@ -32,10 +32,19 @@ class TapeProgrammer {
         for (int i = 0; i < count(); ++i) value_of_.push_back(slot());
         program_.values.assign(value_of_.begin(), value_of_.begin() + n);
         program_.next = slot(), program_.inverse_next = slot();
-        for (int i = n; i < count(); ++i) begin(i);
+        scale_of_.assign(nodes_.size(), 1);
+        for (int i = n; i < count(); ++i)
+            if (!is_series_ && is_sum(i))
+                begin_sum(i);
+            else
+                begin(i);
         for (const truth::Traced<double>& rate : rates_) {
-            const int factor = rate.node < 0 || rate.factor == 1 ? none : constant(rate.factor);
-            program_.first_rates.push_back({rate.node >= 0 ? value_of_[rate.node] : constant(rate.factor), factor});
+            const double scale = rate.node < 0 ? 1 : rate.factor * scale_of_[rate.node];
+            const bool is_parameter = !is_series_ && rate.node < 0 && rate.factor == 0;
+            program_.first_rates.push_back({rate.node >= 0 ? value_of_[rate.node]
+                                            : is_parameter ? none
+                                                           : constant(rate.factor),
+                                            scale == 1 ? none : constant(scale)});
         }
         if (!is_series_) return;
         for (int i = n; i < count(); ++i)
@@ -75,6 +84,8 @@ class TapeProgrammer {
     std::vector<int> value_of_;               // by node: the slot of coefficient 0
     std::vector<int> now_of_;  // by node: the slot of the coefficient of the order at hand; none: dissolved
     std::vector<int> inverse_of_;
+    std::vector<int> uses_;         // by node: once by a sum alone, or twice and more
+    std::vector<double> scale_of_;  // by node: what its value is still to be multiplied by, of rates alone
     std::vector<TapeProgram::Sum> inner_, whole_;
     std::vector<double> arrival_;               // by slot: about the cycles from an order's beginning
     std::map<std::uint64_t, int> constant_of_;  // by bits
@@ -92,13 +103,17 @@ class TapeProgrammer {
         }
         return found->second;
     }
-    int begin_with(Kind kind, int a, int b, int c = none) {
-        program_.begin.push_back({kind, slot(), a, b, c});
+    int begin_with(Kind kind, int a, int b) {
+        program_.begin.push_back({kind, slot(), a, b});
         return program_.begin.back().to;
+    }
+    bool is_sum(int i) const {
+        return nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
     }
     // places for all but the sums and products that are used by one sum alone
     void dissolve() {
-        std::vector<int> uses(nodes_.size(), 0);
+        std::vector<int>& uses = uses_;
+        uses.assign(nodes_.size(), 0);
         for (const Node& node : nodes_) {
             if (node.kind == Node::Kind::state) continue;
             for (const int operand : {node.a, node.b})
@@ -107,8 +122,7 @@ class TapeProgrammer {
         for (const truth::Traced<double>& rate : rates_)
             if (rate.node >= 0) uses[rate.node] += 2;
         for (int i = 0; i < count(); ++i) {
-            const bool is_linear = nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
-            now_of_.push_back(i < program_.states ? i : is_linear && uses[i] <= 1 ? none : 0);
+            now_of_.push_back(i < program_.states ? i : is_sum(i) && uses[i] <= 1 ? none : 0);
         }
         inverse_of_.assign(nodes_.size(), none);
     }
@@ -226,27 +240,93 @@ class TapeProgrammer {
     }
     int slope_ = none;  // of the last sine
 
-    // a sum or a product, with all that is dissolved into it
-    Signed decode_sum(int i, std::vector<Term>& terms) {
-        struct Product {
-            int x, y;
-            double weight;
-        };
-        std::vector<Product> products;
+    /// weight * x * y of nodes, or of x alone, or the number itself.
+    struct Part {
+        int x, y;
+        double weight;
+    };
+    // of a sum or a product, with all that is dissolved into it
+    std::vector<Part> parts_of(int i) const {
+        std::vector<Part> parts;
         std::vector<std::pair<int, double>> open{{i, 1.0}};
         while (!open.empty()) {
             const auto [at, factor] = open.back();
             open.pop_back();
             const Node& node = nodes_[at];
             if (at != i && now_of_[at] != none) {
-                const double share = std::abs(factor);
-                terms.push_back({share == 1 ? none : constant(share), factor < 0, now_of_[at]});
+                parts.push_back({at, none, factor});
             } else if (node.kind == Node::Kind::combination) {
                 if (node.b >= 0) open.emplace_back(node.b, factor * node.factor_b);
+                if (node.b < 0 && node.factor_b != 0) parts.push_back({none, none, factor * node.factor_b});
                 open.emplace_back(node.a, factor * node.factor_a);
             } else {
-                products.push_back({row(node.a, false), row(node.b, false), factor});
+                parts.push_back({node.a, node.b, factor});
             }
+        }
+        return parts;
+    }
+    // the value of a sum or a product, products added by fused operations
+    void begin_sum(int i) {
+        if (now_of_[i] == none) return;
+        std::vector<Part> parts = parts_of(i);
+        const auto known = [&](const Part& part) {
+            double last = 0;
+            for (const int node : {part.x, part.y})
+                if (node != none) last = std::max(last, arrival_[value_of_[node]]);
+            return last;
+        };
+        std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) { return known(a) < known(b); });
+        // a factor of them all is left for the end
+        const double common = std::abs(parts.front().weight);
+        const bool is_common =
+            std::all_of(parts.begin(), parts.end(), [&](const Part& part) { return std::abs(part.weight) == common; });
+        Signed sum;
+        for (const Part& part : parts) sum = with(sum, part, is_common ? 1 : std::abs(part.weight));
+        const double last = known(parts.back()) + 4 * static_cast<double>(parts.size());
+        const double scale = (sum.negative ? -1 : 1) * (is_common ? common : 1);
+        const bool is_rate_alone = uses_[i] == 2 && is_rate(i);
+        if (is_rate_alone)
+            scale_of_[i] = scale;
+        else if (scale != 1)
+            sum.slot = begin_with(Kind::multiply, constant(scale), sum.slot);
+        value_of_[i] = sum.slot;
+        arrival_[sum.slot] = last;
+    }
+    bool is_rate(int i) const {
+        return std::any_of(rates_.begin(), rates_.end(), [i](const auto& rate) { return rate.node == i; });
+    }
+    // sum +- weight x y; the weight is positive
+    Signed with(Signed sum, const Part& part, double weight) {
+        const bool negative = part.weight < 0;
+        if (part.x == none) return with_begun(sum, constant(weight), none, negative);
+        const int x = value_of_[part.x];
+        if (part.y == none && weight == 1) return with_begun(sum, x, none, negative);
+        if (part.y == none) return with_begun(sum, constant(weight), x, negative);
+        return with_begun(sum, weight == 1 ? x : begin_with(Kind::multiply, constant(weight), x), value_of_[part.y],
+                          negative);
+    }
+    // sum +- x y, or x alone
+    Signed with_begun(Signed sum, int x, int y, bool negative) {
+        const bool alike = sum.negative == negative;
+        if (sum.slot == none) return {y == none ? x : begin_with(Kind::multiply, x, y), negative};
+        if (y == none) return {begin_with(alike ? Kind::add : Kind::subtract, sum.slot, x), sum.negative};
+        program_.begin.push_back({alike ? Kind::product_plus : Kind::minus_product, slot(), x, y, sum.slot});
+        return {program_.begin.back().to, sum.negative};
+    }
+
+    // a sum or a product in an order
+    Signed decode_sum(int i, std::vector<Term>& terms) {
+        struct Product {
+            int x, y;
+            double weight;
+        };
+        std::vector<Product> products;
+        for (const Part& part : parts_of(i)) {
+            const double share = std::abs(part.weight);
+            if (part.y != none)
+                products.push_back({row(part.x, false), row(part.y, false), part.weight});
+            else if (part.x != none)
+                terms.push_back({share == 1 ? none : constant(share), part.weight < 0, now_of_[part.x]});
         }
         if (products.empty()) return {};
         const auto known = [&](const Product& p) {

@@ -74,19 +74,10 @@ class Shelf {
 
 void sine_cosine_of(double x, double& sine, double& cosine) { sine_cosine(x, sine, cosine); }
 
-ExpandTape* expand_tape(InstructionSet set) {
-    constexpr ExpandTape* all[] = {expand_tape_plain, expand_tape_avx2, expand_tape_avx512};
-    return all[static_cast<std::size_t>(set)];
-}
-
-SumTape* sum_tape(InstructionSet set) {
-    constexpr SumTape* all[] = {sum_tape_plain, sum_tape_avx2, sum_tape_avx512};
-    return all[static_cast<std::size_t>(set)];
-}
-
-FindRates* find_rates(InstructionSet set) {
-    constexpr FindRates* all[] = {find_rates_plain, find_rates_avx2, find_rates_avx512};
-    return all[static_cast<std::size_t>(set)];
+const TapeInterpreter& tape_interpreter(InstructionSet set) {
+    constexpr const TapeInterpreter* all[] = {&tape_interpreter_plain, &tape_interpreter_avx2,
+                                              &tape_interpreter_avx512};
+    return *all[static_cast<std::size_t>(set)];
 }
 
 PreparedTape::PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_)
@@ -133,14 +124,13 @@ int best_order(const TapeProgram& program, double tolerance) {
 
 TapeSeries::TapeSeries(const truth::Recording<double>& recording, const TapeOptions& options)
     : tape_(prepared(recording, options)),
-      interpreter_(expand_tape(options.instructions)),
-      sum_(sum_tape(options.instructions)),
+      interpreter_(&tape_interpreter(options.instructions)),
       memory_(tape_->layout.end, 0.0) {
     for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
 }
 
 TapeRates::TapeRates(const truth::Recording<double>& recording, TapeOptions options)
-    : interpreter_(find_rates(options.instructions)) {
+    : interpreter_(&tape_interpreter(options.instructions)) {
     options.purpose = TapeProgram::Purpose::rates;
     tape_ = prepared(recording, options);
     memory_.resize(static_cast<std::size_t>(tape_->program.slots) * lanes);

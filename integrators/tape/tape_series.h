@@ -58,7 +58,7 @@ class TapeSeries {
         if (tape_->code)
             tape_->code->expand(memory);
         else
-            interpreter_(tape_->program, tape_->layout, tape_->options.careful, memory);
+            interpreter_->expand(tape_->program, tape_->layout, tape_->options.careful, memory);
     }
     /// The k-th coefficients of all state variables, and zeros up to the next multiple of TapeLayout::line.
     const double* coefficients(int k) const {
@@ -67,36 +67,34 @@ class TapeSeries {
     }
     /// The sum of y_k h^(k - from) from k = from < order() on: into as many numbers as coefficients() has.
     void sum(int from, double h, double* sums) const {
-        sum_(coefficients(0), tape_->layout.states, order(), from, h, sums);
+        interpreter_->sum(coefficients(0), tape_->layout.states, order(), from, h, sums);
     }
     /// The k-th coefficient of the i-th state variable.
     double coefficient(int i, int k) const { return coefficients(k)[i]; }
 
   private:
     std::shared_ptr<const PreparedTape> tape_;
-    ExpandTape* interpreter_;
-    SumTape* sum_;
+    const TapeInterpreter* interpreter_;
     std::vector<double, LineAllocator<double>> memory_;
 };
 
-/// The rates of eight states of a recorded system side by side.
+/// Substeps of eight states of a recorded system side by side.
 class TapeRates {
   public:
     static constexpr int lanes = TapeLayout::line;
 
     explicit TapeRates(const truth::Recording<double>& recording, TapeOptions options = {});
 
-    /// Of the i-th variable from lanes * i on, as the states in y. Both from the beginning of a cache line on.
-    void operator()(const double* y, double* rates) {
+    void operator()(const TapeSubstep& substep) {
         if (tape_->code)
-            tape_->code->rates(memory_.data(), y, rates);
+            tape_->code->add_rates(memory_.data(), substep);
         else
-            interpreter_(tape_->program, memory_.data(), y, rates);
+            interpreter_->add_rates(tape_->program, memory_.data(), substep);
     }
 
   private:
     std::shared_ptr<const PreparedTape> tape_;
-    FindRates* interpreter_;
+    const TapeInterpreter* interpreter_;
     std::vector<double, LineAllocator<double>> memory_;
 };
 

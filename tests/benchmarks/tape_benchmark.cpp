@@ -54,10 +54,10 @@ void expand(benchmark::State& state, const std::string& scene, bool compiled) {
 void eight_rates(benchmark::State& state, const std::string& scene) {
     with_start(scene, [&](const auto& system, const auto& y) {
         TapeRates rates(recorded<double>(system));
-        Numbers<run_time> lanes(TapeRates::lanes * static_cast<int>(y.size())), f = lanes;
+        std::vector<double, LineAllocator<double>> lanes(TapeRates::lanes * y.size()), now(lanes.size()), f = now;
         for (std::size_t i = 0; i < lanes.size(); ++i) lanes[i] = y[i / TapeRates::lanes];
         for (auto _ : state) {
-            rates(lanes.data(), f.data());
+            rates({lanes.data(), now.data(), lanes.data(), f.data()});
             benchmark::ClobberMemory();
         }
     });

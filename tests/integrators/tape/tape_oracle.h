@@ -45,22 +45,40 @@ inline int compare_ways(const truth::Recording<double>& recording, int order, bo
     return ways;
 }
 
-/// Likewise of the rates of eight states side by side: `start` and what is near it.
+using LaneNumbers = std::vector<double, LineAllocator<double>>;
+
+/// The rates of eight states side by side.
+inline LaneNumbers rates_of(TapeRates& tape, const LaneNumbers& y) {
+    const LaneNumbers nothing(y.size()), one(TapeRates::lanes, 1);
+    LaneNumbers rates(y.size());
+    tape({y.data(), nothing.data(), one.data(), rates.data()});
+    return rates;
+}
+
+/// Likewise of substeps of eight states side by side: `start` and what is near it.
 inline int compare_ways_of_rates(const truth::Recording<double>& recording, const std::vector<double>& start) {
-    using Lanes = std::vector<double, LineAllocator<double>>;
     constexpr int lanes = TapeRates::lanes;
-    Lanes y(start.size() * lanes), rates(y.size()), others(y.size());
-    for (std::size_t i = 0; i < y.size(); ++i) y[i] = start[i / lanes] * (1 + 0.25 * static_cast<double>(i % lanes));
-    TapeRates(recording, {.instructions = InstructionSet::plain, .compiled = false})(y.data(), rates.data());
+    LaneNumbers y(start.size() * lanes), now(y.size()), change(y.size()), scale(lanes);
+    for (std::size_t i = 0; i < y.size(); ++i) {
+        const double lane = static_cast<double>(i % lanes);
+        y[i] = start[i / lanes] * (1 + 0.25 * lane), now[i] = 0.125 * (lane - 2), change[i] = 1 - lane;
+        scale[i % lanes] = 0.1 + lane;
+    }
+    const auto changed = [&](const TapeOptions& options) {
+        TapeRates rates(recording, options);
+        LaneNumbers to = change;
+        // once more: what is left in memory means nothing
+        for (int time = 0; time < 2; ++time) to = change, rates({y.data(), now.data(), scale.data(), to.data()});
+        return to;
+    };
+    const LaneNumbers plain = changed({.instructions = InstructionSet::plain, .compiled = false});
     int ways = 0;
     for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512})
         for (const bool compiled : {false, true}) {
             if (set > widest_instruction_set()) continue;
-            TapeRates other(recording, {.instructions = set, .compiled = compiled});
-            // once more: what is left in memory means nothing
-            other(y.data(), others.data()), other(y.data(), others.data());
+            const LaneNumbers other = changed({.instructions = set, .compiled = compiled});
             for (std::size_t i = 0; i < y.size(); ++i)
-                if (!same_bits(rates[i], others[i]))
+                if (!same_bits(plain[i], other[i]))
                     throw std::logic_error(std::string(name_of(set)) + (compiled ? " code" : " interpreted") +
                                            ": another rate of variable " + std::to_string(i / lanes));
             ++ways;
@@ -107,7 +125,8 @@ class TapeOfBytes {
         }
         for (int i = 0; i < states; ++i) {
             const bool is_constant = next() % 8 == 0;
-            recording.rates.emplace_back(factor(), is_constant ? -1 : place(), nullptr);
+            const bool is_parameter = is_constant && next() % 2 == 0;
+            recording.rates.emplace_back(is_parameter ? 0 : factor(), is_constant ? -1 : place(), nullptr);
         }
     }
 

@@ -58,9 +58,9 @@ RC_GTEST_PROP(TapeRates, AreTheRightHandSideInEveryLane, ()) {
     const int n = static_cast<int>(system.variables);
     constexpr int lanes = TapeRates::lanes;
     TapeRates rates(truth::record<double>(system, n));
-    std::vector<double, LineAllocator<double>> y(system.variables * lanes), f(y.size());
+    testing::LaneNumbers y(system.variables * lanes);
     for (int i = 0; i < n * lanes; ++i) y[i] = system.start[i / lanes] + 0.125 * (i % lanes);
-    rates(y.data(), f.data());
+    const testing::LaneNumbers f = testing::rates_of(rates, y);
     for (int lane = 0; lane < lanes; ++lane) {
         std::vector<double> one(system.variables), exact(system.variables);
         for (int i = 0; i < n; ++i) one[i] = y[i * lanes + lane];
@@ -80,9 +80,8 @@ TEST(TapeRates, TakeAnyAngle) {
         }
     };
     TapeRates rates(truth::record<double>(Wave{}, 1));
-    alignas(64) const double y[8] = {0, 1, -1e5, 1e5 + 1, 1e300, -1e22, 1e-300, HUGE_VAL};
-    alignas(64) double f[8];
-    rates(y, f);
+    const testing::LaneNumbers y{0, 1, -1e5, 1e5 + 1, 1e300, -1e22, 1e-300, HUGE_VAL};
+    const testing::LaneNumbers f = testing::rates_of(rates, y);
     for (int i = 0; i < 7; ++i) EXPECT_NEAR(f[i], std::sin(y[i]), 2.3e-16) << y[i];
     EXPECT_TRUE(std::isnan(f[7]));
 }

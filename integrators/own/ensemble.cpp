@@ -1,14 +1,17 @@
 #include "integrators/own/ensemble.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 #include <stdexcept>
 
 #include "body/fast_principal_frame.h"
 #include "integrators/method.h"
+#include "integrators/own/extrapolated_lanes.h"
 #include "integrators/own/octets.h"
+#include "motion/body_equations.h"
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
 #include "motion/translation.h"
@@ -33,30 +36,14 @@ constexpr double least_tolerance = 1e-15;
 struct Piece {
     double begin = 0, end = 0;
     bool free = false, impulses = false;
-    LoadTerms terms;
+    bool couples = false;  // where the body is and how it turns depend on each other
 };
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool one_by_one = false;  // loads that the kernels do not know
+    bool one_by_one = false;  // planes, or a torque of the user's own
     bool drifts = false;      // p and v move by themselves
 };
-
-// Which terms there are: those of the scene's loads, for all bodies alike.
-LoadTerms terms_of(const Forcing<double>& f) {
-    LoadTerms terms;
-    terms.torque = f.has_torque, terms.damping = f.has_damping, terms.spring = !f.springs.empty();
-    for (int b = 0; b < 3; ++b)
-        if (f.field.present[b] || (f.has_world_torque && f.torque_W[b] != 0)) terms.axis[terms.axes++] = b;
-    return terms;
-}
-
-bool translation_couples(const Forcing<double>& f, const std::vector<PosedImpulse<double>>& impulses) {
-    if (f.pivoted) return false;
-    return f.has_body_force || std::any_of(impulses.begin(), impulses.end(), [](const PosedImpulse<double>& impulse) {
-               return impulse.frame == Frame::body || impulse.point_frame == Frame::world;
-           });
-}
 
 Plan plan_of(const Scene& scene) {
     Plan plan;
@@ -66,12 +53,79 @@ Plan plan_of(const Scene& scene) {
     const ExactBody<double> body = exact_body<double>(scene);
     for (const Leg& leg : itinerary(scene)) {
         const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});
-        const auto impulses = impulses_at(scene, body, leg.begin, Quaternion<double>{});
-        plan.one_by_one |= !f.world_points.empty() || f.springs.size() > 1 || translation_couples(f, impulses);
-        plan.pieces.push_back({leg.begin, leg.end, !f.any_torque(), !impulses.empty(), terms_of(f)});
+        const bool couples = !f.pivoted && (f.has_body_force || !f.world_points.empty());
+        const bool struck = !impulses_at(scene, body, leg.begin, Quaternion<double>{}).empty();
+        plan.pieces.push_back({leg.begin, leg.end, !f.any_torque() && !couples, struck, couples});
     }
     return plan;
 }
+
+using Traced = truth::Traced<double>;
+
+// What acts and what resists it, in principal axes.
+template <class P>
+struct BodyLaw {
+    PrincipalInertia<P> inertia;
+    Forcing<P> forcing;
+    bool moves = false;  // p and v are variables too
+
+    int variables() const { return moves ? BodyState::motion : BodyState::rotation; }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        if (moves)
+            LoadedEquations<P, PrincipalInertia<P>, true>{inertia, &forcing}.derivative(0, y, dy);
+        else
+            LoadedEquations<P, PrincipalInertia<P>, false>{inertia, &forcing}.derivative(0, y, dy);
+    }
+    // All its numbers, in one order.
+    template <class Visit>
+    void each_number(Visit&& visit) {
+        const auto each = [&](auto&... triple) { (visit(triple[0], triple[1], triple[2]), ...); };
+        each(inertia.gyroscopic, inertia.inverse_moments);
+        if (forcing.has_torque) each(forcing.torque);
+        if (forcing.has_world_torque) each(forcing.torque_W);
+        if (forcing.has_damping) each(forcing.damping[0], forcing.damping[1], forcing.damping[2]);
+        for (int b = 0; b < 3; ++b)
+            if (forcing.field.present[b]) each(forcing.field.moment[b]);
+        for (auto& point : forcing.world_points) each(point.point_W, point.force);
+        for (auto& spring : forcing.springs)
+            visit(spring.stiffness, spring.rest.w, spring.rest.x), visit(spring.rest.y, spring.rest.z);
+        if (!moves) return;
+        each(forcing.acceleration_W);
+        if (forcing.has_body_force) each(forcing.specific_force);
+        if (forcing.has_translational_drag) visit(forcing.specific_drag);
+    }
+    std::vector<P> numbers() {
+        std::vector<P> all;
+        each_number([&](const auto&... numbers) { (all.push_back(numbers), ...); });
+        return all;
+    }
+};
+
+// A law whose numbers, where they are not zero, are variables that stay as they are: one for all bodies of such a law.
+struct AnyBody {
+    BodyLaw<double> like;
+
+    void derivative(const Traced* y, Traced* dy) const {
+        BodyLaw<Traced> law;
+        Forcing<Traced>& f = law.forcing;
+        const Forcing<double>& g = like.forcing;
+        law.moves = like.moves;
+        f.has_torque = g.has_torque, f.has_world_torque = g.has_world_torque, f.has_damping = g.has_damping;
+        f.has_translational_drag = g.has_translational_drag, f.has_body_force = g.has_body_force;
+        f.pivoted = g.pivoted, f.field.present = g.field.present;
+        for (const auto& point : g.world_points) f.world_points.push_back({{}, {}, point.frame});
+        f.springs.resize(g.springs.size());
+        const std::vector<double> numbers = BodyLaw<double>(like).numbers();
+        int k = 0, at = law.variables();
+        const auto put = [&](Traced& number) {
+            if (numbers[k++] != 0) number = y[at++];
+        };
+        law.each_number([&](auto&... each) { (put(each), ...); });
+        law.derivative(y, dy);
+        std::fill(dy + law.variables(), dy + at, Traced());
+    }
+};
 
 // One body on its way, in principal axes.
 struct Traveller {
@@ -249,124 +303,98 @@ class Block {
         }
     }
 
-    // The lane of one body; false where its damping is stiff.
-    bool load(const Piece& piece, const Traveller& t, LoadedLane& lane) const {
-        const Forcing<double> f = forcing_at(scene_, t.body, piece.begin, t.frame.q_BP);
-        const Vector3<double>& inverse = t.frame.inverse_moments;
+    BodyLaw<double> law_of(const Piece& piece, const Traveller& t) const {
+        return {{t.frame.gyroscopic, t.frame.inverse_moments, false},
+                forcing_at(scene_, t.body, piece.begin, t.frame.q_BP),
+                piece.couples};
+    }
+    static bool is_stiff(const BodyLaw<double>& law, double span) {
         double decay = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            lane.w[i] = t.w[i];
-            lane.gyroscopic[i] = t.frame.gyroscopic[i];
-            lane.torque[i] = inverse[i] * f.torque[i];
-            for (std::size_t j = 0; j < 3; ++j) lane.damping[i][j] = inverse[i] * f.damping[i][j];
-            const auto& row = lane.damping[i];
-            decay = std::max(decay, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
-            if (!f.springs.empty()) lane.stiffness[i] = inverse[i] * (2 * f.springs[0].stiffness);
+            const auto& row = law.forcing.damping[i];
+            const double rate = std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]);
+            decay = std::max(decay, law.inertia.inverse_moments[i] * rate);
         }
-        for (int n = 0; n < piece.terms.axes; ++n) {
-            const auto b = static_cast<std::size_t>(piece.terms.axis[n]);
-            const Vector3<double>& m = f.field.moment[b];
-            const double tau = f.has_world_torque ? f.torque_W[b] : 0;
-            const double rows[3][3] = {{tau, -m[2], m[1]}, {m[2], tau, -m[0]}, {-m[1], m[0], tau}};
-            for (std::size_t i = 0; i < 3; ++i)
-                for (std::size_t j = 0; j < 3; ++j) lane.field[n][i][j] = inverse[i] * rows[i][j];
-        }
-        const double q[4] = {t.q.w, t.q.x, t.q.y, t.q.z};
-        std::copy_n(q, 4, lane.q);
-        if (!f.springs.empty()) {
-            const Quaternion<double>& r = f.springs[0].rest;
-            const double rest[4] = {r.w, r.x, r.y, r.z};
-            std::copy_n(rest, 4, lane.rest);
-        }
-        return decay * (piece.end - piece.begin) <= stiff_decays;
+        return !(decay * span <= stiff_decays);
     }
 
-    // The axis of two equal moments that all fields' moments lie along, where nothing else acts; -1 if there is none.
-    static int symmetry_axis(const Piece& piece, const Traveller& t, const LoadedLane& lane) {
-        const LoadTerms& terms = piece.terms;
-        if (terms.torque || terms.damping || terms.spring || terms.axes == 0) return -1;
-        for (int s = 0; s < 3; ++s) {
-            const int i = (s + 1) % 3, j = (s + 2) % 3;
-            bool along = t.frame.moments[i] == t.frame.moments[j];
-            for (int n = 0; n < terms.axes; ++n) {
-                const auto& M = lane.field[n];
-                along = along && M[s][i] == 0 && M[s][j] == 0 && M[0][0] == 0 && M[1][1] == 0 && M[2][2] == 0;
-            }
-            if (along) return s;
+    // Bodies of one law: each by its variables and numbers, and by what its errors are measured by.
+    struct Queue {
+        BodyLaw<double> law;
+        std::vector<Traveller*> travellers;
+        std::vector<double> y, sizes;
+    };
+
+    static void join(Queue& queue, BodyLaw<double>& law, double span, Traveller& t) {
+        double y[BodyState::motion], rate[BodyState::motion]{};
+        BodyState::set_rotation(y, t.w, t.q), BodyState::set_translation(y, t.p, t.v);
+        law.derivative(y, rate);
+        const auto largest = [](const double* x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); };
+        // w against itself, or against what it reaches in the time that it takes to turn by a radian
+        const double turning = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
+        double speed = 1, place = 1;
+        if (law.moves) {
+            speed = std::max({largest(y + 10), largest(rate + 10) * span, 1e-100});
+            place = std::max({largest(y + 7), speed * span, 1e-100});
         }
-        return -1;
-    }
-
-    // From principal axes to those of SymmetricSeries, both they and the world's relabelled (i, j, s) -> (1, 2, 3).
-    static LoadedLane symmetric_lane(int s, const Piece& piece, const Traveller& t, const LoadedLane& lane) {
-        const int i = (s + 1) % 3, j = (s + 2) % 3;
-        LoadedLane relabelled;
-        relabelled.w[0] = lane.w[i], relabelled.w[1] = lane.w[j], relabelled.w[2] = lane.w[s];
-        const double q[4] = {lane.q[0], lane.q[1 + i], lane.q[1 + j], lane.q[1 + s]};
-        std::copy_n(q, 4, relabelled.q);
-        relabelled.gyroscopic[0] = t.frame.moments[s] * lane.w[s] * t.frame.inverse_moments[i];
-        relabelled.least_rate = std::abs(relabelled.gyroscopic[0]);
-        for (int n = 0; n < piece.terms.axes; ++n) relabelled.field[n][0][0] = lane.field[n][j][i];
-        return relabelled;
-    }
-
-    static void leave_symmetric_axes(int s, LoadedLane& lane) {
-        const int i = (s + 1) % 3, j = (s + 2) % 3;
-        const double angle = lane.w[2] * lane.reached, sine = std::sin(angle), cosine = std::cos(angle);
-        const Quaternion<double> spin{std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
-        const Quaternion<double> q = Quaternion<double>{lane.q[0], lane.q[1], lane.q[2], lane.q[3]} * spin;
-        double w[3], principal[4] = {q.w, 0, 0, 0};
-        w[i] = cosine * lane.w[0] + sine * lane.w[1];
-        w[j] = cosine * lane.w[1] - sine * lane.w[0];
-        w[s] = lane.w[2];
-        principal[1 + i] = q.x, principal[1 + j] = q.y, principal[1 + s] = q.z;
-        std::copy_n(w, 3, lane.w);
-        std::copy_n(principal, 4, lane.q);
+        const int n = law.variables();
+        for (int i = 0; i < n; ++i) {
+            queue.y.push_back(y[i]);
+            queue.sizes.push_back(i < 3 ? turning : i < 7 ? 1 : i < 10 ? place : speed);
+        }
+        for (const double number : law.numbers())
+            if (number != 0) queue.y.push_back(number), queue.sizes.push_back(1);
+        queue.travellers.push_back(&t);
     }
 
     void advance_loaded(const Piece& piece) {
-        // [3]: any body; [s]: symmetric about axis s
-        for (auto& queue : queues_) queue.lanes.clear(), queue.travellers.clear();
+        const double span = piece.end - piece.begin;
+        std::map<std::vector<bool>, Queue> queues;
         for (Traveller& t : travellers_) {
             if (!t.running) continue;
-            LoadedLane lane;
-            if (!load(piece, t, lane)) {
+            BodyLaw<double> law = law_of(piece, t);
+            if (is_stiff(law, span)) {
                 t.running = false, t.one_by_one = true;
                 continue;
             }
-            const int s = symmetry_axis(piece, t, lane);
-            Queue& queue = queues_[s < 0 ? 3 : static_cast<std::size_t>(s)];
-            queue.lanes.push_back(s < 0 ? lane : symmetric_lane(s, piece, t, lane));
-            queue.travellers.push_back(&t);
+            const auto& present = law.forcing.field.present;
+            std::vector<bool> kind{law.forcing.has_torque, law.forcing.has_world_torque, present[0], present[1],
+                                   present[2]};
+            for (const double number : law.numbers()) kind.push_back(number != 0);
+            Queue& queue = queues[kind];
+            if (queue.travellers.empty()) queue.law = law;
+            join(queue, law, span, t);
         }
-        const LaneSteps steps{piece.end - piece.begin, std::max(settings_.tolerance, least_tolerance) / 10,
-                              static_cast<double>(settings_.max_steps)};
-        for (int s = 0; s < 4; ++s) {
-            Queue& queue = queues_[static_cast<std::size_t>(s)];
-            if (queue.lanes.empty()) continue;
-            LoadTerms terms = piece.terms;
-            if (s < 3)
-                for (int& axis : terms.axis) axis = (axis - s + 2) % 3;
-            advance_loaded_lanes(queue.lanes.data(), queue.lanes.size(), terms, s < 3, steps, settings_.instructions);
-            for (std::size_t i = 0; i < queue.lanes.size(); ++i) {
-                if (s < 3) leave_symmetric_axes(s, queue.lanes[i]);
-                arrive(piece, queue.lanes[i], *queue.travellers[i]);
-            }
-        }
+        for (auto& [kind, queue] : queues) advance(piece, queue);
     }
 
-    void arrive(const Piece& piece, const LoadedLane& lane, Traveller& t) {
-        t.w = {lane.w[0], lane.w[1], lane.w[2]};
-        t.q = {lane.q[0], lane.q[1], lane.q[2], lane.q[3]};
-        if (lane.end != LoadedLane::End::reached) {
-            const double at = piece.begin + lane.reached;
-            const bool finite = lane.end != LoadedLane::End::not_finite;
-            fail(t, finite ? Status::failed : Status::diverged, at,
-                 finite ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
-                        : "the motion is not finite after t = " + shortest_decimal(at));
+    void advance(const Piece& piece, Queue& queue) {
+        const std::size_t n = queue.y.size() / queue.travellers.size();
+        std::vector<int> units{0, 0, 0, 3, 3, 3, 3};
+        if (queue.law.moves) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
+        for (int i = static_cast<int>(units.size()); i < static_cast<int>(n); ++i) units.push_back(i);
+        ExtrapolatedLanes lanes(truth::record<double>(AnyBody{queue.law}, static_cast<int>(n)), std::move(units),
+                                std::max(settings_.tolerance, least_tolerance), settings_.max_steps,
+                                {.instructions = settings_.instructions});
+        std::vector<LaneMotion> motions(queue.travellers.size());
+        for (std::size_t k = 0; k < motions.size(); ++k)
+            motions[k].y = &queue.y[n * k], motions[k].sizes = &queue.sizes[n * k];
+        lanes.advance(motions, piece.end - piece.begin);
+        for (std::size_t k = 0; k < motions.size(); ++k) arrive(piece, motions[k], *queue.travellers[k]);
+    }
+
+    void arrive(const Piece& piece, const LaneMotion& motion, Traveller& t) {
+        t.w = BodyState::angular_velocity(motion.y), t.q = BodyState::attitude(motion.y);
+        if (piece.couples) t.p = BodyState::position(motion.y), t.v = BodyState::velocity(motion.y);
+        if (motion.end != LaneMotion::End::reached) {
+            const double at = piece.begin + motion.reached;
+            const bool is_slow = motion.end == LaneMotion::End::too_many_steps;
+            fail(t, is_slow ? Status::failed : Status::diverged, at,
+                 is_slow ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
+                         : "the motion is not finite after t = " + shortest_decimal(at));
             return;
         }
-        translate_free(piece, t);
+        if (!piece.couples) translate_free(piece, t);
         if (settings_.tolerance < least_tolerance) {
             rows_[t.row].status = Status::tolerance_not_met;
             rows_[t.row].message = "a tolerance below 1e-15 is less than binary64 can meet";
@@ -397,11 +425,6 @@ class Block {
     std::span<EnsembleRow> rows_;
     std::vector<Traveller> travellers_;
     std::vector<FreeOctet> octets_;
-    struct Queue {
-        std::vector<LoadedLane> lanes;
-        std::vector<Traveller*> travellers;
-    };
-    std::array<Queue, 4> queues_;
 };
 
 }  // namespace

@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
-#include "integrators/own/binary_parts.h"
 #include "integrators/own/compensated_state.h"
+#include "integrators/own/extrapolation_control.h"
 #include "integrators/own/lane_columns.h"
 #include "integrators/own/midpoint_columns.h"
 #include "integrators/own/recorded.h"
@@ -26,34 +25,19 @@ constexpr double least_of_variable_order = 3e-14;
 /// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
 double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
 
-/// log2 x within 0.01 and 2^x within 1 %, of normal numbers x >= 0: the same bits with every library.
-double rough_log2(double x) {
-    const double m = mantissa_of(x);
-    return exponent_of(x) + ((2 - m / 3) * m - 5.0 / 3);
-}
-double rough_exp2(double x) {
-    const int whole = static_cast<int>(x + 64) - 64;  // |x| < 64
-    const double r = x - whole;
-    return power_of_two(whole) * (1 + r * (2 + r) / 3);
-}
-
 struct StepErrors {
     double squared, squared_before;  ///< see RotationStep
 };
 
 /// K and H of the next step.
 ///
-/// The motion's own period is a few steps, and the error of a given H differs a hundredfold along it. So H follows the
-/// least of the last four steps' suggestions, and the order changes only for a clear gain: measured, a third of the
-/// steps were else rejected, and the worst accepted ones made the error.
+/// The order changes only for a clear gain.
 class OrderControl {
   public:
     OrderControl(double tolerance, const ExtrapolationTable& table, int most)
         : table_(&table),
           most_(most),
-          first_(tolerance < least_of_variable_order
-                     ? careful_row
-                     : std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most)) {
+          first_(tolerance < least_of_variable_order ? careful_row : first_row(tolerance, most)) {
         restart();
     }
     void restart() {
@@ -69,8 +53,7 @@ class OrderControl {
         const int K = row().columns;
         double same = H * factor(errors.squared, K), lower = H * factor(errors.squared_before, K - 1);
         if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
-        suggested_ = {same, suggested_[0], suggested_[1], suggested_[2]};
-        const double least = std::min(std::min(same, suggested_[1]), std::min(suggested_[2], suggested_[3]));
+        const double least = suggested_.least(same);
         lower *= least / same, same = least;
         if (row_ == careful_row) return on_grid(same);
         if (K > fewest_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
@@ -91,30 +74,20 @@ class OrderControl {
         forget();
         return 0.1 * H;
     }
-    /// H cut to few binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is then exact. A
-    /// rounded H/n_j would be an error of the time itself, the same in every step and amplified.
-    double on_grid(double H) const {
-        if (H < 1e-200) return H;
-        const double unit = power_of_two(exponent_of(H) - 30);
-        const double grid = row().odd_multiple * unit;
-        return static_cast<double>(static_cast<long>(H / grid)) * grid;
-    }
+    double on_grid(double H) const { return step_on_grid(H, row().odd_multiple); }
 
   private:
-    void forget() { suggested_.fill(std::numeric_limits<double>::infinity()); }
+    void forget() { suggested_.forget(); }
     double work(int K, double H) const { return (*table_)[K].work / H; }
-    /// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)); with care the aim is so low that the
-    /// error of T_KK itself, at its worst along the motion, is below rounding.
+    /// With care the aim is so low that the error of T_KK itself, at its worst along the motion, is below rounding.
     double factor(double squared_error, int K) const {
-        const double log2_of_aim = row_ == careful_row ? -7 : -2.32;
-        const double exponent = (log2_of_aim - rough_log2(squared_error) / 2) / (2 * K - 1);
-        return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
+        return step_factor(row_ == careful_row ? -7 : -2.32, squared_error, K);
     }
 
     const ExtrapolationTable* table_;
     int most_, first_, row_ = first_;
     bool rejected_ = false;
-    std::array<double, 4> suggested_{};
+    SuggestedSteps suggested_;
 };
 
 /// What a step of K columns finds of any of the systems: increments by `column(j, i)`, with what they lost.

@@ -17,7 +17,7 @@ inline constexpr int fewest_columns = 2, most_columns = 9;
 
 /// Rows are counted by their columns; the last is for tolerances near the rounding: six columns that amplify it as
 /// little as possible, each of them summed with compensation.
-inline constexpr int careful_row = 10, rows = 11;
+inline constexpr int careful_row = 10, table_rows = 11;
 
 /// The n_j of a row. Found by search: the least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30, which is by how
 /// much the rounding of an increment is amplified (with 2, 4, 6, .. it is 120 for K = 8, 600 for K = 10).
@@ -118,7 +118,7 @@ constexpr ExtrapolationRow extrapolation_row() {
     return row_of<substeps<number>()>();
 }
 
-using ExtrapolationTable = std::array<ExtrapolationRow, rows>;
+using ExtrapolationTable = std::array<ExtrapolationRow, table_rows>;
 inline constexpr ExtrapolationTable extrapolation_rows{
     ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(),          extrapolation_row<3>(),
     extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(),          extrapolation_row<7>(),

@@ -180,7 +180,7 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
 template <RotationTerms terms, class Register>
 POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                   const RotationState& from, double H, int row, RotationStep& to) {
-    unrolled<rows - fewest_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
+    unrolled<table_rows - fewest_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
         constexpr int number = fewest_columns + i;
         if (row == number) midpoint_step<number, terms, Register>(coefficients, allowance, from, H, to);
     });

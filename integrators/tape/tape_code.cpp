@@ -599,35 +599,25 @@ class TapeCompiler {
             int at = 0;
             enumerate(program_.begin, {}, at, visit);
             at += static_cast<int>(program_.begin.size());
-            for (const TapeProgram::Rate& rate : program_.first_rates) {
-                if (rate.from == none) continue;
-                visit(rate.from, ++at);
-                if (rate.factor != none) visit(rate.factor, at);
-            }
+            for (const TapeProgram::Rate& rate : program_.first_rates)
+                if (rate.from != none) visit(rate.from, ++at);
         });
         for (const TapeProgram::Operation& op : program_.begin) operate(op);
-        const Register scale = temporary();
+        const Register scale = temporary(), scaled = temporary();
         a_.vmovapd(vec(scale), x86::ptr(x86::r14));
+        int factor = none;
         for (int i = 0; i < program_.states; ++i) {
             const TapeProgram::Rate& rate = program_.first_rates[i];
             if (rate.from == none) continue;
-            Register r = fetch_scalar(rate.from);
-            used(rate.from);
-            if (rate.factor != none) {
-                const Operand factor = operand(rate.factor);
-                const Register product = take();
-                in_use_[product] = true;
-                emit(x86::Inst::kIdVmulpd, product, r, factor);
-                used(rate.factor), r = product;
-            }
-            const Register sum = take();
+            if (rate.factor != none && rate.factor != factor)
+                a_.vmulpd(vec(scaled), vec(scale), slot(factor = rate.factor));
+            const Register r = fetch_scalar(rate.from), sum = take();
             const x86::Mem change = x86::ptr(x86::r15, 64 * i);
             load(sum, change);
-            a_.vfmadd231pd(vec(sum), vec(r), vec(scale));
+            a_.vfmadd231pd(vec(sum), vec(r), vec(rate.factor == none ? scale : scaled));
             store(change, sum);
             in_use_.fill(false);
-            for (const int id : {rate.from, rate.factor})
-                if (id != none) done(id);
+            used(rate.from), done(rate.from);
         }
     }
     // the part of the first order has nothing in P yet

@@ -261,10 +261,9 @@ void add_rates_of(const TapeProgram& program, double* memory, const TapeSubstep&
     for (int i = 0; i < program.states; ++i) {
         const TapeProgram::Rate& rate = program.first_rates.data()[i];
         if (rate.from == TapeProgram::none) continue;
-        Line of = loaded(at(rate.from));
-        if (rate.factor != TapeProgram::none) of = of * loaded(at(rate.factor));
+        const Line scaled = rate.factor == TapeProgram::none ? scale : scale * loaded(at(rate.factor));
         double* const to = substep.change + i * line;
-        store(fused(of, scale, loaded(to)), to);
+        store(fused(loaded(at(rate.from)), scaled, loaded(to)), to);
     }
 }
 

@@ -130,7 +130,7 @@ TEST(RotationSteps, AreTheSameBitsByEveryInstructionSet) {
         RotationStep plain, wide;
         for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512}) {
             if (set > widest_instruction_set()) continue;
-            for (int row = fewest_columns; row < rows; ++row) {
+            for (int row = fewest_columns; row < table_rows; ++row) {
                 midpoint_step(InstructionSet::plain)(*coefficients, allowance, r.state, 0.01, row, plain);
                 midpoint_step(set)(*coefficients, allowance, r.state, 0.01, row, wide);
                 expect_same(plain, wide);

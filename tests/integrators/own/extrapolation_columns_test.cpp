@@ -28,7 +28,7 @@ Moment moment(const ExtrapolationRow& row, const std::array<double, most_columns
 }
 
 TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
-    for (int number = fewest_columns; number < rows; ++number) {
+    for (int number = fewest_columns; number < table_rows; ++number) {
         const ExtrapolationRow& row = extrapolation_rows[number];
         for (int k = 0; k < row.columns; ++k) {
             const Moment value = moment(row, row.weights.value, k);

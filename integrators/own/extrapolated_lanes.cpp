@@ -1,0 +1,248 @@
+#include "integrators/own/extrapolated_lanes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "integrators/lanes/lane_math.h"
+#include "integrators/lanes/rotation_lanes.h"
+#include "integrators/own/extrapolation_control.h"
+
+namespace polhode {
+/// What is seen of a step, in whole registers: of each variable eight numbers.
+struct ExtrapolatedLanes::StepEnd {
+    int size;
+    const char* is_moving;
+    const int* units;
+    double tolerance, span, max_steps;
+    const ExtrapolationRow* row;
+    const double* const* columns;
+    double *sizes, *next, *next_lost, *start, *lost;
+    Control* control;
+};
+
+/// Everything here is for one register, in whole registers.
+struct ExtrapolatedLanes::Kernels {
+    void (*begin)(const Control&, double span, int n, std::size_t end, const double* rate, double* twice_h, double* now,
+                  double* before);
+    void (*end)(const StepEnd&);
+
+    static const Kernels& of(InstructionSet set);
+
+    POLHODE_INLINE static Octet eight_at(const double* from) { return {loaded<Lanes8>(from)}; }
+    POLHODE_INLINE static void put(double* to, const Octet& x) { store(to, x.v); }
+    POLHODE_INLINE static Octet tried(const Control& c, double span) {
+        return smaller(eight_at(c.step), span - eight_at(c.time));
+    }
+
+    // z_1 = h f(y), z_0 = 0
+    POLHODE_INLINE static void begin_column(const Control& c, double span, int n, std::size_t end, const double* rate,
+                                            double* twice_h, double* now, double* before) {
+        const Octet h = tried(c, span) / octet(n);
+        put(twice_h, 2.0 * h);
+        for (std::size_t i = 0; i < end; i += 8) put(now + i, h * eight_at(rate + i)), put(before + i, octet(0));
+    }
+
+    // y + T_KK with what that rounds away; T_KK - T_K,K-1 in units of what is allowed, squared
+    POLHODE_INLINE static Octet extrapolate(const StepEnd& s) {
+        for (int i = 0; i < s.size; ++i) {
+            double* const size = s.sizes + 8 * s.units[i];
+            put(size, larger(eight_at(size), magnitude(eight_at(s.start + 8 * i))));
+        }
+        const int last = s.row->columns - 1;
+        const double slack = 0x1p-53 * s.row->amplification;
+        Octet squared = octet(0);
+        for (int i = 0; i < s.size; ++i) {
+            if (!s.is_moving[i]) continue;
+            const Octet finest = eight_at(s.columns[last] + 8 * i);
+            Octet value = octet(0), error = octet(0);
+            for (int j = 0; j < last; ++j) {
+                const Octet difference = eight_at(s.columns[j] + 8 * i) - finest;
+                value += s.row->weights.value[j] * difference;
+                error += s.row->weights.error[j] * difference;
+            }
+            const Octet allowed = s.tolerance * eight_at(s.sizes + 8 * s.units[i]) + slack * magnitude(finest);
+            const Octet relative = error / allowed;
+            squared += relative * relative;
+            const Octet y = eight_at(s.start + 8 * i), sum = y + finest;
+            const Octet rest = (value + eight_at(s.lost + 8 * i)) + Octet{rounded_away(y.v, finest.v, sum.v)};
+            const Octet next = sum + rest;
+            put(s.next + 8 * i, next);
+            put(s.next_lost + 8 * i, Octet{rounded_away(sum.v, rest.v, next.v)});
+        }
+        return squared;
+    }
+
+    /// log2 x for x >= 0, up to 0.09 too small, -1023 for 0: the bits of x as a number.
+    POLHODE_INLINE static Octet rough_log2(const Octet& x) {
+        const Octet shifted = from_bits(((bits(x) >> 12) & 0x0007'ffff'ffff'ffff) | bits(octet(0x1p52)));
+        return (shifted - 0x1p52) * 0x1p-40 - 1023.0;
+    }
+    /// Cut to some thirty binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is exact.
+    POLHODE_INLINE static Octet on_grid(const Octet& H, int odd_multiple) {
+        const Octet unit = from_bits(bits(H) & 0x7ff0'0000'0000'0000) * (0x1p-30 * odd_multiple);
+        return select(H > octet(1e-200), rounded(H / unit - 0.5) * unit, H);
+    }
+    POLHODE_INLINE static Octet infinite() { return octet(std::numeric_limits<double>::infinity()); }
+
+    // accepted or not, and what comes then: H follows the least of the last four steps' suggestions (see OrderControl)
+    POLHODE_INLINE static void end_columns(const StepEnd& s) {
+        Control& c = *s.control;
+        const Octet squared = extrapolate(s), H = tried(c, s.span), step = eight_at(c.step), time = eight_at(c.time);
+        const OctetMask accepted = squared <= octet(1), is_finite = squared * 0.0 == octet(0);
+        for (int i = 0; i < s.size; ++i) {
+            if (!s.is_moving[i]) continue;
+            put(s.start + 8 * i, select(accepted, eight_at(s.next + 8 * i), eight_at(s.start + 8 * i)));
+            put(s.lost + 8 * i, select(accepted, eight_at(s.next_lost + 8 * i), eight_at(s.lost + 8 * i)));
+        }
+        constexpr double log2_of_aim = -2.32, ln2 = 0x1.62e42fefa39efp-1;
+        const Octet exponent = (log2_of_aim - 0.5 * rough_log2(squared)) * (1.0 / (2 * s.row->columns - 1));
+        const Octet factor = 0.94 * exponential(ln2 * smaller(larger(exponent, octet(-3)), octet(1.5)));
+        Octet least = H * select(is_finite, factor, octet(0.1));
+        least = select(accepted, least, smaller(least, 0.9 * H));
+        for (double* const suggested : c.suggested) {
+            const Octet before = select(is_finite, eight_at(suggested), infinite());
+            put(suggested, least);
+            least = smaller(before, least);
+        }
+        const Octet next = on_grid(least, s.row->odd_multiple);
+        // a step cut at the end says little of the next
+        put(c.step, select(accepted, select(H < step, larger(next, step), next), next));
+        const Octet now = select(accepted, select(s.span - time <= H, octet(s.span), time + H), time);
+        const Octet taken = eight_at(c.taken) + 1.0;
+        const auto code = [](LaneMotion::End end) { return octet(1 + static_cast<int>(end)); };
+        Octet ended = select(now + eight_at(c.step) > now, octet(0),
+                             select(is_finite, code(LaneMotion::End::too_short), code(LaneMotion::End::not_finite)));
+        ended = select(taken < octet(s.max_steps), ended, code(LaneMotion::End::too_many_steps));
+        put(c.ended, select(now == octet(s.span), code(LaneMotion::End::reached), ended));
+        put(c.time, now), put(c.taken, taken);
+    }
+
+    static void begin_plain(const Control& c, double span, int n, std::size_t end, const double* rate, double* twice_h,
+                            double* now, double* before) {
+        begin_column(c, span, n, end, rate, twice_h, now, before);
+    }
+    POLHODE_TARGET_AVX2 static void begin_avx2(const Control& c, double span, int n, std::size_t end,
+                                               const double* rate, double* twice_h, double* now, double* before) {
+        begin_column(c, span, n, end, rate, twice_h, now, before);
+    }
+    POLHODE_TARGET_AVX512 static void begin_avx512(const Control& c, double span, int n, std::size_t end,
+                                                   const double* rate, double* twice_h, double* now, double* before) {
+        begin_column(c, span, n, end, rate, twice_h, now, before);
+    }
+    static void end_plain(const StepEnd& s) { end_columns(s); }
+    POLHODE_TARGET_AVX2 static void end_avx2(const StepEnd& s) { end_columns(s); }
+    POLHODE_TARGET_AVX512 static void end_avx512(const StepEnd& s) { end_columns(s); }
+};
+
+const ExtrapolatedLanes::Kernels& ExtrapolatedLanes::Kernels::of(InstructionSet set) {
+    static constexpr Kernels all[] = {{begin_plain, end_plain}, {begin_avx2, end_avx2}, {begin_avx512, end_avx512}};
+    return all[static_cast<std::size_t>(set)];
+}
+
+ExtrapolatedLanes::ExtrapolatedLanes(const truth::Recording<double>& recording, std::vector<int> units,
+                                     double tolerance, long max_steps, const TapeOptions& options)
+    : size_(static_cast<int>(recording.rates.size())),
+      tolerance_(tolerance),
+      max_steps_(max_steps),
+      row_(&extrapolation_rows[static_cast<std::size_t>(first_row(tolerance, most_columns))]),
+      units_(std::move(units)),
+      kernels_(&Kernels::of(options.instructions)),
+      rates_(recording, options) {
+    for (const truth::Traced<double>& rate : recording.rates) {
+        is_moving_.push_back(rate.node >= 0 || rate.factor != 0);
+        if (is_moving_.back()) moving_ = static_cast<int>(is_moving_.size());
+    }
+    const std::size_t end = place(size_, 0);
+    zero_.assign(end, 0);
+    for (Register& r : registers_) {
+        for (Numbers8* const list : {&r.start, &r.lost, &r.rate, &r.scratch, &r.next, &r.next_lost})
+            list->assign(end, 0);
+        r.sizes.assign(end, 1), r.twice_h.assign(lanes, 0);
+        for (Numbers8& column : r.column) column.assign(end, 0);
+    }
+}
+
+void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& motions, std::size_t& next) {
+    if (r.motion[lane]) --r.busy;
+    LaneMotion* const motion = next < motions.size() ? &motions[next++] : nullptr;
+    r.motion[lane] = motion;
+    if (motion) ++r.busy, r.has_new = true;
+    Control& c = r.control;
+    c.time[lane] = c.taken[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 1;
+    for (double* const suggested : c.suggested) suggested[lane] = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < size_; ++i) {
+        r.start[place(i, lane)] = motion ? motion->y[i] : 0, r.lost[place(i, lane)] = 0;
+        r.sizes[place(i, lane)] = motion ? motion->sizes[i] : 1;
+    }
+}
+
+// in which nothing grows by more than its size
+double ExtrapolatedLanes::first_step(const Register& r, int lane, double span) const {
+    double rate = 0;
+    for (int i = 0; i < size_; ++i)
+        rate = std::max(rate, std::abs(r.rate[place(i, lane)]) / r.sizes[place(units_[i], lane)]);
+    return rate > 0 && rate * span > 1 ? 1 / rate : span;
+}
+
+void ExtrapolatedLanes::begin_step(Register& r, double span) {
+    alignas(64) static constexpr std::array<double, lanes> one{1, 1, 1, 1, 1, 1, 1, 1};
+    std::fill_n(r.rate.begin(), place(moving_, 0), 0);
+    rates_({r.start.data(), zero_.data(), one.data(), r.rate.data()});
+    if (!std::exchange(r.has_new, false)) return;
+    for (int lane = 0; lane < lanes; ++lane)
+        if (r.control.step[lane] == 0)
+            r.control.step[lane] = step_on_grid(first_step(r, lane, span), row_->odd_multiple);
+}
+
+void ExtrapolatedLanes::end_step(Register& r, double span, std::vector<LaneMotion>& motions, std::size_t& next) {
+    std::array<const double*, most_columns> columns{};
+    for (int j = 0; j < row_->columns; ++j) columns[j] = r.column[j].data();
+    kernels_->end({moving_, is_moving_.data(), units_.data(), tolerance_, span, static_cast<double>(max_steps_), row_,
+                   columns.data(), r.sizes.data(), r.next.data(), r.next_lost.data(), r.start.data(), r.lost.data(),
+                   &r.control});
+    for (int lane = 0; lane < lanes; ++lane) {
+        LaneMotion* const motion = r.motion[lane];
+        if (!motion || r.control.ended[lane] == 0) continue;
+        motion->end = static_cast<LaneMotion::End>(static_cast<int>(r.control.ended[lane]) - 1);
+        for (int i = 0; i < moving_; ++i)
+            if (is_moving_[i]) motion->y[i] = r.start[place(i, lane)];
+        motion->step = r.control.step[lane], motion->reached = r.control.time[lane];
+        motion->steps += static_cast<long>(r.control.taken[lane]);
+        fill(r, lane, motions, next);
+    }
+}
+
+void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
+    std::size_t next = 0;
+    for (Register& r : registers_)
+        for (int lane = 0; lane < lanes; ++lane) fill(r, lane, motions, next);
+    for (;;) {
+        std::array<Register*, 2> busy{};
+        std::size_t count = 0;
+        for (Register& r : registers_)
+            if (r.busy > 0) busy[count++] = &r;
+        if (count == 0) return;
+        for (std::size_t k = 0; k < count; ++k) begin_step(*busy[k], span);
+        for (int j = 0; j < row_->columns; ++j) {
+            const int n = row_->substeps[j];
+            for (std::size_t k = 0; k < count; ++k) {
+                Register& r = *busy[k];
+                // n is even: after n - 1 substeps the last is where nothing stood
+                r.now = {r.scratch.data(), r.column[j].data()};
+                kernels_->begin(r.control, span, n, place(moving_, 0), r.rate.data(), r.twice_h.data(), r.now[0],
+                                r.now[1]);
+            }
+            for (int m = 1; m < n; ++m)
+                for (std::size_t k = 0; k < count; ++k) {
+                    Register& r = *busy[k];
+                    rates_({r.start.data(), r.now[0], r.twice_h.data(), r.now[1]});
+                    std::swap(r.now[0], r.now[1]);
+                }
+        }
+        for (std::size_t k = 0; k < count; ++k) end_step(*busy[k], span, motions, next);
+    }
+}
+
+}  // namespace polhode

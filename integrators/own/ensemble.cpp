@@ -1,11 +1,13 @@
 #include "integrators/own/ensemble.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "body/fast_principal_frame.h"
 #include "integrators/method.h"
@@ -125,6 +127,40 @@ struct AnyBody {
         law.derivative(y, dy);
         std::fill(dy + law.variables(), dy + at, Traced());
     }
+};
+
+// A body whose moments across an axis s are equal, under fields whose moments m_b lie along it, in axes that do not
+// spin with it: i, j, s, both they and the world's taken for 1, 2, 3.
+//
+//   u_1' = -c u_2 - sum_b mu_b e_b,2,  u_2' = c u_1 + sum_b mu_b e_b,1,  q' = 1/2 q (0, u),  u_3 = 0
+//
+// c = I_s w_s/I_i and mu_b = m_b,s/I_i, and w_s constant; e_b the world's axes in these. The body has turned by w_s t
+// against them. Steps are those of the precession and the nutation, not of the spin.
+struct SymmetricBody {
+    static constexpr int variables = 6;  // u_1, u_2, q; then c, mu_1, mu_2, mu_3
+
+    void derivative(const Traced* y, Traced* dy) const {
+        const Quaternion<Traced> q = quaternion_at(y, 2);
+        dy[0] = -(y[6] * y[1]), dy[1] = y[6] * y[0];
+        for (int b = 0; b < 3; ++b) {
+            const Vector3<Traced> e = world_axis(q, b);
+            if (present[b]) dy[0] -= y[7 + b] * e[1], dy[1] += y[7 + b] * e[0];
+        }
+        put(dy, 2, attitude_rate(Traced(0.5), q, Vector3<Traced>(y[0], y[1], Traced())));
+    }
+    // The axis; -1 if there is none.
+    static int axis(const BodyLaw<double>& law, const Vector3<double>& moments) {
+        if (law.moves || law.forcing.any_torque_beside_field()) return -1;
+        for (int s = 0; s < 3; ++s) {
+            const int i = (s + 1) % 3, j = (s + 2) % 3;
+            bool is_along = moments[i] == moments[j];
+            for (const Vector3<double>& m : law.forcing.field.moment) is_along = is_along && m[i] == 0 && m[j] == 0;
+            if (is_along) return s;
+        }
+        return -1;
+    }
+
+    std::array<bool, 3> present;
 };
 
 // One body on its way, in principal axes.
@@ -325,11 +361,12 @@ class Block {
         std::vector<double> y, sizes;
     };
 
-    static void join(Queue& queue, BodyLaw<double>& law, double span, Traveller& t) {
+    static double largest(const double* x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); }
+
+    static void join(Queue& queue, BodyLaw<double>& law, double span, const Traveller& t) {
         double y[BodyState::motion], rate[BodyState::motion]{};
         BodyState::set_rotation(y, t.w, t.q), BodyState::set_translation(y, t.p, t.v);
         law.derivative(y, rate);
-        const auto largest = [](const double* x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); };
         // w against itself, or against what it reaches in the time that it takes to turn by a radian
         const double turning = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
         double speed = 1, place = 1;
@@ -344,12 +381,37 @@ class Block {
         }
         for (const double number : law.numbers())
             if (number != 0) queue.y.push_back(number), queue.sizes.push_back(1);
-        queue.travellers.push_back(&t);
+    }
+    static void join_symmetric(int s, Queue& queue, const BodyLaw<double>& law, const Traveller& t) {
+        const int i = (s + 1) % 3, j = (s + 2) % 3;
+        const double inverse = law.inertia.inverse_moments[i], c = t.frame.moments[s] * t.w[s] * inverse;
+        double mu[3], pull = 0;
+        for (int b = 0; b < 3; ++b) {
+            mu[b] = law.forcing.field.moment[(s + 1 + b) % 3][s] * inverse;
+            pull = std::max(pull, std::abs(mu[b]));
+        }
+        const double q[4] = {t.q.w, t.q.x, t.q.y, t.q.z};
+        for (const double number : {t.w[i], t.w[j], q[0], q[1 + i], q[1 + j], q[1 + s], c, mu[0], mu[1], mu[2]})
+            queue.y.push_back(number);
+        const double turning = std::max({std::abs(t.w[i]), std::abs(t.w[j]), std::abs(c), std::sqrt(pull), 1e-100});
+        queue.sizes.insert(queue.sizes.end(), {turning, turning, 1, 1, 1, 1, 1, 1, 1, 1});
+    }
+    static void leave_symmetric(int s, const LaneMotion& motion, Traveller& t) {
+        const int i = (s + 1) % 3, j = (s + 2) % 3;
+        const double *const y = motion.y, angle = t.w[s] * motion.reached, sine = std::sin(angle);
+        const double cosine = std::cos(angle);
+        const Quaternion<double> q =
+            quaternion_at(y, 2) * Quaternion<double>{std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
+        t.w[i] = cosine * y[0] + sine * y[1], t.w[j] = cosine * y[1] - sine * y[0];
+        double principal[4] = {q.w, 0, 0, 0};
+        principal[1 + i] = q.x, principal[1 + j] = q.y, principal[1 + s] = q.z;
+        t.q = quaternion_at(principal, 0);
     }
 
     void advance_loaded(const Piece& piece) {
         const double span = piece.end - piece.begin;
-        std::map<std::vector<bool>, Queue> queues;
+        // by the axis of symmetry and by what is not zero
+        std::map<std::pair<int, std::vector<bool>>, Queue> queues;
         for (Traveller& t : travellers_) {
             if (!t.running) continue;
             BodyLaw<double> law = law_of(piece, t);
@@ -357,34 +419,53 @@ class Block {
                 t.running = false, t.one_by_one = true;
                 continue;
             }
+            const int s = SymmetricBody::axis(law, t.frame.moments);
             const auto& present = law.forcing.field.present;
             std::vector<bool> kind{law.forcing.has_torque, law.forcing.has_world_torque, present[0], present[1],
                                    present[2]};
-            for (const double number : law.numbers()) kind.push_back(number != 0);
-            Queue& queue = queues[kind];
+            for (const double number : law.numbers())
+                if (s < 0) kind.push_back(number != 0);
+            Queue& queue = queues[{s, kind}];
             if (queue.travellers.empty()) queue.law = law;
-            join(queue, law, span, t);
+            queue.travellers.push_back(&t);
+            if (s < 0)
+                join(queue, law, span, t);
+            else
+                join_symmetric(s, queue, law, t);
         }
-        for (auto& [kind, queue] : queues) advance(piece, queue);
+        for (auto& [kind, queue] : queues) advance(piece, kind.first, queue);
     }
 
-    void advance(const Piece& piece, Queue& queue) {
-        const std::size_t n = queue.y.size() / queue.travellers.size();
+    void advance(const Piece& piece, int s, Queue& queue) {
+        const auto& present = queue.law.forcing.field.present;
+        const int n = static_cast<int>(queue.y.size() / queue.travellers.size());
         std::vector<int> units{0, 0, 0, 3, 3, 3, 3};
+        if (s >= 0) units = {0, 0, 2, 2, 2, 2};
         if (queue.law.moves) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
-        for (int i = static_cast<int>(units.size()); i < static_cast<int>(n); ++i) units.push_back(i);
-        ExtrapolatedLanes lanes(truth::record<double>(AnyBody{queue.law}, static_cast<int>(n)), std::move(units),
-                                std::max(settings_.tolerance, least_tolerance), settings_.max_steps,
-                                {.instructions = settings_.instructions});
+        for (int i = static_cast<int>(units.size()); i < n; ++i) units.push_back(i);
+        const auto recording = s < 0 ? truth::record<double>(AnyBody{queue.law}, n)
+                                     : truth::record<double>(SymmetricBody{{present[(s + 1) % 3], present[(s + 2) % 3],
+                                                                            present[static_cast<std::size_t>(s)]}},
+                                                             n);
+        ExtrapolatedLanes lanes(recording, std::move(units), std::max(settings_.tolerance, least_tolerance),
+                                settings_.max_steps, {.instructions = settings_.instructions});
         std::vector<LaneMotion> motions(queue.travellers.size());
-        for (std::size_t k = 0; k < motions.size(); ++k)
-            motions[k].y = &queue.y[n * k], motions[k].sizes = &queue.sizes[n * k];
+        for (std::size_t k = 0; k < motions.size(); ++k) {
+            const std::size_t first = k * static_cast<std::size_t>(n);
+            motions[k].y = &queue.y[first], motions[k].sizes = &queue.sizes[first];
+        }
         lanes.advance(motions, piece.end - piece.begin);
-        for (std::size_t k = 0; k < motions.size(); ++k) arrive(piece, motions[k], *queue.travellers[k]);
+        for (std::size_t k = 0; k < motions.size(); ++k) {
+            Traveller& t = *queue.travellers[k];
+            if (s < 0)
+                t.w = BodyState::angular_velocity(motions[k].y), t.q = BodyState::attitude(motions[k].y);
+            else
+                leave_symmetric(s, motions[k], t);
+            arrive(piece, motions[k], t);
+        }
     }
 
     void arrive(const Piece& piece, const LaneMotion& motion, Traveller& t) {
-        t.w = BodyState::angular_velocity(motion.y), t.q = BodyState::attitude(motion.y);
         if (piece.couples) t.p = BodyState::position(motion.y), t.v = BodyState::velocity(motion.y);
         if (motion.end != LaneMotion::End::reached) {
             const double at = piece.begin + motion.reached;

@@ -170,7 +170,8 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     r.motion[lane] = motion;
     if (motion) ++r.busy, r.has_new = true;
     Control& c = r.control;
-    c.time[lane] = c.taken[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 1;
+    // a lane without a motion stays where it is
+    c.time[lane] = c.taken[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 0;
     for (double* const suggested : c.suggested) suggested[lane] = std::numeric_limits<double>::infinity();
     for (int i = 0; i < size_; ++i) {
         r.start[place(i, lane)] = motion ? motion->y[i] : 0, r.lost[place(i, lane)] = 0;
@@ -178,12 +179,12 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     }
 }
 
-// in which nothing grows by more than its size
+// in which nothing grows by more than half its size
 double ExtrapolatedLanes::first_step(const Register& r, int lane, double span) const {
     double rate = 0;
     for (int i = 0; i < size_; ++i)
         rate = std::max(rate, std::abs(r.rate[place(i, lane)]) / r.sizes[place(units_[i], lane)]);
-    return rate > 0 && rate * span > 1 ? 1 / rate : span;
+    return rate > 0 && rate * span > 0.5 ? 0.5 / rate : span;
 }
 
 void ExtrapolatedLanes::begin_step(Register& r, double span) {
@@ -192,7 +193,7 @@ void ExtrapolatedLanes::begin_step(Register& r, double span) {
     rates_({r.start.data(), zero_.data(), one.data(), r.rate.data()});
     if (!std::exchange(r.has_new, false)) return;
     for (int lane = 0; lane < lanes; ++lane)
-        if (r.control.step[lane] == 0)
+        if (r.motion[lane] && r.control.step[lane] == 0)
             r.control.step[lane] = step_on_grid(first_step(r, lane, span), row_->odd_multiple);
 }
 

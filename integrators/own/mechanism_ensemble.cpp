@@ -1,11 +1,18 @@
 #include "integrators/own/mechanism_ensemble.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "integrators/method.h"
-#include "motion/problem.h"
+#include "integrators/own/extrapolated_lanes.h"
+#include "integrators/run/stiffness.h"
+#include "motion/itinerary.h"
+#include "motion/mechanism.h"
+#include "text/decimal.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -31,6 +38,100 @@ MechanismRow solved_row(const Scene& scene, long samples, const EnsembleSettings
     return row;
 }
 
+// Motions of one mechanism, a lane each.
+class RowsInLanes {
+  public:
+    RowsInLanes(const Scene& scene, const MechanismModel& model, const MechanismTable& table, std::size_t first,
+                std::span<MechanismRow> rows, const EnsembleSettings& settings)
+        : scene_(scene),
+          model_(model),
+          settings_(settings),
+          rows_(rows),
+          n_(static_cast<std::size_t>(model.dimension())) {
+        const std::vector<double> sizes = model.scales();
+        y_.resize(n_ * rows.size());
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            const Scene row = table.scene_of(scene, first + k);
+            Tree<double>(row, bodies_mass_properties<double>(row)).initial(&y_[n_ * k]);
+            sizes_.insert(sizes_.end(), sizes.begin(), sizes.end());
+        }
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            motions_.push_back({.y = &y_[n_ * k], .sizes = &sizes_[n_ * k]}), row_of_.push_back(k);
+        // components of one kind have the same size
+        for (const double size : sizes)
+            units_.push_back(static_cast<int>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin()));
+    }
+
+    void solve(long count) {
+        SampleQueue samples(scene_.duration, count);
+        samples.pop();
+        follow(
+            itinerary(scene_), samples, [&](const Leg& leg) { return enter(leg); }, [&](double t) { return show(t); },
+            [&](const Leg& leg) {
+                for (; samples.in(leg); samples.pop())
+                    if (!go(samples.front()) || !show(samples.front())) return false;
+                return go(leg.end);
+            });
+    }
+
+  private:
+    bool enter(const Leg& leg) {
+        std::vector<double> nowhere(n_);
+        model_.initial(nowhere.data());
+        model_.enter(leg.begin, nowhere.data());
+        for (LaneMotion& motion : motions_) model_.tree().strike(scene_, leg.begin, motion.y), motion.step = 0;
+        struct Form {
+            const MechanismModel* model;
+            void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
+                model->derivative(y, dy);
+            }
+        };
+        lanes_.emplace(truth::record<double>(Form{&model_}, static_cast<int>(n_)), units_, settings_.tolerance,
+                       settings_.max_steps, TapeOptions{.instructions = settings_.instructions});
+        now_ = leg.begin;
+        return true;
+    }
+    bool show(double t) {
+        for (std::size_t k = 0; k < motions_.size(); ++k) {
+            std::vector<Sample>& samples = rows_[row_of_[k]].samples;
+            for (Sample& sample : model_.motion(motions_[k].y)) sample.t = t, samples.push_back(sample);
+        }
+        return true;
+    }
+    bool go(double until) {
+        if (!(until > now_)) return true;
+        lanes_->advance(motions_, until - now_);
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < motions_.size(); ++k) {
+            const LaneMotion& motion = motions_[k];
+            if (motion.end == LaneMotion::End::reached) {
+                motions_[kept] = motion, row_of_[kept++] = row_of_[k];
+                continue;
+            }
+            MechanismRow& row = rows_[row_of_[k]];
+            const bool is_slow = motion.end == LaneMotion::End::too_many_steps;
+            row.status = is_slow ? Status::failed : Status::diverged;
+            row.message = is_slow ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
+                                  : "the motion is not finite after t = " + shortest_decimal(now_ + motion.reached);
+        }
+        motions_.resize(kept), row_of_.resize(kept);
+        now_ = until;
+        return kept > 0;
+    }
+
+    const Scene& scene_;
+    MechanismModel model_;
+    const EnsembleSettings& settings_;
+    std::span<MechanismRow> rows_;
+    std::size_t n_;
+    std::vector<double> y_, sizes_;
+    std::vector<LaneMotion> motions_;
+    std::vector<std::size_t> row_of_;
+    std::vector<int> units_;
+    std::optional<ExtrapolatedLanes> lanes_;
+    double now_ = 0;
+};
+
 }  // namespace
 
 std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const MechanismTable& table, long samples,
@@ -40,8 +141,21 @@ std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const Mec
     if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0) || samples < 1)
         throw std::invalid_argument("an ensemble has at least one thread, one step, one sample and some time");
     std::vector<MechanismRow> rows(table.rows());
-    parallel_for(rows.size(), settings.threads,
-                 [&](std::size_t k) { rows[k] = solved_row(table.scene_of(scene, k), samples, settings); });
+    const auto alone = [&](std::size_t k) { rows[k] = solved_row(table.scene_of(scene, k), samples, settings); };
+    constexpr std::size_t block = 256;
+    constexpr double least_tolerance = 1e-13;
+    if (scene.loops.empty() && table.only_starts() && settings.tolerance >= least_tolerance) {
+        const Problem problem = pose(scene);
+        if (!is_stiff(problem)) {
+            parallel_for((rows.size() + block - 1) / block, settings.threads, [&](std::size_t i) {
+                const std::size_t first = i * block;
+                const auto some = std::span(rows).subspan(first, std::min(block, rows.size() - first));
+                RowsInLanes(scene, mechanism_of(problem), table, first, some, settings).solve(samples);
+            });
+            return rows;
+        }
+    }
+    parallel_for(rows.size(), settings.threads, alone);
     return rows;
 }
 

@@ -23,7 +23,13 @@ class ColumnMaker {
 
     template <class Number>
     void alone(const char* name, Number number, std::function<void(Scene&)> prepare = {}) {
-        all_.push_back({owner_ + "." + name, owner_ + "." + name, std::move(number), std::move(prepare)});
+        all_.push_back({owner_ + "." + name, owner_ + "." + name, std::move(number), std::move(prepare), true});
+    }
+    // what the mechanism is, not how it starts
+    template <class Number>
+    void constant(const char* name, Number number, std::function<void(Scene&)> prepare = {}) {
+        alone(name, std::move(number), std::move(prepare));
+        all_.back().is_start = false;
     }
     // `part(scene, i)` of a block
     template <class Part>
@@ -32,7 +38,7 @@ class ColumnMaker {
         for (const char* name : names) full.push_back(owner_ + "." + name);
         const std::string block = fmt::format("{}", fmt::join(full, ","));
         for (std::size_t i = 0; i < full.size(); ++i)
-            all_.push_back({full[i], block, [part, i](Scene& scene) -> double& { return part(scene, i); }, {}});
+            all_.push_back({full[i], block, [part, i](Scene& scene) -> double& { return part(scene, i); }, {}, true});
     }
 
   private:
@@ -49,8 +55,8 @@ void add_joint(std::vector<MechanismColumn>& all, const Scene& scene, std::size_
     };
     const auto one_coordinate = [&](const char* coordinate, const char* rate) {
         make.alone(coordinate, number(&Joint::coordinate, 0)), make.alone(rate, number(&Joint::rate, 0));
-        make.alone("stiffness", number(&Joint::stiffness, 0)), make.alone("rest", number(&Joint::rest, 0));
-        make.alone("damping", number(&Joint::damping, 0));
+        make.constant("stiffness", number(&Joint::stiffness, 0)), make.constant("rest", number(&Joint::rest, 0));
+        make.constant("damping", number(&Joint::damping, 0));
     };
     switch (scene.joints[j].type) {
         case JointType::revolute:
@@ -79,7 +85,7 @@ void add_body(std::vector<MechanismColumn>& all, const Scene& scene, std::size_t
     const std::string& name = scene.bodies[b].name;
     ColumnMaker make(all, name);
     // what it is made of says no more what its mass is
-    make.alone(
+    make.constant(
         "mass", [b](Scene& s) -> double& { return s.bodies[b].body.mass; },
         [b](Scene& s) { s.bodies[b].body.source = nullptr; });
     if (std::ranges::any_of(scene.joints, [&](const Joint& joint) { return joint.child == name; })) return;
@@ -189,6 +195,10 @@ std::vector<MechanismColumn> mechanism_columns(const Scene& scene) {
     for (std::size_t j = 0; j < scene.joints.size(); ++j) add_joint(all, scene, j);
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) add_body(all, scene, b);
     return all;
+}
+
+bool MechanismTable::only_starts() const {
+    return std::ranges::all_of(columns, [](const MechanismColumn& column) { return column.is_start; });
 }
 
 Scene MechanismTable::scene_of(const Scene& scene, std::size_t k) const {

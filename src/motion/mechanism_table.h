@@ -18,6 +18,7 @@ struct MechanismColumn {
     std::string block;                      ///< columns that stand together; its own name of one that stands alone
     std::function<double&(Scene&)> number;  ///< where it goes
     std::function<void(Scene&)> prepare;    ///< called once before, where there is something to do
+    bool is_start = true;                   ///< how the motion starts, not what it is the motion of
 };
 
 /// All columns that a scene of several bodies has. Of a joint J: `J.angle,J.rate` (revolute), `J.displacement,J.speed`
@@ -36,6 +37,8 @@ struct MechanismTable {
     std::vector<RefusedRow> refused;       ///< in the file's order
 
     std::size_t rows() const { return row_numbers.size(); }
+    /// Whether all rows are motions of the same mechanism.
+    bool only_starts() const;
     /// The scene of a row, k < rows().
     Scene scene_of(const Scene& scene, std::size_t k) const;
 };

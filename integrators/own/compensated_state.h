@@ -78,9 +78,11 @@ class GeneralState {
 template <class SystemType>
 class RotationLanes {
   public:
-    static bool serves(const Problem& problem) {
+    /// With torques of no more terms than these.
+    static bool serves(const Problem& problem, RotationTerms most = RotationTerms::quadratic) {
         return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
-            return rotation_coefficients(problem.body.principal_inertia, forcing_of(segment)).has_value();
+            const auto c = rotation_coefficients(problem.body.principal_inertia, forcing_of(segment));
+            return c && c->terms <= most;
         });
     }
     RotationLanes(const Problem& problem, double tolerance, double rounding) : problem_(&problem), system_(problem) {

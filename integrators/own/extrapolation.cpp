@@ -263,7 +263,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     if (!reachable(tolerance)) return out_of_reach(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
-            if (RotationLanes<SystemType>::serves(problem))
+            if (RotationLanes<SystemType>::serves(problem, RotationTerms::axial_field))
                 return march_controlled(problem, settings,
                                         ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
         if (!problem.needs.user_torque)
@@ -279,7 +279,7 @@ constexpr Method each[] = {
      .documentation =
          "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
          "compensated summation; any right-hand side. The columns run side by side on vector registers, with the same "
-         "bits on every instruction set: rotations under the loads of a scene file in code of their own, all else but "
+         "bits on every instruction set: free rotations and Lagrange's top in code of their own, all else but "
          "a user's torque in machine code made when the scene is known. Each component's error in a step is held to R "
          "times its scale, or to what rounding leaves of it.",
      .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "

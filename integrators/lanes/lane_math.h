@@ -90,19 +90,16 @@ inline constexpr double largest_angle = 1e5;
 POLHODE_INLINE void sine_cosine(const Octet& x, Octet& sine, Octet& cosine) {
     const Octet k = rounded(x * 0x1.45f306dc9c883p-1);
     const Octet r = ((x - k * 0x1.921fb544p0) - k * 0x1.0b4611a6p-34) - k * 0x1.3198a2e037073p-69;
-    const Octet z = r * r;
-    const Octet s = r + r * z *
-                            (-1.66666666666666324348e-01 +
-                             z * (8.33333333332248946124e-03 +
-                                  z * (-1.98412698298579493134e-04 +
-                                       z * (2.75573137070700676789e-06 +
-                                            z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
-    const Octet p = z * z *
-                    (4.16666666666666019037e-02 +
-                     z * (-1.38888888888741095749e-03 +
-                          z * (2.48015872894767294178e-05 +
-                               z * (-2.75573143513906633035e-07 +
-                                    z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
+    // in pairs (Estrin 1960), so that no product waits for five others
+    const Octet z = r * r, zz = z * z;
+    const Octet s_high =
+        (2.75573137070700676789e-06 + z * -2.50507602534068634195e-08) + zz * 1.58969099521155010221e-10;
+    const Octet s_low = -1.66666666666666324348e-01 + z * 8.33333333332248946124e-03;
+    const Octet s = r + (r * z) * (s_low + zz * (-1.98412698298579493134e-04 + z * s_high));
+    const Octet p_high =
+        (-2.75573143513906633035e-07 + z * 2.08757232129817482790e-09) + zz * -1.13596475577881948265e-11;
+    const Octet p_low = 4.16666666666666019037e-02 + z * -1.38888888888741095749e-03;
+    const Octet p = zz * (p_low + zz * (2.48015872894767294178e-05 + z * p_high));
     const Octet half = 0.5 * z, w = 1.0 - half;
     const Octet c = w + ((1.0 - w - half) + p);
     // quadrant k mod 4: bit 0 exchanges the two, bit 1 and (for the cosine) the bit before it give the sign

@@ -1,4 +1,6 @@
 // The commands on scenes of several bodies.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -275,6 +277,43 @@ TEST_F(Mechanisms, EnsembleSolvesEachStart) {
         EXPECT_NEAR(number(rows[9], column), number(heavy[3], column), 1e-9) << column;
     // the same for any number of threads
     EXPECT_EQ(run({"ensemble", swinging, "--initial", table, "--samples", "2", "--threads", "3"}).out, outcome.out);
+}
+
+// Rows that differ in their starts alone share one right-hand side, a row a lane; each is the scene that starts so.
+TEST_F(Mechanisms, EnsembleOfStartsAlone) {
+    const std::string scene = write("struck.json", [] {
+        std::string text = chain_with(R"(, "initial": {"angle": 0.5})", R"(, "initial": {"angle": 0.25})");
+        text.replace(
+            text.find(R"("loads": [)"), 10,
+            R"("loads": [{"type": "impulse", "body": "lower", "vector": [0.25, 0, 0.125], "frame": "world", "point": [0, 0, -0.25], "at": 0.4},
+                         {"type": "force", "body": "upper", "vector": [0.5, 0, 0.25], "frame": "world", "point": [0, 0, -0.5], "from": 0.2, "until": 0.7}, )");
+        return text;
+    }());
+    std::string table = "shoulder.angle,shoulder.rate,elbow.angle\n0.5,0,0.25\n";
+    for (int k = 0; k < 20; ++k) table += fmt::format("{},{},{}\n", 0.1 * k - 1, 0.05 * k, 1 - 0.1 * k);
+    const std::string starts = write("starts.csv", table);
+    const Outcome outcome = run({"ensemble", scene, "--initial", starts, "--samples", "3"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::vector<CsvRow> rows = rows_of(outcome.out);
+    ASSERT_EQ(rows.size(), 21u * 3 * 2);
+    const std::vector<CsvRow> solved = rows_of(run({"solve", scene, "--samples", "3"}).out);
+    for (std::size_t i = 0; i < 6; ++i)
+        for (const char* column : {"t", "qw", "qy", "wy", "px", "pz", "vx", "vz"})
+            EXPECT_NEAR(number(rows[i], column), number(solved[2 + i], column), 1e-8) << column << i;
+    // beside another column, all are solved one by one
+    std::string other = table;
+    other.replace(0, other.find('\n'), "shoulder.angle,shoulder.rate,elbow.angle,lower.mass");
+    for (std::size_t at = other.find('\n', other.find('\n') + 1); at != std::string::npos;
+         at = other.find('\n', at + 3))
+        other.insert(at, ",2");
+    const Outcome alone = run({"ensemble", scene, "--initial", write("other.csv", other), "--samples", "3"});
+    ASSERT_EQ(alone.exit_code, 0) << alone.err;
+    const std::vector<CsvRow> apart = rows_of(alone.out);
+    ASSERT_EQ(apart.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (const char* column : {"qw", "qy", "wy", "px", "pz"})
+            EXPECT_NEAR(number(rows[i], column), number(apart[i], column), 1e-7) << column << i;
+    EXPECT_EQ(run({"ensemble", scene, "--initial", starts, "--samples", "3", "--threads", "3"}).out, outcome.out);
 }
 
 TEST_F(Mechanisms, EnsembleRefusesOtherColumns) {

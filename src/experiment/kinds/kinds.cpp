@@ -51,6 +51,7 @@ std::span<const Kind> kinds() {
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
         {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},
+        {.name = "ensembles", .reads = {"repeats"}, .make = run_ensembles},
         {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},
         {.name = "collisions",
          .reads = {"scenes", "vary", "methods", "settings", "seconds_per_run"},

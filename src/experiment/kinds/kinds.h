@@ -32,6 +32,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options);
 Findings run_inertia(const Plan& plan, const RunOptions& options);
 Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
 Findings run_mechanism_cost(const Plan& plan, const RunOptions& options);
+Findings run_ensembles(const Plan& plan, const RunOptions& options);
 Findings run_mechanism_truth(const Plan& plan, const RunOptions& options);
 Findings run_orientation(const Plan& plan, const RunOptions& options);
 Findings run_point_bodies(const Plan& plan, const RunOptions& options);

@@ -219,7 +219,34 @@ TEST(Ensemble, LoadsInWindows) {
     }
 }
 
-TEST(Ensemble, OtherLoadsOneByOne) {
+// Loads that tie where a body is to how it turns, and several springs.
+TEST(Ensemble, LoadsThatMoveTheBodyInFlight) {
+    Scene scene = scene_of_lane_loads(false);
+    scene.loads.push_back(Force{{0.2, -0.1, 0.15}, Frame::world, {0.3, 0.2, -0.4}, Frame::world, {0.5, 4.5}});
+    scene.loads.push_back(Force{{0.1, 0.1, -0.2}, Frame::body, {-0.2, 0.1, 0.3}, Frame::world, {}});
+    scene.loads.push_back(Force{{0.3, -0.2, 0.1}, Frame::body, {0.1, 0, 0.2}, Frame::body, {2, 3}});
+    scene.loads.push_back(Spring{0.3, {0.6, 0, 0.8, 0}, {}});
+    scene.loads.push_back(Impulse{{0.1, 0.2, -0.1}, Frame::body, {0.1, 0, 0.2}, Frame::world, 1.5});
+    auto bodies = free_bodies(few_bodies, 21);
+    Draw draw(22);
+    for (EnsembleBody& b : bodies) {
+        b.inertia_B = b.inertia_B + diagonal(Vector3<double>(0.2, 0.2, 0.2));
+        b.mass = draw.uniform(0.5, 2), b.position_W = draw.vector(1), b.velocity_W = draw.vector(1);
+    }
+    const auto rows = solve_ensemble(scene, bodies);
+    const Worst worst = worst_against("odeint_fehlberg78", scene, bodies, rows, 1e-13);
+    EXPECT_LT(worst.attitude, 1e-8);
+    EXPECT_LT(worst.w, 1e-8);
+    EXPECT_LT(worst.p, 1e-8);
+    // a body by itself has the same bits
+    for (std::size_t i = 0; i < bodies.size(); i += 4) {
+        const auto alone = solve_ensemble(scene, std::vector<EnsembleBody>{bodies[i]});
+        EXPECT_EQ(alone[0].end.q, rows[i].end.q);
+        EXPECT_EQ(alone[0].end.position_W, rows[i].end.position_W);
+    }
+}
+
+TEST(Ensemble, EveryLoadOfASceneFile) {
     const Scene scene = testing::everything(1);
     auto bodies = free_bodies(3, 12);
     bodies.push_back(ensemble_body(scene));

@@ -31,7 +31,7 @@ TEST(EnsembleThreads, SameBitsForAnyNumber) {
 
 TEST(EnsembleThreads, OneByOneToo) {
     Scene scene = testing::free_scene(0.1);
-    scene.loads = {Spring{0.3, {}, {}}, Spring{0.2, {0.6, 0.8, 0, 0}, {}}};
+    scene.loads = {UserTorque{"spin up", [](const LoadState&) { return Vector3<double>(0.1, 0, 0); }, {}}};
     const auto bodies = testing::free_bodies(40, 2);
     EnsembleSettings settings;
     const auto one = solve_ensemble(scene, bodies, settings);

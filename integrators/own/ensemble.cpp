@@ -137,8 +137,7 @@ struct AnyBody {
 // c = I_s w_s/I_i and mu_b = m_b,s/I_i, and w_s constant; e_b the world's axes in these. The body has turned by w_s t
 // against them. Steps are those of the precession and the nutation, not of the spin.
 struct SymmetricBody {
-    static constexpr int variables = 6;  // u_1, u_2, q; then c, mu_1, mu_2, mu_3
-
+    // y: u_1, u_2, q; then c, mu_1, mu_2, mu_3
     void derivative(const Traced* y, Traced* dy) const {
         const Quaternion<Traced> q = quaternion_at(y, 2);
         dy[0] = -(y[6] * y[1]), dy[1] = y[6] * y[0];

@@ -13,8 +13,8 @@ namespace polhode {
 
 /// How an ensemble is solved.
 struct EnsembleSettings {
-    /// Relative: a step's error is a tenth of this, in rad for the attitude. Bodies with a closed form are as near as
-    /// rounding leaves them.
+    /// Of a step: its error, as told from a result of lower order, relative to the rates' size, and in rad for the
+    /// attitude. Bodies with a closed form are as near as rounding leaves them.
     double tolerance = 1e-10;
     int threads = 1;              ///< at least 1
     long max_steps = 1'000'000;   ///< a body that needs more between two events is `failed`
@@ -33,9 +33,9 @@ struct EnsembleRow {
 /// The motion of each body at the scene's duration. A body that fails, or that cannot be (see fault_of), gets a row
 /// that says so and stops no other. A row depends on its own body, the scene and the tolerance alone: the same bits for
 /// any number of threads, any order of the bodies and any instruction set. Torque-free pieces go by the closed form,
-/// eight bodies at once; loads that are polynomial in attitude and rate by Taylor series, likewise. Other bodies are
-/// posed and solved one by one, by the method `auto`: scenes with planes, a user's torque, forces at world points, two
-/// springs at once, forces that turn with a body in flight; stiff damping; principal moments further apart than 10^8.
+/// eight bodies at once; the loads of a scene file by extrapolation, sixteen bodies at once. Other bodies are posed and
+/// solved one by one, by the method `auto`: scenes with planes, a user's torque; stiff damping; principal moments further
+/// apart than 10^8.
 /// Memory does not grow with the duration. Throws InputError where the scene is not valid, std::invalid_argument for
 /// settings out of range.
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,

@@ -111,7 +111,7 @@ struct ExtrapolatedLanes::Kernels {
         put(c.step, select(accepted, select(H < step, larger(next, step), next), next));
         const Octet now = select(accepted, select(s.span - time <= H, octet(s.span), time + H), time);
         const Octet taken = eight_at(c.taken) + 1.0;
-        const auto code = [](LaneMotion::End end) { return octet(1 + static_cast<int>(end)); };
+        const auto code = [](LaneMotion::End how) { return octet(1 + static_cast<int>(how)); };
         Octet ended = select(now + eight_at(c.step) > now, octet(0),
                              select(is_finite, code(LaneMotion::End::too_short), code(LaneMotion::End::not_finite)));
         ended = select(taken < octet(s.max_steps), ended, code(LaneMotion::End::too_many_steps));

@@ -41,8 +41,8 @@ class ExtrapolatedLanes {
     }
     /// Where eight motions are in time, and what their steps suggest for the next.
     struct Control {
-        alignas(64) double time[lanes], step[lanes], taken[lanes], suggested[3][lanes];
-        alignas(64) double ended[lanes];  ///< 0, or 1 + LaneMotion::End
+        alignas(64) double time[lanes]{}, step[lanes]{}, taken[lanes]{}, suggested[3][lanes]{};
+        alignas(64) double ended[lanes]{};  ///< 0, or 1 + LaneMotion::End
     };
     /// Eight motions.
     struct Register {

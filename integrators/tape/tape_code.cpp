@@ -461,8 +461,8 @@ class TapeCompiler {
         if (eight_) {
             a_.lea(x86::rdi, is_moving(op.a) ? x86::ptr(x86::rbx, 64 * op.a) : slot(op.a));
             a_.lea(x86::rsi, slot(op.to)), a_.lea(x86::rdx, slot(op.b));
-            function = wide_ ? reinterpret_cast<std::uint64_t>(&sines_cosines_of_eight)
-                             : reinterpret_cast<std::uint64_t>(&sines_cosines_of_four);
+            function = wide_ ? reinterpret_cast<std::uint64_t>(tape_interpreter_avx512.sines_cosines)
+                             : reinterpret_cast<std::uint64_t>(tape_interpreter_avx2.four_sines_cosines);
         } else {
             a_.vmovsd(x86::xmm0, slot(op.a));
             a_.lea(x86::rdi, slot(op.to)), a_.lea(x86::rsi, slot(op.b));

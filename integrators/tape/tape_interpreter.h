@@ -22,15 +22,15 @@ struct TapeInterpreter {
     void (*sum)(const double* coefficients, int states, int order, int from, double h, double* sums);
     /// The substep, of a program for rates; eight numbers a slot in memory.
     void (*add_rates)(const TapeProgram& program, double* memory, const TapeSubstep& substep);
+    /// Of eight numbers and of four, written to where none of them stands: what code calls too.
+    void (*sines_cosines)(const double* x, double* sines, double* cosines);
+    void (*four_sines_cosines)(const double* x, double* sines, double* cosines);
 };
 extern const TapeInterpreter tape_interpreter_plain, tape_interpreter_avx2, tape_interpreter_avx512;
 /// The one for these instructions.
 const TapeInterpreter& tape_interpreter(InstructionSet set);
 
-/// What both they and code take for sines.
+/// What both they and code take for one sine.
 void sine_cosine_of(double x, double& sine, double& cosine);
-/// Likewise, of numbers side by side.
-void sines_cosines_of_eight(const double* x, double* sines, double* cosines);
-void sines_cosines_of_four(const double* x, double* sines, double* cosines);
 
 }  // namespace polhode

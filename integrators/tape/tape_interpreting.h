@@ -26,6 +26,9 @@ Line operator-(const Line& a, const Line& b) { return {_mm512_sub_pd(a.v, b.v)};
 Line operator*(const Line& a, const Line& b) { return {_mm512_mul_pd(a.v, b.v)}; }
 Line operator/(const Line& a, const Line& b) { return {_mm512_div_pd(a.v, b.v)}; }
 Line root(const Line& a) { return {_mm512_maskz_sqrt_pd(0xFF, a.v)}; }
+Line magnitude(const Line& a) { return {_mm512_abs_pd(a.v)}; }
+/// Whether one is larger, or none at all.
+bool any_above(const Line& a, double limit) { return _mm512_cmp_pd_mask(a.v, _mm512_set1_pd(limit), _CMP_NLE_UQ) != 0; }
 /// The first `count` of one, the rest of the other.
 Line first_of(int count, const Line& first, const Line& rest) {
     const unsigned taken = count >= 8 ? 0xFF : count <= 0 ? 0 : (1U << static_cast<unsigned>(count)) - 1;
@@ -46,6 +49,15 @@ Line operator-(const Line& a, const Line& b) { return {_mm256_sub_pd(a.low, b.lo
 Line operator*(const Line& a, const Line& b) { return {_mm256_mul_pd(a.low, b.low), _mm256_mul_pd(a.high, b.high)}; }
 Line operator/(const Line& a, const Line& b) { return {_mm256_div_pd(a.low, b.low), _mm256_div_pd(a.high, b.high)}; }
 Line root(const Line& a) { return {_mm256_sqrt_pd(a.low), _mm256_sqrt_pd(a.high)}; }
+Line magnitude(const Line& a) {
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    return {_mm256_andnot_pd(sign, a.low), _mm256_andnot_pd(sign, a.high)};
+}
+bool any_above(const Line& a, double limit) {
+    const __m256d most = _mm256_set1_pd(limit);
+    return _mm256_movemask_pd(
+               _mm256_or_pd(_mm256_cmp_pd(a.low, most, _CMP_NLE_UQ), _mm256_cmp_pd(a.high, most, _CMP_NLE_UQ))) != 0;
+}
 /// The first `count` of one, the rest of the other.
 Line first_of(int count, const Line& first, const Line& rest) {
     const __m256i end = _mm256_set1_epi64x(count);
@@ -78,11 +90,52 @@ Line operator-(const Line& a, const Line& b) { return by_each([&](int i) { retur
 Line operator*(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] * b.v[i]; }); }
 Line operator/(const Line& a, const Line& b) { return by_each([&](int i) { return a.v[i] / b.v[i]; }); }
 Line root(const Line& a) { return by_each([&](int i) { return root(a.v[i]); }); }
+Line magnitude(const Line& a) { return by_each([&](int i) { return __builtin_fabs(a.v[i]); }); }
+bool any_above(const Line& a, double limit) {
+    bool is_above = false;
+    for (const double x : a.v) is_above |= !(x <= limit);
+    return is_above;
+}
 /// The first `count` of one, the rest of the other.
 Line first_of(int count, const Line& first, const Line& rest) { return by_each([&](int i) { return i < count ? first.v[i] : rest.v[i]; }); }
 // clang-format on
 #endif
 Line operator-(const Line& a) { return eight(-0.0) - a; }
+
+/// Sines and cosines of eight numbers, written to where none of them stands. With x = k pi/2 + r, |r| <= pi/4, by two
+/// parts of pi/2, of which the first leaves an exact difference (Cody & Waite 1980), and the polynomials of fdlibm (Sun
+/// Microsystems 1993, k_sin.c and k_cos.c), in pairs of terms (Estrin 1960); beyond 10^5 by the library's functions.
+void find_sines_cosines(const double* x, double* sines, double* cosines) {
+    constexpr double largest = 1e5, whole = 0x1.8p52;
+    const Line angle = loaded(x), one = eight(1);
+    const auto rounded = [&](const Line& y) { return (y + eight(whole)) - eight(whole); };
+    const Line k = rounded(angle * eight(0x1.45f306dc9c883p-1));
+    const Line r = fused(k, eight(-0x1.1a62633145c07p-54), fused(k, eight(-0x1.921fb54442d18p0), angle));
+    const Line z = r * r, zz = z * z;
+    const auto pair = [&](double a, double b) { return fused(z, eight(b), eight(a)); };
+    const Line s_high =
+        fused(zz, eight(1.58969099521155010221e-10), pair(2.75573137070700676789e-06, -2.50507602534068634195e-08));
+    const Line s_low = pair(-1.66666666666666324348e-01, 8.33333333332248946124e-03);
+    const Line s = fused(r * z, fused(zz, fused(z, s_high, eight(-1.98412698298579493134e-04)), s_low), r);
+    const Line c_high =
+        fused(zz, eight(-1.13596475577881948265e-11), pair(-2.75573143513906633035e-07, 2.08757232129817482790e-09));
+    const Line c_low = pair(4.16666666666666019037e-02, -1.38888888888741095749e-03);
+    const Line c_rest = fused(zz, fused(z, c_high, eight(2.48015872894767294178e-05)), c_low);
+    const Line w = pair(1, -0.5), c = w + fused(zz, c_rest, fused(z, eight(-0.5), one - w));
+    // j = k mod 4 from -2 to 2: cos(j pi/2) = 1 - |j|, sin(j pi/2) = j (2 - |j|)
+    const Line j = fused(rounded(k * eight(0.25)), eight(-4), k), size = magnitude(j);
+    const Line even = one - size, odd = j * (eight(2) - size);
+    store(fused(even, s, odd * c), sines), store(fused(even, c, -(odd * s)), cosines);
+    if (!any_above(magnitude(angle), largest)) return;
+    for (int i = 0; i < 8; ++i)
+        if (!(__builtin_fabs(x[i]) <= largest)) sines[i] = __builtin_sin(x[i]), cosines[i] = __builtin_cos(x[i]);
+}
+void find_four_sines_cosines(const double* x, double* sines, double* cosines) {
+    double angle[8]{}, sine[8], cosine[8];
+    __builtin_memcpy(angle, x, 4 * sizeof *x);
+    find_sines_cosines(angle, sine, cosine);
+    __builtin_memcpy(sines, sine, 4 * sizeof *x), __builtin_memcpy(cosines, cosine, 4 * sizeof *x);
+}
 
 /// What an operation but a sine or a sum finds, of a number or of eight.
 template <class Number>
@@ -253,7 +306,7 @@ void add_rates_of(const TapeProgram& program, double* memory, const TapeSubstep&
     for (std::size_t n = 0; n < program.begin.size(); ++n) {
         const TapeProgram::Operation& op = program.begin.data()[n];
         if (op.kind == Kind::sine_cosine)
-            sines_cosines_of_eight(at(op.a), at(op.to), at(op.b));
+            find_sines_cosines(at(op.a), at(op.to), at(op.b));
         else
             store(found(op.kind, number(op.a), number(op.b), number(op.c)), at(op.to));
     }

@@ -1,5 +1,5 @@
 // Bodies a second that an ensemble solves over T = 10 s, each to 1e-9 rad: free ones in closed form, Lagrange tops and
-// general heavy bodies by Taylor series; on one thread and on two.
+// general heavy bodies by extrapolation; on one thread and on two.
 #include <benchmark/benchmark.h>
 
 #include "integrators/own/ensemble_scenes.h"

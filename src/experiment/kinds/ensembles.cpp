@@ -33,7 +33,8 @@ class Draw {
         constexpr double steps[] = {0.618033988749894903, 0.414213562373095145, 0.732050807568877193,
                                     0.236067977499789805, 0.645751311064590716, 0.316624790355399807,
                                     0.605551275463989124, 0.123105625617660509};
-        const double x = static_cast<double>(1 + count_ / std::size(steps)) * steps[count_ % std::size(steps)];
+        const std::size_t turn = 1 + count_ / std::size(steps);
+        const double x = static_cast<double>(turn) * steps[count_ % std::size(steps)];
         ++count_;
         return from + (to - from) * (x - std::floor(x));
     }

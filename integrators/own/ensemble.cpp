@@ -11,9 +11,9 @@
 
 #include "body/fast_principal_frame.h"
 #include "integrators/method.h"
+#include "integrators/own/body_laws.h"
 #include "integrators/own/extrapolated_lanes.h"
 #include "integrators/own/octets.h"
-#include "motion/body_equations.h"
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
 #include "motion/translation.h"
@@ -61,106 +61,6 @@ Plan plan_of(const Scene& scene) {
     }
     return plan;
 }
-
-using Traced = truth::Traced<double>;
-
-// What acts and what resists it, in principal axes.
-template <class P>
-struct BodyLaw {
-    PrincipalInertia<P> inertia;
-    Forcing<P> forcing;
-    bool moves = false;  // p and v are variables too
-
-    int variables() const { return moves ? BodyState::motion : BodyState::rotation; }
-    template <class S>
-    void derivative(const S* y, S* dy) const {
-        if (moves)
-            LoadedEquations<P, PrincipalInertia<P>, true>{inertia, &forcing}.derivative(0, y, dy);
-        else
-            LoadedEquations<P, PrincipalInertia<P>, false>{inertia, &forcing}.derivative(0, y, dy);
-    }
-    // All its numbers, in one order.
-    template <class Visit>
-    void each_number(Visit&& visit) {
-        const auto each = [&](auto&... triple) { (visit(triple[0], triple[1], triple[2]), ...); };
-        each(inertia.gyroscopic, inertia.inverse_moments);
-        if (forcing.has_torque) each(forcing.torque);
-        if (forcing.has_world_torque) each(forcing.torque_W);
-        if (forcing.has_damping) each(forcing.damping[0], forcing.damping[1], forcing.damping[2]);
-        for (int b = 0; b < 3; ++b)
-            if (forcing.field.present[b]) each(forcing.field.moment[b]);
-        for (auto& point : forcing.world_points) each(point.point_W, point.force);
-        for (auto& spring : forcing.springs)
-            visit(spring.stiffness, spring.rest.w, spring.rest.x), visit(spring.rest.y, spring.rest.z);
-        if (!moves) return;
-        each(forcing.acceleration_W);
-        if (forcing.has_body_force) each(forcing.specific_force);
-        if (forcing.has_translational_drag) visit(forcing.specific_drag);
-    }
-    std::vector<P> numbers() {
-        std::vector<P> all;
-        each_number([&](const auto&... numbers) { (all.push_back(numbers), ...); });
-        return all;
-    }
-};
-
-// A law whose numbers, where they are not zero, are variables that stay as they are: one for all bodies of such a law.
-struct AnyBody {
-    BodyLaw<double> like;
-
-    void derivative(const Traced* y, Traced* dy) const {
-        BodyLaw<Traced> law;
-        Forcing<Traced>& f = law.forcing;
-        const Forcing<double>& g = like.forcing;
-        law.moves = like.moves;
-        f.has_torque = g.has_torque, f.has_world_torque = g.has_world_torque, f.has_damping = g.has_damping;
-        f.has_translational_drag = g.has_translational_drag, f.has_body_force = g.has_body_force;
-        f.pivoted = g.pivoted, f.field.present = g.field.present;
-        for (const auto& point : g.world_points) f.world_points.push_back({{}, {}, point.frame});
-        f.springs.resize(g.springs.size());
-        const std::vector<double> numbers = BodyLaw<double>(like).numbers();
-        int k = 0, at = law.variables();
-        const auto put = [&](Traced& number) {
-            if (numbers[k++] != 0) number = y[at++];
-        };
-        law.each_number([&](auto&... each) { (put(each), ...); });
-        law.derivative(y, dy);
-        std::fill(dy + law.variables(), dy + at, Traced());
-    }
-};
-
-// A body whose moments across an axis s are equal, under fields whose moments m_b lie along it, in axes that do not
-// spin with it: i, j, s, both they and the world's taken for 1, 2, 3.
-//
-//   u_1' = -c u_2 - sum_b mu_b e_b,2,  u_2' = c u_1 + sum_b mu_b e_b,1,  q' = 1/2 q (0, u),  u_3 = 0
-//
-// c = I_s w_s/I_i and mu_b = m_b,s/I_i, and w_s constant; e_b the world's axes in these. The body has turned by w_s t
-// against them. Steps are those of the precession and the nutation, not of the spin.
-struct SymmetricBody {
-    // y: u_1, u_2, q; then c, mu_1, mu_2, mu_3
-    void derivative(const Traced* y, Traced* dy) const {
-        const Quaternion<Traced> q = quaternion_at(y, 2);
-        dy[0] = -(y[6] * y[1]), dy[1] = y[6] * y[0];
-        for (int b = 0; b < 3; ++b) {
-            const Vector3<Traced> e = world_axis(q, b);
-            if (present[b]) dy[0] -= y[7 + b] * e[1], dy[1] += y[7 + b] * e[0];
-        }
-        put(dy, 2, attitude_rate(Traced(0.5), q, Vector3<Traced>(y[0], y[1], Traced())));
-    }
-    // The axis; -1 if there is none.
-    static int axis(const BodyLaw<double>& law, const Vector3<double>& moments) {
-        if (law.moves || law.forcing.any_torque_beside_field()) return -1;
-        for (int s = 0; s < 3; ++s) {
-            const int i = (s + 1) % 3, j = (s + 2) % 3;
-            bool is_along = moments[i] == moments[j];
-            for (const Vector3<double>& m : law.forcing.field.moment) is_along = is_along && m[i] == 0 && m[j] == 0;
-            if (is_along) return s;
-        }
-        return -1;
-    }
-
-    std::array<bool, 3> present;
-};
 
 // One body on its way, in principal axes.
 struct Traveller {

@@ -17,7 +17,6 @@
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
 #include "motion/translation.h"
-#include "text/decimal.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -367,11 +366,10 @@ class Block {
     void arrive(const Piece& piece, const LaneMotion& motion, Traveller& t) {
         if (piece.couples) t.p = BodyState::position(motion.y), t.v = BodyState::velocity(motion.y);
         if (motion.end != LaneMotion::End::reached) {
-            const double at = piece.begin + motion.reached;
-            const bool is_slow = motion.end == LaneMotion::End::too_many_steps;
-            fail(t, is_slow ? Status::failed : Status::diverged, at,
-                 is_slow ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
-                         : "the motion is not finite after t = " + shortest_decimal(at));
+            LaneFailure failure = failure_of(motion, piece.begin, settings_.max_steps);
+            t.running = false;
+            end(t, piece.begin + motion.reached);
+            rows_[t.row].status = failure.status, rows_[t.row].message = std::move(failure.message);
             return;
         }
         if (!piece.couples) translate_free(piece, t);
@@ -379,12 +377,6 @@ class Block {
             rows_[t.row].status = Status::tolerance_not_met;
             rows_[t.row].message = "a tolerance below 1e-15 is less than binary64 can meet";
         }
-    }
-
-    void fail(Traveller& t, Status status, double at, std::string message) {
-        t.running = false;
-        end(t, at);
-        rows_[t.row].status = status, rows_[t.row].message = std::move(message);
     }
 
     void end(const Traveller& t, double at) {

@@ -8,6 +8,7 @@
 #include "integrators/lanes/lane_math.h"
 #include "integrators/lanes/rotation_lanes.h"
 #include "integrators/own/extrapolation_control.h"
+#include "text/decimal.h"
 
 namespace polhode {
 /// What is seen of a step, in whole registers: of each variable eight numbers.
@@ -141,6 +142,15 @@ const ExtrapolatedLanes::Kernels& ExtrapolatedLanes::Kernels::of(InstructionSet 
     return all[static_cast<std::size_t>(set)];
 }
 
+LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps) {
+    const std::string at = shortest_decimal(begin + motion.reached);
+    if (motion.end == LaneMotion::End::too_many_steps)
+        return {Status::failed, "more than " + std::to_string(max_steps) + " steps are needed"};
+    if (motion.end == LaneMotion::End::too_short)
+        return {Status::tolerance_not_met, "step size below the spacing of numbers at t = " + at};
+    return {Status::diverged, "the motion is not finite after t = " + at};
+}
+
 ExtrapolatedLanes::ExtrapolatedLanes(const truth::Recording<double>& recording, std::vector<int> units,
                                      double tolerance, long max_steps, const TapeOptions& options)
     : size_(static_cast<int>(recording.rates.size())),
@@ -171,7 +181,8 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     if (motion) ++r.busy, r.has_new = true;
     Control& c = r.control;
     // a lane without a motion stays where it is
-    c.time[lane] = c.taken[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 0;
+    c.time[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 0;
+    c.taken[lane] = motion ? static_cast<double>(motion->steps) : 0;
     for (double* const suggested : c.suggested) suggested[lane] = std::numeric_limits<double>::infinity();
     for (int i = 0; i < size_; ++i) {
         r.start[place(i, lane)] = motion ? motion->y[i] : 0, r.lost[place(i, lane)] = 0;
@@ -210,7 +221,7 @@ void ExtrapolatedLanes::end_step(Register& r, double span, std::vector<LaneMotio
         for (int i = 0; i < moving_; ++i)
             if (is_moving_[i]) motion->y[i] = r.start[place(i, lane)];
         motion->step = r.control.step[lane], motion->reached = r.control.time[lane];
-        motion->steps += static_cast<long>(r.control.taken[lane]);
+        motion->steps = static_cast<long>(r.control.taken[lane]);
         fill(r, lane, motions, next);
     }
 }

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "integrators/own/extrapolation_columns.h"
 #include "integrators/tape/tape_series.h"
+#include "motion/trajectory.h"
 
 namespace polhode {
 
@@ -20,6 +22,13 @@ struct LaneMotion {
     enum class End { reached, not_finite, too_many_steps, too_short } end = End::reached;
     double reached = 0;  ///< s, of the span asked
 };
+
+/// What is said of one that did not arrive, on a span that began at `begin` (s).
+struct LaneFailure {
+    Status status;
+    std::string message;
+};
+LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps);
 
 /// Two registers of eight lanes are under way at once, so that neither waits for itself. What becomes of a motion does
 /// not depend on its neighbours, nor on the instructions.

@@ -12,7 +12,6 @@
 #include "integrators/run/stiffness.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
-#include "text/decimal.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -109,10 +108,8 @@ class RowsInLanes {
                 continue;
             }
             MechanismRow& row = rows_[row_of_[k]];
-            const bool is_slow = motion.end == LaneMotion::End::too_many_steps;
-            row.status = is_slow ? Status::failed : Status::diverged;
-            row.message = is_slow ? "more than " + std::to_string(settings_.max_steps) + " steps are needed"
-                                  : "the motion is not finite after t = " + shortest_decimal(now_ + motion.reached);
+            LaneFailure failure = failure_of(motion, now_, settings_.max_steps);
+            row.status = failure.status, row.message = std::move(failure.message);
         }
         motions_.resize(kept), row_of_.resize(kept);
         now_ = until;

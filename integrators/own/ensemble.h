@@ -34,10 +34,9 @@ struct EnsembleRow {
 /// that says so and stops no other. A row depends on its own body, the scene and the tolerance alone: the same bits for
 /// any number of threads, any order of the bodies and any instruction set. Torque-free pieces go by the closed form,
 /// eight bodies at once; the loads of a scene file by extrapolation, sixteen bodies at once. Other bodies are posed and
-/// solved one by one, by the method `auto`: scenes with planes, a user's torque; stiff damping; principal moments further
-/// apart than 10^8.
-/// Memory does not grow with the duration. Throws InputError where the scene is not valid, std::invalid_argument for
-/// settings out of range.
+/// solved one by one, by the method `auto`: scenes with planes, a user's torque; stiff damping; principal moments
+/// further apart than 10^8. Memory does not grow with the duration. Throws InputError where the scene is not valid,
+/// std::invalid_argument for settings out of range.
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});
 

@@ -26,6 +26,13 @@ struct alignas(64) OctetMask {
 
 POLHODE_INLINE Octet octet(double x) { return {Lanes8{x, x, x, x, x, x, x, x}}; }
 
+POLHODE_INLINE Octet octet_at(const double* from) {
+    Octet x;
+    std::memcpy(&x.v, from, sizeof x.v);
+    return x;
+}
+POLHODE_INLINE void put(double* to, const Octet& x) { std::memcpy(to, &x.v, sizeof x.v); }
+
 POLHODE_INLINE Octet operator+(const Octet& a, const Octet& b) { return {a.v + b.v}; }
 POLHODE_INLINE Octet operator-(const Octet& a, const Octet& b) { return {a.v - b.v}; }
 POLHODE_INLINE Octet operator*(const Octet& a, const Octet& b) { return {a.v * b.v}; }

@@ -31,10 +31,8 @@ struct ExtrapolatedLanes::Kernels {
 
     static const Kernels& of(InstructionSet set);
 
-    POLHODE_INLINE static Octet eight_at(const double* from) { return {loaded<Lanes8>(from)}; }
-    POLHODE_INLINE static void put(double* to, const Octet& x) { store(to, x.v); }
     POLHODE_INLINE static Octet tried(const Control& c, double span) {
-        return smaller(eight_at(c.step), span - eight_at(c.time));
+        return smaller(octet_at(c.step), span - octet_at(c.time));
     }
 
     // z_1 = h f(y), z_0 = 0
@@ -42,32 +40,32 @@ struct ExtrapolatedLanes::Kernels {
                                             double* twice_h, double* now, double* before) {
         const Octet h = tried(c, span) / octet(n);
         put(twice_h, 2.0 * h);
-        for (std::size_t i = 0; i < end; i += 8) put(now + i, h * eight_at(rate + i)), put(before + i, octet(0));
+        for (std::size_t i = 0; i < end; i += 8) put(now + i, h * octet_at(rate + i)), put(before + i, octet(0));
     }
 
     // y + T_KK with what that rounds away; T_KK - T_K,K-1 in units of what is allowed, squared
     POLHODE_INLINE static Octet extrapolate(const StepEnd& s) {
         for (int i = 0; i < s.size; ++i) {
             double* const size = s.sizes + 8 * s.units[i];
-            put(size, larger(eight_at(size), magnitude(eight_at(s.start + 8 * i))));
+            put(size, larger(octet_at(size), magnitude(octet_at(s.start + 8 * i))));
         }
         const int last = s.row->columns - 1;
         const double slack = 0x1p-53 * s.row->amplification;
         Octet squared = octet(0);
         for (int i = 0; i < s.size; ++i) {
             if (!s.is_moving[i]) continue;
-            const Octet finest = eight_at(s.columns[last] + 8 * i);
+            const Octet finest = octet_at(s.columns[last] + 8 * i);
             Octet value = octet(0), error = octet(0);
             for (int j = 0; j < last; ++j) {
-                const Octet difference = eight_at(s.columns[j] + 8 * i) - finest;
+                const Octet difference = octet_at(s.columns[j] + 8 * i) - finest;
                 value += s.row->weights.value[j] * difference;
                 error += s.row->weights.error[j] * difference;
             }
-            const Octet allowed = s.tolerance * eight_at(s.sizes + 8 * s.units[i]) + slack * magnitude(finest);
+            const Octet allowed = s.tolerance * octet_at(s.sizes + 8 * s.units[i]) + slack * magnitude(finest);
             const Octet relative = error / allowed;
             squared += relative * relative;
-            const Octet y = eight_at(s.start + 8 * i), sum = y + finest;
-            const Octet rest = (value + eight_at(s.lost + 8 * i)) + Octet{rounded_away(y.v, finest.v, sum.v)};
+            const Octet y = octet_at(s.start + 8 * i), sum = y + finest;
+            const Octet rest = (value + octet_at(s.lost + 8 * i)) + Octet{rounded_away(y.v, finest.v, sum.v)};
             const Octet next = sum + rest;
             put(s.next + 8 * i, next);
             put(s.next_lost + 8 * i, Octet{rounded_away(sum.v, rest.v, next.v)});
@@ -90,12 +88,12 @@ struct ExtrapolatedLanes::Kernels {
     // accepted or not, and what comes then: H follows the least of the last four steps' suggestions (see OrderControl)
     POLHODE_INLINE static void end_columns(const StepEnd& s) {
         Control& c = *s.control;
-        const Octet squared = extrapolate(s), H = tried(c, s.span), step = eight_at(c.step), time = eight_at(c.time);
+        const Octet squared = extrapolate(s), H = tried(c, s.span), step = octet_at(c.step), time = octet_at(c.time);
         const OctetMask accepted = squared <= octet(1), is_finite = squared * 0.0 == octet(0);
         for (int i = 0; i < s.size; ++i) {
             if (!s.is_moving[i]) continue;
-            put(s.start + 8 * i, select(accepted, eight_at(s.next + 8 * i), eight_at(s.start + 8 * i)));
-            put(s.lost + 8 * i, select(accepted, eight_at(s.next_lost + 8 * i), eight_at(s.lost + 8 * i)));
+            put(s.start + 8 * i, select(accepted, octet_at(s.next + 8 * i), octet_at(s.start + 8 * i)));
+            put(s.lost + 8 * i, select(accepted, octet_at(s.next_lost + 8 * i), octet_at(s.lost + 8 * i)));
         }
         constexpr double log2_of_aim = -2.32, ln2 = 0x1.62e42fefa39efp-1;
         const Octet exponent = (log2_of_aim - 0.5 * rough_log2(squared)) * (1.0 / (2 * s.row->columns - 1));
@@ -103,7 +101,7 @@ struct ExtrapolatedLanes::Kernels {
         Octet least = H * select(is_finite, factor, octet(0.1));
         least = select(accepted, least, smaller(least, 0.9 * H));
         for (double* const suggested : c.suggested) {
-            const Octet before = select(is_finite, eight_at(suggested), infinite());
+            const Octet before = select(is_finite, octet_at(suggested), infinite());
             put(suggested, least);
             least = smaller(before, least);
         }
@@ -111,9 +109,9 @@ struct ExtrapolatedLanes::Kernels {
         // a step cut at the end says little of the next
         put(c.step, select(accepted, select(H < step, larger(next, step), next), next));
         const Octet now = select(accepted, select(s.span - time <= H, octet(s.span), time + H), time);
-        const Octet taken = eight_at(c.taken) + 1.0;
+        const Octet taken = octet_at(c.taken) + 1.0;
         const auto code = [](LaneMotion::End how) { return octet(1 + static_cast<int>(how)); };
-        Octet ended = select(now + eight_at(c.step) > now, octet(0),
+        Octet ended = select(now + octet_at(c.step) > now, octet(0),
                              select(is_finite, code(LaneMotion::End::too_short), code(LaneMotion::End::not_finite)));
         ended = select(taken < octet(s.max_steps), ended, code(LaneMotion::End::too_many_steps));
         put(c.ended, select(now == octet(s.span), code(LaneMotion::End::reached), ended));
@@ -160,12 +158,11 @@ ExtrapolatedLanes::ExtrapolatedLanes(const truth::Recording<double>& recording, 
       units_(std::move(units)),
       kernels_(&Kernels::of(options.instructions)),
       rates_(recording, options) {
-    for (const truth::Traced<double>& rate : recording.rates) {
-        is_moving_.push_back(rate.node >= 0 || rate.factor != 0);
-        if (is_moving_.back()) moving_ = static_cast<int>(is_moving_.size());
+    for (int i = 0; i < size_; ++i) {
+        is_moving_.push_back(!rates_.is_parameter(i));
+        if (is_moving_.back()) moving_ = i + 1;
     }
     const std::size_t end = place(size_, 0);
-    zero_.assign(end, 0);
     for (Register& r : registers_) {
         for (Numbers8* const list : {&r.start, &r.lost, &r.rate, &r.scratch, &r.next, &r.next_lost})
             list->assign(end, 0);
@@ -199,9 +196,7 @@ double ExtrapolatedLanes::first_step(const Register& r, int lane, double span) c
 }
 
 void ExtrapolatedLanes::begin_step(Register& r, double span) {
-    alignas(64) static constexpr std::array<double, lanes> one{1, 1, 1, 1, 1, 1, 1, 1};
-    std::fill_n(r.rate.begin(), place(moving_, 0), 0);
-    rates_({r.start.data(), zero_.data(), one.data(), r.rate.data()});
+    rates_.find(r.start.data(), r.rate.data());
     if (!std::exchange(r.has_new, false)) return;
     for (int lane = 0; lane < lanes; ++lane)
         if (r.motion[lane] && r.control.step[lane] == 0)

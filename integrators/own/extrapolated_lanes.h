@@ -75,7 +75,6 @@ class ExtrapolatedLanes {
     std::vector<char> is_moving_;
     const Kernels* kernels_;
     TapeRates rates_;
-    Numbers8 zero_;
     std::array<Register, 2> registers_;
 
     void fill(Register& r, int lane, std::vector<LaneMotion>& motions, std::size_t& next);

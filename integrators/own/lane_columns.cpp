@@ -9,13 +9,6 @@
 namespace polhode {
 namespace {
 
-POLHODE_INLINE Octet loaded(const double* from) {
-    Octet x;
-    __builtin_memcpy(&x.v, from, sizeof x.v);
-    return x;
-}
-POLHODE_INLINE void store(const Octet& x, double* to) { __builtin_memcpy(to, &x.v, sizeof x.v); }
-
 /// What a substep with care works on: of each variable eight numbers.
 struct CarefulSubstep {
     std::size_t end;
@@ -23,14 +16,14 @@ struct CarefulSubstep {
     double *before, *now, *lost_before, *lost, *y;
 };
 POLHODE_INLINE void work(const CarefulSubstep& s) {
-    const Octet twice_h = loaded(s.twice_h);
+    const Octet twice_h = octet_at(s.twice_h);
     for (std::size_t i = 0; i < s.end; i += 8) {
-        const Octet before = loaded(s.before + i), lost_before = loaded(s.lost_before + i);
-        const Octet change = twice_h * loaded(s.rate + i) + lost_before;
+        const Octet before = octet_at(s.before + i), lost_before = octet_at(s.lost_before + i);
+        const Octet change = twice_h * octet_at(s.rate + i) + lost_before;
         const Octet next = before + change, lost = rounded_away(before, change, next);
-        store(loaded(s.lost + i), s.lost_before + i), store(lost, s.lost + i);
-        store(loaded(s.now + i), s.before + i), store(next, s.now + i);
-        store(loaded(s.start + i) + (next + lost), s.y + i);
+        put(s.lost_before + i, octet_at(s.lost + i)), put(s.lost + i, lost);
+        put(s.before + i, octet_at(s.now + i)), put(s.now + i, next);
+        put(s.y + i, octet_at(s.start + i) + (next + lost));
     }
 }
 using Work = void(const CarefulSubstep&);
@@ -42,15 +35,8 @@ POLHODE_TARGET_AVX512 void work_avx512(const CarefulSubstep& s) { work(s); }
 
 LaneColumns::LaneColumns(const truth::Recording<double>& recording)
     : size_(static_cast<int>(recording.rates.size())), rates_(recording) {
-    for (Lanes* const list :
-         {&start_, &before_, &now_, &lost_before_, &lost_, &y_, &rate_, &zero_, &found_, &found_lost_})
+    for (Lanes* const list : {&start_, &before_, &now_, &lost_before_, &lost_, &y_, &rate_, &found_, &found_lost_})
         list->assign(place(size_, 0), 0);
-}
-
-void LaneColumns::find_rates(const Lanes& y) {
-    alignas(64) static constexpr std::array<double, lanes> one{1, 1, 1, 1, 1, 1, 1, 1};
-    std::fill(rate_.begin(), rate_.end(), 0);
-    rates_({y.data(), zero_.data(), one.data(), rate_.data()});
 }
 
 void LaneColumns::step(const double* y, double H, const ExtrapolationRow& row, bool careful) {
@@ -61,13 +47,13 @@ void LaneColumns::step(const double* y, double H, const ExtrapolationRow& row, b
     // lanes that are left over do what the last column does
     for (int j = 0; j < lanes; ++j) twice_h[j] = 2 * (H / row.substeps[std::min(j, K - 1)]);
     for (int i = 0; i < size_; ++i) std::fill_n(&start_[place(i, 0)], lanes, y[i]);
-    find_rates(start_);
+    rates_.find(start_.data(), rate_.data());
     for (Lanes* const list : {&before_, &lost_before_, &lost_}) std::fill(list->begin(), list->end(), 0);
-    for (std::size_t i = 0; i < rate_.size(); ++i)
-        now_[i] = twice_h[i % lanes] / 2 * rate_[i], y_[i] = start_[i] + now_[i];
+    for (std::size_t i = 0; i < rate_.size(); ++i) now_[i] = twice_h[i % lanes] / 2 * rate_[i];
+    for (std::size_t i = 0; careful && i < rate_.size(); ++i) y_[i] = start_[i] + now_[i];
     for (int m = 1, j = 0; j < K; ++m) {
         if (m > 1 && careful) {
-            find_rates(y_);
+            rates_.find(y_.data(), rate_.data());
             work({rate_.size(), start_.data(), twice_h.data(), rate_.data(), before_.data(), now_.data(),
                   lost_before_.data(), lost_.data(), y_.data()});
         } else if (m > 1) {

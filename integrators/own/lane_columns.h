@@ -27,11 +27,10 @@ class LaneColumns {
     static std::size_t place(int i, int column) {
         return static_cast<std::size_t>(i) * lanes + static_cast<std::size_t>(column);
     }
-    void find_rates(const Lanes& y);
 
     int size_;
     TapeRates rates_;
-    Lanes start_, before_, now_, lost_before_, lost_, y_, rate_, zero_, found_, found_lost_;
+    Lanes start_, before_, now_, lost_before_, lost_, y_, rate_, found_, found_lost_;
 };
 
 }  // namespace polhode

@@ -112,17 +112,16 @@ class TapeProgrammer {
     }
     // places for all but the sums and products that are used by one sum alone
     void dissolve() {
-        std::vector<int>& uses = uses_;
-        uses.assign(nodes_.size(), 0);
+        uses_.assign(nodes_.size(), 0);
         for (const Node& node : nodes_) {
             if (node.kind == Node::Kind::state) continue;
             for (const int operand : {node.a, node.b})
-                if (operand >= 0) uses[operand] += node.kind == Node::Kind::combination ? 1 : 2;
+                if (operand >= 0) uses_[operand] += node.kind == Node::Kind::combination ? 1 : 2;
         }
         for (const truth::Traced<double>& rate : rates_)
-            if (rate.node >= 0) uses[rate.node] += 2;
+            if (rate.node >= 0) uses_[rate.node] += 2;
         for (int i = 0; i < count(); ++i) {
-            now_of_.push_back(i < program_.states ? i : is_sum(i) && uses[i] <= 1 ? none : 0);
+            now_of_.push_back(i < program_.states ? i : is_sum(i) && uses_[i] <= 1 ? none : 0);
         }
         inverse_of_.assign(nodes_.size(), none);
     }

@@ -134,8 +134,15 @@ TapeRates::TapeRates(const truth::Recording<double>& recording, TapeOptions opti
     options.purpose = TapeProgram::Purpose::rates;
     tape_ = prepared(recording, options);
     memory_.resize(static_cast<std::size_t>(tape_->program.slots) * lanes);
+    nothing_.resize(static_cast<std::size_t>(tape_->program.states) * lanes);
     for (const TapeProgram::Constant& constant : tape_->program.constants)
         std::fill_n(&memory_[static_cast<std::size_t>(constant.slot) * lanes], lanes, constant.value);
+}
+
+void TapeRates::find(const double* y, double* rates) {
+    alignas(64) static constexpr double one[lanes] = {1, 1, 1, 1, 1, 1, 1, 1};
+    std::fill_n(rates, nothing_.size(), 0);
+    (*this)({y, nothing_.data(), one, rates});
 }
 
 }  // namespace polhode

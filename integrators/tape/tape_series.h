@@ -91,11 +91,15 @@ class TapeRates {
         else
             interpreter_->add_rates(tape_->program, memory_.data(), substep);
     }
+    /// The rates of the states y alone.
+    void find(const double* y, double* rates);
+    /// Whether the rate of the i-th variable is zero always.
+    bool is_parameter(int i) const { return tape_->program.first_rates[i].from == TapeProgram::none; }
 
   private:
     std::shared_ptr<const PreparedTape> tape_;
     const TapeInterpreter* interpreter_;
-    std::vector<double, LineAllocator<double>> memory_;
+    std::vector<double, LineAllocator<double>> memory_, nothing_;
 };
 
 }  // namespace polhode

@@ -49,9 +49,8 @@ using LaneNumbers = std::vector<double, LineAllocator<double>>;
 
 /// The rates of eight states side by side.
 inline LaneNumbers rates_of(TapeRates& tape, const LaneNumbers& y) {
-    const LaneNumbers nothing(y.size()), one(TapeRates::lanes, 1);
     LaneNumbers rates(y.size());
-    tape({y.data(), nothing.data(), one.data(), rates.data()});
+    tape.find(y.data(), rates.data());
     return rates;
 }
 

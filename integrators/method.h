@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "motion/problem.h"
 #include "motion/trajectory.h"
@@ -33,6 +34,9 @@ struct Settings {
     std::optional<double> step;       ///< s; rounded down so that whole steps meet every sample
     std::optional<double> tolerance;  ///< relative; absolute = this times the component's scale
     long samples = 100;               ///< N: samples at k T / N, k = 0..N
+    /// Sample times of the caller's own (s) in place of those: each later than the one before, none before 0 or beyond
+    /// the scene's duration, at which the run ends as ever. A fixed step is rounded down in each interval between them.
+    std::vector<double> times{};
     /// Limits of one integration: a run that needs more is `failed`, with Trajectory::limit_reached and a message that
     /// names the limit. They are looked at before each step, and between the attempts at one. The defaults end any run
     /// within an hour or so.
@@ -109,6 +113,9 @@ struct Method {
     /// place of `solve`, with `context` as it stands here.
     Trajectory (*solve_in)(const void* context, const Problem&, const Settings&) = nullptr;
     const void* context = nullptr;  ///< what `solve_in` is given
+    /// Of a method that is no part of the program: what its results are told apart by from those of another of its
+    /// name, where results are kept.
+    std::string_view identity{};
 };
 
 /// `methods`, each with what `common` says wherever it says nothing itself: all but name, documentation, what it is
@@ -168,6 +175,10 @@ inline constexpr double default_tolerance = 1e-10;
 
 /// What `auto` takes, and why: exact where it can be; else what is fastest at the accuracy that the tolerance asks for.
 Choice choose_method(const Problem& problem, double tolerance = default_tolerance);
+
+/// What `auto` takes where the settings have a step or a tolerance: the most accurate method that can be told it. Of
+/// settings without, the same as above.
+Choice choose_method(const Problem& problem, const Settings& settings);
 
 /// Whether the method can be told a step.
 bool takes_step(const Method& method);

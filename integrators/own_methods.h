@@ -1,6 +1,7 @@
 // Methods from outside the tree among polhode's own.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "integrators/method.h"
@@ -12,7 +13,12 @@ namespace polhode {
 /// outlive whatever uses them.
 void add_methods(std::span<const Method> own);
 
-/// Whether there are any.
+/// Whether there are any that were put there so.
 bool has_own_methods();
+
+/// Puts a method behind those of methods(), or in the place of the one that was put there so under its name, at any
+/// time: lists that were given out before stay as they are. Methods are kept as long as the program runs. Its identity
+/// tells its results from others'. Throws std::invalid_argument where the name is one of the program's own or empty.
+void add_method(std::shared_ptr<const Method> method);
 
 }  // namespace polhode

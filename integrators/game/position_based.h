@@ -69,8 +69,7 @@ class PositionBasedUpdate : public EngineState<S> {
 template <class S>
 Trajectory solve_position_based(const Problem& problem, const Settings& settings) {
     using Arm = std::optional<Vector3<double>>;
-    const double between = problem.scene.duration / static_cast<double>(settings.samples);
-    const double step = between / static_cast<double>(steps_per_sample(between, *settings.step));
+    const double step = longest_step(problem, settings);
     if (!problem.body.pivoted) return march<PositionBasedUpdate<S>>(problem, settings, Arm(), step);
     Scene free = problem.scene;
     free.pivot.reset();

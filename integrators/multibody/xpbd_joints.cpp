@@ -109,8 +109,7 @@ class JointedPositions : public multibody::MaximalState<S> {
 
 template <class S, int substeps>
 Trajectory solve_jointed_positions(const Problem& problem, const Settings& settings) {
-    const double between = problem.scene.duration / static_cast<double>(settings.samples);
-    const double step = between / static_cast<double>(steps_per_sample(between, *settings.step));
+    const double step = longest_step(problem, settings);
     return march<JointedPositions<S, substeps>>(problem, settings, step);
 }
 

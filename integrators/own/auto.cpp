@@ -1,6 +1,7 @@
 // Which method `auto` stands for.
 #include <algorithm>
 #include <cstddef>
+#include <initializer_list>
 #include <iterator>
 
 #include "integrators/method.h"
@@ -49,6 +50,23 @@ Choice choose_method(const Problem& problem, double tolerance) {
         return {find_method("taylor"), "smooth motion without stiffness: a Taylor series comes nearest to round-off"};
     return {find_method("dop853"),
             "a torque of the user's own has no Taylor coefficients and may be rough: a Runge-Kutta pair of high order"};
+}
+
+Choice choose_method(const Problem& problem, const Settings& settings) {
+    const Choice best = choose_method(problem, settings.tolerance.value_or(default_tolerance));
+    if ((!settings.step || takes_step(*best.method)) && (!settings.tolerance || takes_tolerance(*best.method)))
+        return best;
+    const auto first = [&](std::initializer_list<const char*> names, std::string_view why) -> Choice {
+        for (const char* name : names)
+            if (const Method* method = find_method(name); method && refusal(*method, problem).empty())
+                return {method, why};
+        return best;
+    };
+    if (settings.step)
+        return first({"splitting8", "munthe_kaas4", "odeint_rk4", "impact_halving"},
+                     "the most accurate here that takes a step");
+    return is_stiff(problem) ? first({"radau"}, "the most accurate here that takes a tolerance: the motion is stiff")
+                             : first({"taylor", "dop853"}, "the most accurate here that takes a tolerance");
 }
 
 }  // namespace polhode

@@ -107,7 +107,7 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     };
     const auto run = [&] {
         trajectory.samples.clear();
-        SampleQueue samples = settings.record ? SampleQueue(duration, settings.samples) : SampleQueue({&duration, 1});
+        SampleQueue samples = settings.record ? sample_queue(problem, settings) : SampleQueue({&duration, 1});
         double at = 0;
         const Passed passed = through_pieces(problem, at, [&](const Segment& segment, const Form& form) {
             for (; samples.in(segment); samples.pop())
@@ -120,7 +120,9 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
         }
         return passed == Passed::all;
     };
-    if (settings.record) trajectory.samples.reserve(static_cast<std::size_t>(settings.samples) + 1);
+    if (settings.record)
+        trajectory.samples.reserve(settings.times.empty() ? static_cast<std::size_t>(settings.samples) + 1
+                                                          : settings.times.size());
     repeat(settings, trajectory, [&](bool) { return run(); });
     return trajectory;
 }

@@ -116,8 +116,7 @@ PointRun point_xpbd(const Problem& problem, const Settings& settings, const Poin
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     PointRun run;
-    const double between = problem.scene.duration / static_cast<double>(settings.samples);
-    const double step = between / static_cast<double>(steps_per_sample(between, *settings.step));
+    const double step = longest_step(problem, settings);
     run.trajectory =
         march<PositionBased>(problem, settings, Setup{&body, options.iterations, &run.largest_stretch, step / 64});
     return run;

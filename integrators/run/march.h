@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <concepts>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -17,6 +18,43 @@ namespace polhode {
 /// How many whole steps fit into one sample interval of length `interval` (s), none of them longer than `step` (s) but
 /// for rounding.
 long steps_per_sample(double interval, double step);
+
+/// The intervals between the samples of a run by a fixed step, each covered by whole steps.
+class SampleIntervals {
+  public:
+    /// The problem's and the settings' samples, with the settings' step.
+    SampleIntervals(const Problem& problem, const Settings& settings);
+
+    /// From one sample to the next: step i goes from time(i) to time(i + 1), s.
+    struct Interval {
+        double begin, end, h;  // s
+        long steps;
+        bool sampled;  // at its end
+
+        double time(long i) const { return i == steps ? end : begin + static_cast<double>(i) * h; }
+    };
+
+    /// How many there are.
+    long count() const { return count_; }
+    /// The k-th, 0 <= k < count().
+    Interval operator[](long k) const;
+    /// Whether there is a sample at t = 0.
+    bool begins_with_sample() const { return times_.empty() || times_.front() == 0; }
+    /// The longest step (s), but for rounding.
+    double longest_step() const { return longest_step_; }
+    /// The steps of all, or the largest long where they are more.
+    long steps() const { return steps_; }
+
+  private:
+    double duration_, step_, longest_step_ = 0;
+    std::span<const double> times_;
+    long count_, per_sample_ = 0, steps_ = 0;
+};
+
+/// The longest step (s) that march() takes.
+inline double longest_step(const Problem& problem, const Settings& settings) {
+    return SampleIntervals(problem, settings).longest_step();
+}
 
 /// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
 /// scheme for first-order systems is one through SystemStepper. One whose step can fail has `bool failed() const` and
@@ -78,14 +116,13 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                                                                                         const Options&... options) {
     constexpr long longest_stretch = 1024, between_copies = 64;
     Trajectory trajectory;
-    const double T = problem.scene.duration;
-    const long N = settings.samples;
-    const long per_sample = steps_per_sample(T / static_cast<double>(N), *settings.step);
+    const SampleIntervals intervals(problem, settings);
+    using Interval = SampleIntervals::Interval;
     const double bound = energy_bound(problem);
-    trajectory.step = T / static_cast<double>(N) / static_cast<double>(per_sample);
+    trajectory.step = intervals.longest_step();
     Budget budget(settings);
     // the number of steps is known beforehand: a run that cannot end within its limit is not begun
-    if (per_sample > settings.max_steps / N) {
+    if (intervals.steps() > settings.max_steps) {
         budget.forbid(trajectory);
         return trajectory;
     }
@@ -97,16 +134,6 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     };
     const auto pass_events = [&](double t) {
         while (events.due(t)) stepper.enter(events.pop());
-    };
-    // the steps between two samples: step i goes from time(i) to time(i + 1)
-    struct Interval {
-        double begin, end, h;
-        long steps;
-        double time(long i) const { return i == steps ? end : begin + static_cast<double>(i) * h; }
-    };
-    const auto interval = [&](long k) {
-        const double begin = sample_time(T, k - 1, N), end = sample_time(T, k, N);
-        return Interval{begin, end, (end - begin) / static_cast<double>(per_sample), per_sample};
     };
     const auto take_step = [&](const Interval& at, long i) {
         double t = at.time(i);
@@ -130,7 +157,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     };
     struct Nothing {};
     std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
-    long copied_at = 0;  // steps before it, in this repetition
+    long copied_at = 0, copied_interval = 0, copied_step = 0;  // steps before it, in this repetition; and its place
     EventQueue<Segment> events_of_copy = events;
     // in the first `reached` steps of this repetition the motion has diverged: in which? That is the last one counted.
     const auto diverge = [&](long reached, std::string what) {
@@ -139,9 +166,10 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         if (!trajectory.samples.empty()) state = last_state(trajectory.at(trajectory.moments() - 1));
         if constexpr (std::copyable<S>) {
             stepper = *copy, events = events_of_copy;
-            for (long n = copied_at; n < reached; ++n) {
-                const Interval at = interval(n / per_sample + 1);
-                const long i = n % per_sample;
+            long k = copied_interval, i = copied_step;
+            Interval at = intervals[k];
+            for (long n = copied_at; n < reached; ++n, ++i) {
+                if (i == at.steps) at = intervals[++k], i = 0;
                 const auto before = stepper.sample(at.time(i));
                 take_step(at, i);
                 const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
@@ -159,7 +187,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         stepper.restart();
         events = EventQueue<Segment>(problem.segments);
         pass_events(0);
-        if (recording) {
+        if (recording && intervals.begins_with_sample()) {
             const auto start = stepper.sample(0);
             if (std::string what = divergence(problem, start, bound); !what.empty()) {
                 trajectory.status = Status::diverged, trajectory.message = std::move(what);
@@ -168,12 +196,16 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
             keep(start);
         }
         copied_at = -between_copies;
-        for (long k = 1; k <= N; ++k) {
-            const Interval at = interval(k);
-            for (long first = 0; first < per_sample;) {
-                const long done = (k - 1) * per_sample + first, last = std::min(first + longest_stretch, per_sample);
+        long done = 0;
+        for (long k = 0; k < intervals.count(); ++k) {
+            const Interval at = intervals[k];
+            for (long first = 0; first < at.steps;) {
+                const long last = std::min(first + longest_stretch, at.steps);
                 if constexpr (std::copyable<S>)
-                    if (done - copied_at >= between_copies) copy = stepper, copied_at = done, events_of_copy = events;
+                    if (done - copied_at >= between_copies) {
+                        copy = stepper, events_of_copy = events;
+                        copied_at = done, copied_interval = k, copied_step = first;
+                    }
                 long i = first;
                 for (bool going = true; i < last && going; ++i) {
                     if (!budget.take(stepper.rhs_evaluations())) {
@@ -188,7 +220,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                     if constexpr (requires { stepper.explain(trajectory); }) stepper.explain(trajectory);
                     return false;
                 }
-                const bool sampled = recording && i == per_sample;
+                const bool sampled = recording && at.sampled && i == at.steps;
                 if (!stepper.finite() || sampled || i - first == longest_stretch) {
                     const auto sample = stepper.sample(at.time(i));
                     std::string what = divergence(problem, sample, bound);
@@ -196,7 +228,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
                     if (!what.empty()) return diverge(done + i - first, std::move(what));
                     if (sampled) keep(sample);
                 }
-                first = i;
+                done += i - first, first = i;
             }
         }
         return true;
@@ -205,12 +237,12 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     if (trajectory.status != Status::diverged) trajectory.steps = budget.steps() / settings.repetitions;
     if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
     if (!settings.record && trajectory.status == Status::ok) {
-        const auto end = stepper.sample(T);
+        const auto end = stepper.sample(problem.scene.duration);
         std::string what = divergence(problem, end, bound);
         if (what.empty())
             keep(end);
         else
-            diverge(N * per_sample, std::move(what));
+            diverge(intervals.steps(), std::move(what));
     }
     trajectory.rhs_evaluations = stepper.rhs_evaluations();
     return trajectory;

@@ -70,7 +70,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
         stepper.restart();
         rejected = 0;
         watch.restart();
-        SampleQueue samples = recording ? SampleQueue(T, settings.samples) : SampleQueue();
+        SampleQueue samples = recording ? sample_queue(problem, settings) : SampleQueue();
         double t = 0, h = 0;
         const auto enter = [&](const Segment& segment) {
             stepper.enter(segment);

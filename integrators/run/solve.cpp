@@ -18,7 +18,7 @@ Trajectory failed(std::string message) {
 
 /// A method and all that its descriptor points to.
 struct MadeMethod {
-    std::array<std::string, 7> texts;
+    std::array<std::string, 8> texts;
     std::function<Trajectory(const Problem&, const Settings&)> solve;
     Method method;
 };
@@ -28,6 +28,19 @@ Trajectory solve_made(const void* context, const Problem& problem, const Setting
 }
 
 bool positive(const std::optional<double>& value) { return !value || (std::isfinite(*value) && *value > 0); }
+
+// Why these are no sample times of a run; empty where they are, or there are none.
+std::string fault_of_times(const std::vector<double>& times, double duration) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        if (!(times[i] >= 0 && times[i] <= duration))
+            return fmt::format("a sample time is {:.17g} s; give times from 0 to the duration, {:.17g} s", times[i],
+                               duration);
+        if (i > 0 && !(times[i] > times[i - 1]))
+            return fmt::format("a sample time, {:.17g} s, is not later than the one before; give times in order",
+                               times[i]);
+    }
+    return "";
+}
 
 }  // namespace
 
@@ -43,8 +56,8 @@ std::shared_ptr<const Method> make_method(const Method& description,
     made->solve = std::move(solve), made->method = description;
     Method& m = made->method;
     std::size_t i = 0;
-    for (std::string_view* text :
-         {&m.name, &m.documentation, &m.source, &m.described_as, &m.conserves, &m.library, &m.in_binary64}) {
+    for (std::string_view* text : {&m.name, &m.documentation, &m.source, &m.described_as, &m.conserves, &m.library,
+                                   &m.in_binary64, &m.identity}) {
         made->texts[i] = *text, *text = made->texts[i];
         ++i;
     }
@@ -83,6 +96,8 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
     if (!positive(settings.step)) return failed("the step is not finite and positive");
     if (!positive(settings.tolerance)) return failed("the tolerance is not finite and positive");
     if (settings.samples < 1) return failed("the number of samples is below 1");
+    if (const std::string fault = fault_of_times(settings.times, problem.scene.duration); !fault.empty())
+        return failed(fault);
     if (settings.max_steps < 1) return failed("the step limit is below 1");
     if (settings.max_evaluations < 1) return failed("the limit of evaluations is below 1");
     if (!(settings.seconds_limit > 0)) return failed("the limit of seconds is not positive");
@@ -92,6 +107,8 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
     if (settings.tolerance && !takes_tolerance(method))
         return failed(fmt::format("{} takes no tolerance", method.name));
     if (std::string why = refusal(method, problem); !why.empty()) return unsupported(std::move(why));
+    if (!settings.times.empty() && method.family == Family::engine)
+        return unsupported("an engine gives samples at equal intervals alone; leave out the times");
     const Settings complete = with_defaults(problem, method, settings);
     if (method.solve_in) return method.solve_in(method.context, problem, complete);
     if (method.formulation && problem.formulation != *method.formulation)

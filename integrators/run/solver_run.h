@@ -67,7 +67,7 @@ class SolverRun {
     bool run(bool recording) {
         // steps in a row that do not move t before a run is given up
         constexpr int standstill = 100;
-        SampleQueue samples = recording ? SampleQueue(problem_.scene.duration, settings_.samples) : SampleQueue();
+        SampleQueue samples = recording ? sample_queue(problem_, settings_) : SampleQueue();
         session_.restart();
         watch_.restart();
         const auto enter = [&](const Segment& segment) {

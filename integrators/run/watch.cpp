@@ -7,6 +7,7 @@
 
 #include "integrators/run/processor_time.h"
 #include "motion/own_system.h"
+#include "text/interruption.h"
 
 namespace polhode {
 
@@ -47,6 +48,11 @@ bool Budget::in_time() {
     constexpr double between_looks = 0.01;  // s
     constexpr long most_steps = 1024;
     const double now = spent();
+    if (Interruption::is_wanted()) {
+        until_look_ = 1;
+        message_ = "interrupted";
+        return false;
+    }
     if (now > seconds_limit_) {
         // the wall clock is read fast; a thread's own time is not, but cannot be longer
         if (processor_time() - processor_start_ > seconds_limit_) {

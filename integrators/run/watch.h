@@ -55,6 +55,11 @@ class Budget {
     std::string message_;
 };
 
+/// The samples that a run is asked for, which must outlive the queue.
+inline SampleQueue sample_queue(const Problem& problem, const Settings& settings) {
+    return settings.times.empty() ? SampleQueue(problem.scene.duration, settings.samples) : SampleQueue(settings.times);
+}
+
 /// A time (s) as messages tell it: "t = 0.125 s".
 std::string moment(double t);
 

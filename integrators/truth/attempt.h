@@ -24,6 +24,9 @@ struct Truth {
 
 /// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.
 Truth find_truth(const Scene& scene, long samples, int digits, double seconds_limit = truth_seconds);
+/// The same at times of the caller's own (s).
+Truth find_truth(const Scene& scene, const std::vector<double>& times, int digits,
+                 double seconds_limit = truth_seconds);
 
 /// MPFR keeps pi and its like for the thread that asked for them. This gives them back where it ends.
 class KeptConstants {

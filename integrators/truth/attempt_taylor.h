@@ -11,10 +11,12 @@
 
 namespace polhode::truth {
 
-/// Runs f in a thread of its own, with as much time as is left; the caches that mpfr keeps for it go with it.
+/// Runs f in a thread of its own, with as much time as is left and interrupted with this one; the caches that mpfr
+/// keeps for it go with it.
 template <class F>
 auto in_thread(F f) {
-    return std::async(std::launch::async, [f, seconds = Allowance::left()] {
+    return std::async(std::launch::async, [f, seconds = Allowance::left(), interruption = Interruption::current()] {
+        const Interruption inherited(interruption);
         const Allowance allowance(seconds);
         auto result = f();
         mpfr_free_cache();

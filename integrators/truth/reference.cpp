@@ -117,42 +117,7 @@ std::string refusal(const Scene& scene, int digits) {
     return "";
 }
 
-}  // namespace
-
-Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
-    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
-    if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
-    return find_or_compute(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples),
-                           digits, seconds_limit);
-}
-
-Reference reference(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
-    if (times.empty()) throw std::invalid_argument("there are no times");
-    for (std::size_t i = 0; i < times.size(); ++i)
-        if (!std::isfinite(times[i]) || !(i == 0 ? times[i] >= 0 : times[i] > times[i - 1]))
-            throw std::invalid_argument("the times do not increase from 0 on");
-    Scene timed = scene;
-    if (times.back() > 0) timed.duration = times.back();
-    const long samples = static_cast<long>(times.size()) - 1;
-    // the usual times: their truth may be there already
-    if (samples > 0 && times == sample_times(timed.duration, samples))
-        return reference(timed, samples, digits, seconds_limit);
-    if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why)).reference;
-    return find_or_compute(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit).reference;
-}
-
-std::string_view truth_method(const Problem& problem) {
-    if (problem.needs.user_torque) return "none";
-    if (is_mechanism(problem.scene)) return "Taylor series";
-    return is_long(problem) ? "closed form" : is_strongly_damped(problem) ? "collocation" : "Taylor series";
-}
-
-Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {
-    return truth::find_truth(scene, samples, digits, seconds_limit).reference;
-}
-
-DecimalReference decimal_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
-    const Truth truth = truth::find_truth(scene, samples, std::max(digits, usual_digits), seconds_limit);
+DecimalReference in_decimals(const Truth& truth, const Scene& scene, int digits) {
     DecimalReference result;
     result.available = truth.reference.available;
     result.message = truth.reference.message;
@@ -176,6 +141,53 @@ DecimalReference decimal_reference(const Scene& scene, long samples, int digits,
     rounded(truth.decimals, result.columns);
     rounded(truth.reaction_decimals, result.reactions);
     return result;
+}
+
+}  // namespace
+
+Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
+    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
+    return find_or_compute(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples),
+                           digits, seconds_limit);
+}
+
+Truth truth::find_truth(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
+    if (times.empty()) throw std::invalid_argument("there are no times");
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (!std::isfinite(times[i]) || !(i == 0 ? times[i] >= 0 : times[i] > times[i - 1]))
+            throw std::invalid_argument("the times do not increase from 0 on");
+    Scene timed = scene;
+    if (times.back() > 0) timed.duration = times.back();
+    const long samples = static_cast<long>(times.size()) - 1;
+    // the usual times: their truth may be there already
+    if (samples > 0 && times == sample_times(timed.duration, samples))
+        return find_truth(timed, samples, digits, seconds_limit);
+    if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why));
+    return find_or_compute(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit);
+}
+
+std::string_view truth_method(const Problem& problem) {
+    if (problem.needs.user_torque) return "none";
+    if (is_mechanism(problem.scene)) return "Taylor series";
+    return is_long(problem) ? "closed form" : is_strongly_damped(problem) ? "collocation" : "Taylor series";
+}
+
+Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {
+    return truth::find_truth(scene, samples, digits, seconds_limit).reference;
+}
+
+Reference reference(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
+    return truth::find_truth(scene, times, digits, seconds_limit).reference;
+}
+
+DecimalReference decimal_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
+    return in_decimals(truth::find_truth(scene, samples, std::max(digits, usual_digits), seconds_limit), scene, digits);
+}
+
+DecimalReference decimal_reference(const Scene& scene, const std::vector<double>& times, int digits,
+                                   double seconds_limit) {
+    return in_decimals(truth::find_truth(scene, times, std::max(digits, usual_digits), seconds_limit), scene, digits);
 }
 
 }  // namespace polhode

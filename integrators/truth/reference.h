@@ -62,6 +62,10 @@ struct DecimalReference {
 DecimalReference decimal_reference(const Scene& scene, long samples, int digits = 17,
                                    double seconds_limit = truth_seconds);
 
+/// The same at times of the caller's own (s), as reference() takes them.
+DecimalReference decimal_reference(const Scene& scene, const std::vector<double>& times, int digits = 17,
+                                   double seconds_limit = truth_seconds);
+
 /// The most digits that can be asked for.
 constexpr int most_truth_digits = 80;
 

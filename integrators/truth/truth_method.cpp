@@ -9,7 +9,9 @@ Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, 
 
 Trajectory solve_truth(const Problem& problem, const Settings& settings) {
     constexpr int digits = 25;
-    const truth::Truth truth = truth::find_truth(problem.scene, settings.samples, digits, settings.seconds_limit);
+    const truth::Truth truth = settings.times.empty()
+                                   ? truth::find_truth(problem.scene, settings.samples, digits, settings.seconds_limit)
+                                   : truth::find_truth(problem.scene, settings.times, digits, settings.seconds_limit);
     Trajectory trajectory;
     trajectory.message = truth.reference.message;
     trajectory.steps = truth.steps;

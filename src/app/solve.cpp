@@ -9,7 +9,6 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "integrators/method.h"
-#include "integrators/run/stiffness.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
@@ -42,27 +41,9 @@ void require_sane(const SolveOptions& options) {
     require_output(options.reactions);
 }
 
-// What auto takes: the most accurate method, of those that take a step or a tolerance where one is given.
-Choice automatic(const SolveOptions& options, const Problem& problem) {
-    const Choice best = choose_method(problem, options.tolerance.value_or(default_tolerance));
-    const bool step = options.step || options.steps;
-    if ((!step || takes_step(*best.method)) && (!options.tolerance || takes_tolerance(*best.method))) return best;
-    const auto first = [&](std::initializer_list<const char*> names, std::string_view why) -> Choice {
-        for (const char* name : names)
-            if (const Method* method = find_method(name); method && refusal(*method, problem).empty())
-                return {method, why};
-        return best;
-    };
-    if (step)
-        return first({"splitting8", "munthe_kaas4", "odeint_rk4", "impact_halving"},
-                     "the most accurate here that takes a step");
-    return is_stiff(problem) ? first({"radau"}, "the most accurate here that takes a tolerance: the motion is stiff")
-                             : first({"taylor", "dop853"}, "the most accurate here that takes a tolerance");
-}
-
-Choice chosen(const SolveOptions& options, const Problem& problem) {
+Choice chosen(const SolveOptions& options, const Problem& problem, const Settings& settings) {
     const Choice choice =
-        options.method == "auto" ? automatic(options, problem) : Choice{&method_named(options.method), ""};
+        options.method == "auto" ? choose_method(problem, settings) : Choice{&method_named(options.method), ""};
     const std::string name(choice.method->name);
     if ((options.step || options.steps) && !takes_step(*choice.method))
         throw UsageError(fmt::format("{} takes no step; leave out {}", name, options.step ? "--step" : "--steps"));
@@ -145,7 +126,7 @@ int solve_command(const SolveOptions& options) {
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();
-    const Choice choice = chosen(options, problem);
+    const Choice choice = chosen(options, problem, settings);
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
     // what was reached is kept: it tells how far the method came

@@ -22,11 +22,9 @@ namespace polhode {
 namespace {
 
 // A file in our conventions, with what had to be done to it.
-TrajectoryFile prepared(const Scene& scene, const Convention& convention, const ColumnNames& columns,
+TrajectoryFile prepared(const Scene& scene, const Convention& convention, const ColumnNames& columns, std::string text,
                         CheckedFile& checked) {
-    constexpr std::size_t largest_file = std::size_t{1} << 30;
-    ForeignTable table = own_columns(read_text(checked.path, largest_file, "a readable CSV file"), checked.path,
-                                     columns, is_mechanism(scene));
+    ForeignTable table = own_columns(std::move(text), checked.path, columns, is_mechanism(scene));
     TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion, body_names(scene));
     if (!is_mechanism(scene) && !file.bodies.empty())
         throw InputError(checked.path, "column body", "is there, and the scene is of one body",
@@ -157,17 +155,9 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
             *checked.float_judged_until, shortest_decimal(allowed)));
 }
 
-}  // namespace
-
-std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
-                                     const Convention& convention, const ColumnNames& columns,
-                                     const ErrorLimits& limits, bool explain, bool picture) {
-    std::vector<CheckedFile> all;
-    std::vector<TrajectoryFile> files;
-    for (const std::string& path : paths) {
-        all.emplace_back().path = path;
-        files.push_back(prepared(scene, convention, columns, all.back()));
-    }
+// Judges what was read, file by file.
+void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
+               std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         CheckedFile& checked = all[i];
         if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty())
@@ -182,6 +172,35 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
         files[i] = {};
     }
+}
+
+}  // namespace
+
+std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
+                                     const Convention& convention, const ColumnNames& columns,
+                                     const ErrorLimits& limits, bool explain, bool picture) {
+    constexpr std::size_t largest_file = std::size_t{1} << 30;
+    std::vector<CheckedFile> all;
+    std::vector<TrajectoryFile> files;
+    for (const std::string& path : paths) {
+        all.emplace_back().path = path;
+        files.push_back(
+            prepared(scene, convention, columns, read_text(path, largest_file, "a readable CSV file"), all.back()));
+    }
+    judge_all(scene, limits, explain, picture, files, all);
+    return all;
+}
+
+std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<NamedText>& texts,
+                                     const Convention& convention, const ColumnNames& columns,
+                                     const ErrorLimits& limits, bool explain, bool picture) {
+    std::vector<CheckedFile> all;
+    std::vector<TrajectoryFile> files;
+    for (const NamedText& one : texts) {
+        all.emplace_back().path = one.name;
+        files.push_back(prepared(scene, convention, columns, one.text, all.back()));
+    }
+    judge_all(scene, limits, explain, picture, files, all);
     return all;
 }
 

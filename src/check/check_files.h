@@ -17,12 +17,22 @@ struct NoTruth : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// A table that stands in memory, as a file would have it.
+struct NamedText {
+    std::string name;  ///< what messages call it
+    std::string text;  ///< CSV
+};
+
 /// Judges the files at these paths against the scene's truth. All are read before any is judged: a slip in the last
 /// must not cost the time of the first. `columns`: which of theirs hold ours, if they are not told by their names.
 /// Files of more than some thousand samples are judged in binary64, by several threads. `explain`: known faults are
 /// tried on sound files too. `picture`: their errors over time are drawn into CheckedFile::picture. Throws InputError
 /// where a file cannot be read, or goes on for longer than the scene, and NoTruth.
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
+                                     const Convention& convention, const ColumnNames& columns,
+                                     const ErrorLimits& limits, bool explain, bool picture = false);
+/// The same of tables that stand in memory.
+std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<NamedText>& texts,
                                      const Convention& convention, const ColumnNames& columns,
                                      const ErrorLimits& limits, bool explain, bool picture = false);
 

@@ -8,10 +8,13 @@
 #include <thread>
 #include <vector>
 
+#include "text/interruption.h"
+
 namespace polhode {
 
 /// Calls work(i) for i = 0..count-1 on at most `jobs` threads, each index once. The first exception is thrown again
-/// here after all threads have stopped. What work(i) writes must belong to i alone.
+/// here after all threads have stopped. The threads are interrupted with this one. What work(i) writes must belong to i
+/// alone.
 template <class Work>
 void parallel_for(std::size_t count, int jobs, const Work& work) {
     const std::size_t threads = std::min<std::size_t>(count, jobs < 1 ? 1 : static_cast<std::size_t>(jobs));
@@ -24,8 +27,10 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
     std::mutex failure_mutex;
     {
         std::vector<std::jthread> pool;
+        const Interruption::Question* interruption = Interruption::current();
         for (std::size_t k = 0; k < threads; ++k)
             pool.emplace_back([&] {
+                const Interruption inherited(interruption);
                 for (std::size_t i = next++; i < count; i = next++) {
                     try {
                         work(i);

@@ -269,6 +269,15 @@ double truth::kappa_bits(const Problem& problem) {
 
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    return certified_reference(scene, sample_times(scene.duration, samples), digits, seconds_limit);
+}
+
+CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
+                                       double seconds_limit) {
+    if (times.empty()) throw std::invalid_argument("there are no times");
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (!(times[i] >= 0 && times[i] <= scene.duration && (i == 0 || times[i] > times[i - 1])))
+            throw std::invalid_argument("the times do not increase from 0 to the scene's duration at most");
     if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
     validate(scene, scene.name);
     CertifiedReference result;
@@ -280,7 +289,7 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
         }
     if (!scene.loops.empty()) {
         result.message = "no certified truth: motions with loops are not enclosed; leave out --certified";
-        const DecimalReference agreed = decimal_reference(scene, samples, digits, seconds_limit);
+        const DecimalReference agreed = decimal_reference(scene, times, digits, seconds_limit);
         if (agreed.available)
             result.message += fmt::format(" (loops of the truth in {} digits are open by no more than {}, for certain)",
                                           digits, truth::decimal_above(truth::openness_of_loops(scene, agreed)));
@@ -292,7 +301,7 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
     }
     result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
-    result.times = sample_times(scene.duration, samples);
+    result.times = times;
 
     const truth::Allowance allowance(seconds_limit);
     const double least_bits = digits * bits_per_digit + spare_bits;

@@ -45,6 +45,11 @@ struct CertifiedReference {
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits,
                                        double seconds_limit = truth_seconds);
 
+/// The same at times of the caller's own (s), which increase from 0 or later and none of which is beyond the scene's
+/// duration; else std::invalid_argument.
+CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
+                                       double seconds_limit = truth_seconds);
+
 /// Version of the ball arithmetic in use; empty where the program was built without it.
 std::string ball_arithmetic_version();
 

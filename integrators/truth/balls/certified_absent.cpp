@@ -12,6 +12,11 @@ CertifiedReference certified_reference(const Scene&, long, int digits, double) {
     return result;
 }
 
+CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
+                                       double seconds_limit) {
+    return certified_reference(scene, static_cast<long>(times.size()), digits, seconds_limit);
+}
+
 std::string ball_arithmetic_version() { return ""; }
 
 }  // namespace polhode

@@ -42,10 +42,11 @@ std::string running_program_key() {
 
 namespace {
 
-// Other programs change without this one's doing so: an engine is another with its version.
+// Other programs change without this one's doing so: an engine is another with its version, and a method that is no
+// part of the program has an identity.
 std::string version_of(const Method& method) {
     const EngineMethod* engine = engine_of(method);
-    if (!engine) return "";
+    if (!engine) return std::string(method.identity);
     const EngineReport report = engine->inspect(nullptr);
     return report.fault.empty() ? report.hello.version : "not here";
 }

@@ -14,6 +14,7 @@
 #include "integrators/run/march.h"
 #include "integrators/sundials/build.h"
 #include "text/content_hash.h"
+#include "text/interruption.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -70,7 +71,7 @@ std::string whole_key(const Plan& plan, bool quick) {
                                    e.kind->name, quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
-        text += fmt::format("{} {}", curve.method->name, name_of(curve.kind));
+        text += fmt::format("{} {} {}", curve.method->name, curve.method->identity, name_of(curve.kind));
         for (const double setting : curve.settings) text += fmt::format(" {}", setting);
         text += "\n";
     }
@@ -103,7 +104,7 @@ bool run_whole(const Plan& plan, const RunOptions& options, const std::string& c
         findings = kind.make(plan, options);
         seconds = stopwatch.seconds();
     }
-    if (kind.resumable && sweep_interrupted()) {
+    if (Interruption::is_wanted() || (kind.resumable && sweep_interrupted())) {
         fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
         return false;
     }

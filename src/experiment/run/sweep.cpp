@@ -170,6 +170,7 @@ class SceneSweep {
 
 void interrupt_sweep() { interrupted = true; }
 bool sweep_interrupted() { return interrupted; }
+void allow_sweeps() { interrupted = false; }
 
 bool is_asked_for(const Plan& plan, std::size_t scene, const PlannedCurve& curve, const Pattern& filter,
                   const RunOptions& options) {

@@ -29,6 +29,8 @@ struct SweepCount {
 /// Asks a running sweep to stop after the case at hand (async-signal-safe).
 void interrupt_sweep();
 bool sweep_interrupted();
+/// Sweeps after an interrupted one may run.
+void allow_sweeps();
 
 /// Runs what is not there yet. Failures of methods are rows; throws std::runtime_error where results cannot be stored.
 SweepCount run_sweep(const Plan& plan, const RunOptions& options);

@@ -1,0 +1,37 @@
+// The extension module of the Python package: numbers and texts; src/python/polhode makes them comfortable.
+#include "app/commands.h"
+#include "check/check_files.h"
+#include "python/bindings.h"
+#include "text/message.h"
+
+namespace polhode::python {
+namespace {
+
+// Exceptions carry the program's own lines.
+void bind_exceptions(py::module_& module) {
+    py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
+    py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError);
+    py::register_exception_translator([](std::exception_ptr pointer) {
+        try {
+            if (pointer) std::rethrow_exception(pointer);
+        } catch (const UsageError& error) {
+            py::module_::import("polhode._polhode").attr("InputError");
+            PyErr_SetString(py::module_::import("polhode._polhode").attr("InputError").ptr(), error.what());
+        }
+    });
+}
+
+}  // namespace
+}  // namespace polhode::python
+
+PYBIND11_MODULE(_polhode, module) {
+    using namespace polhode::python;
+    module.attr("__version__") = POLHODE_VERSION;
+    bind_exceptions(module);
+    bind_scenes(module);
+    bind_solving(module);
+    bind_truth(module);
+    bind_ensembles(module);
+    bind_own_methods(module);
+    bind_experiments(module);
+}

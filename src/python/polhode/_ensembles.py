@@ -1,0 +1,147 @@
+"""Bodies by the million."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode import _polhode
+from polhode._html import pairs_html
+from polhode._scenes import SceneLike, scene as make_scene
+
+if TYPE_CHECKING:
+    from polhode._solving import Array
+
+_WIDTHS = {"q": 4, "w": 3, "p": 3, "v": 3, "inertia": 3, "mass": 1}
+
+
+class Ensemble:
+    """Where each body of an ensemble is at the end.
+
+    Attributes
+    ----------
+    q : ndarray, shape (n, 4), of mechanisms (n, samples, bodies, 4)
+        Attitudes (w, x, y, z), body to world.
+    w, p, v : ndarray, shape (n, 3), of mechanisms (n, samples, bodies, 3)
+        Angular velocity in world axes, centre of mass, its velocity.
+    failures : list of (int, str, str)
+        Row, status and reason of each run that did not end well; what its arrays hold is how far it came, or NaN.
+    seconds : float
+        Wall clock of the solution.
+    """
+
+    q: Array
+    w: Array
+    p: Array
+    v: Array
+
+    def __init__(self, arrays: dict[str, Any], failures: list[tuple[int, str, str]], seconds: float) -> None:
+        self.__dict__.update(arrays)
+        self.failures = failures
+        self.seconds = seconds
+
+    @property
+    def ok(self) -> bool:
+        """Whether every run ended well."""
+        return not self.failures
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __repr__(self) -> str:
+        return f"<polhode.Ensemble of {len(self)}, {len(self.failures)} failed, {self.seconds:.3g} s>"
+
+    def _repr_html_(self) -> str:
+        pairs: list[tuple[str, object]] = [("runs", len(self)), ("failed", len(self.failures)),
+                                           ("seconds", f"{self.seconds:.3g}")]
+        return pairs_html("ensemble", pairs + [(f"row {row}", f"{status}: {why}")
+                                               for row, status, why in self.failures[:10]])
+
+
+def ensemble(
+    scene: SceneLike,
+    arrays: Mapping[str, npt.ArrayLike] | None = None,
+    *,
+    tolerance: float | None = None,
+    duration: float | None = None,
+    samples: int = 1,
+    threads: int = 0,
+    max_steps: int = 1_000_000,
+    max_seconds: float = 3600,
+    **columns: npt.ArrayLike,
+) -> Ensemble:
+    """Solves a scene for many bodies, each with its own inertia and start, or a mechanism from many starts.
+
+    Parameters
+    ----------
+    scene : scene, str, path or mapping
+        Its loads act on all; what the arrays do not tell is its own.
+    arrays : mapping of str to array_like, optional
+        Of one body ``q`` (n, 4), ``w`` (n, 3, in the scene's angular_velocity_frame), ``p``, ``v`` (n, 3), ``inertia``
+        (n, 3) moments or (n, 3, 3) tensors, ``mass`` (n,). Of several bodies the columns that ``polhode ensemble``
+        reads, each (n,): "JOINT.angle", "JOINT.rate", "BODY.mass", ..
+    tolerance : float, optional
+        Relative tolerance, default 1e-10.
+    duration : float, optional
+        T, s, in place of the scene's.
+    samples : int, optional
+        Of several bodies: the motion at k T / N, k = 1..N.
+    threads : int, optional
+        0: as many as the machine runs at once. The result is the same for any number.
+    max_steps, max_seconds : int and float, optional
+        A body that needs more ends as failed, and stops no other.
+    **columns : array_like
+        The same as `arrays`, as keywords.
+
+    Returns
+    -------
+    Ensemble
+
+    Examples
+    --------
+    >>> import numpy as np, polhode
+    >>> ends = polhode.ensemble("free_asymmetric", w=np.random.default_rng(1).normal(size=(1000, 3)))
+    >>> ends.q.shape, ends.ok
+    ((1000, 4), True)
+    """
+    posed = make_scene(scene)
+    if duration is not None:
+        posed.duration = duration
+    given = {name: np.asarray(values, dtype=np.float64) for name, values in {**(arrays or {}), **columns}.items()}
+    if not given:
+        raise _polhode.InputError(f"no arrays; give at least one of {', '.join(_WIDTHS)}")
+    lengths = {len(np.atleast_1d(values)) for values in given.values()}
+    if len(lengths) > 1:
+        raise _polhode.InputError(f"the arrays have {sorted(lengths)} rows; give each as many")
+    settings = _polhode.EnsembleSettings(tolerance, threads, max_steps, max_seconds)
+    read = posed._compiled()
+    if read.bodies:
+        return _mechanisms(read, given, samples, settings)
+    for name, values in given.items():
+        if name not in _WIDTHS:
+            raise _polhode.InputError(f"there is no {name} of a body; give {', '.join(_WIDTHS)}")
+        rows = lengths.copy().pop()
+        shapes = [(rows, 3), (rows, 3, 3)] if name == "inertia" else [(rows,)] if name == "mass" else [
+            (rows, _WIDTHS[name])]
+        if values.shape not in shapes:
+            raise _polhode.InputError(f"{name} has the shape {values.shape}; give {' or '.join(map(str, shapes))}")
+    solved = _polhode.solve_bodies(read, lengths.pop(), _polhode.Columns(*(given.get(name) for name in _WIDTHS)), settings)
+    made = Ensemble({"q": solved.q, "w": solved.w(), "w_B": solved.w_B, "p": solved.p, "v": solved.v},
+                    solved.failures(), solved.seconds)
+    return made
+
+
+def _mechanisms(read: Any, given: dict[str, Array], samples: int, settings: Any) -> Ensemble:
+    from time import perf_counter
+
+    lines = [",".join(given)] + [",".join(map(repr, row)) for row in zip(*(v.tolist() for v in given.values()))]
+    begin = perf_counter()
+    numbers, statuses, messages = _polhode.solve_mechanisms(read, "\n".join(lines) + "\n", samples, settings)
+    seconds = perf_counter() - begin
+    failures = [(row, status, why) for row, (status, why) in enumerate(zip(statuses, messages)) if status != "ok"]
+    arrays = {"t": numbers[..., 0], "q": numbers[..., 1:5], "w": numbers[..., 5:8], "p": numbers[..., 8:11],
+              "v": numbers[..., 11:14]}
+    return Ensemble(arrays, failures, seconds)

@@ -1,0 +1,168 @@
+"""Experiments: sweeps of scenes, methods and settings, as tables and pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Union
+
+from polhode import _polhode
+from polhode._scenes import Scene, _plain, scene as make_scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+#: An experiment's name, its file, or what would stand in one.
+ExperimentLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+
+
+class Results:
+    """What an experiment found.
+
+    Attributes
+    ----------
+    name : str
+        The experiment's.
+    directory : pathlib.Path
+        Where its files are: tables as CSV, Markdown, LaTeX and JSON, pictures, provenance.
+    """
+
+    def __init__(self, name: str, directory: Path) -> None:
+        self.name = name
+        self.directory = directory
+
+    @cached_property
+    def tables(self) -> dict[str, DataFrame]:
+        """All its tables by name; what the experiment's own name stands for is the rows of all runs."""
+        import pandas as pd
+
+        return {path.stem: pd.read_csv(path) for path in sorted(self.directory.glob(f"{self.name}*.csv"))}
+
+    @property
+    def table(self) -> DataFrame:
+        """A row for each run: status, seconds, counts and errors, by the columns of the result table."""
+        return self.tables[self.name] if self.name in self.tables else next(iter(self.tables.values()))
+
+    @property
+    def pictures(self) -> list[Path]:
+        """The pictures that the experiment drew (SVG and PDF), where gnuplot is installed."""
+        return [path for ending in ("svg", "pdf") for path in sorted(self.directory.glob(f"{self.name}*.{ending}"))]
+
+    def plot(self, x: str = "seconds_median", y: str = "attitude_error_max", **options: Any) -> Figure:
+        """Draws a curve for each method and a frame for each scene; by default a work-precision diagram.
+
+        Parameters
+        ----------
+        x, y : str, optional
+            Columns of the table: ``x="rhs_evaluations"`` for work that is the same on every machine, ``x="setting"``
+            for convergence.
+        **options
+            For ``matplotlib.pyplot.figure``.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from polhode._plot import plot_table
+
+        return plot_table(self.table, x, y, **options)
+
+    def __repr__(self) -> str:
+        return f"<polhode.Results of {self.name}: {len(self.table)} rows, in {self.directory}>"
+
+    def _repr_html_(self) -> str:
+        shown = ["scene", "method", "setting", "status", "seconds_median", "rhs_evaluations", "attitude_error_max",
+                 "momentum_error_max", "energy_error_max", "message"]
+        table = self.table
+        return str(table[[name for name in shown if name in table]].to_html(index=False, na_rep="", max_rows=60))
+
+
+def _scene_files(scenes: Iterable[Any], folder: Path) -> list[str]:
+    names = []
+    for number, one in enumerate(scenes):
+        if isinstance(one, (str, os.PathLike)):
+            names.append(os.fspath(one))
+            continue
+        posed = make_scene(one)
+        if posed._torques:
+            raise _polhode.InputError(
+                f"{posed.name}: a torque of one's own has no truth, and an experiment measures errors; leave it out")
+        path = folder / f"scene_{number}.json"
+        path.write_text(_polhode.ReadScene(posed.json(), posed._file, posed._directory, []).canonical(), "utf-8")
+        names.append(str(path))
+    return names
+
+
+def run(
+    experiment: ExperimentLike,
+    output: str | os.PathLike[str] | None = None,
+    *,
+    filter: str = "",
+    quick: bool = False,
+    jobs: int = 0,
+    quiet: bool = True,
+) -> Results:
+    """Runs an experiment; goes on where it was interrupted, where it is given the same output.
+
+    Parameters
+    ----------
+    experiment : str, path or mapping
+        A built-in experiment, a file of one, or what would stand in it: ``scenes`` (also `Scene` and dicts),
+        ``methods`` (also functions made by `method` and `solver`), ``settings``, .. A mapping without name, about or
+        settings gets such as fit: tolerances from 1e-3 to 1e-13, steps from a hundredth of the duration on.
+    output : path, optional
+        The directory for tables, pictures and finished cases; a new temporary one if not given.
+    filter : str, optional
+        Only the cases whose SCENE/METHOD matches this expression.
+    quick : bool, optional
+        Every third setting, short runs.
+    jobs : int, optional
+        Threads for truths and errors; 0: all cores. Timings run alone.
+    quiet : bool, optional
+        No progress on standard error.
+
+    Returns
+    -------
+    Results
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.run({"scenes": ["free_asymmetric"], "methods": ["dop853", "odeint_rk4"], "repeats": 1,
+    ...                      "settings": {"tolerances": [1e-6, 1e-9], "steps": [0.02]}})
+    >>> sorted(set(found.table["status"])), len(found.table)
+    (['ok'], 3)
+    """
+    directory = Path(tempfile.mkdtemp(prefix="polhode-") if output is None else output)
+    directory.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="polhode-scenes-") as folder:
+        if isinstance(experiment, Mapping):
+            data = {"name": "own", "about": "An experiment of one's own", **experiment}
+            given = data.get("scenes", [])
+            scenes = [given] if isinstance(given, (str, os.PathLike, Mapping)) else list(given)
+            data["scenes"] = _scene_files(scenes, Path(folder))
+            asked = data.get("methods", [])
+            data["methods"] = [getattr(one, "__polhode_method__", one)
+                               for one in ([asked] if isinstance(asked, str) or callable(asked) else asked)]
+            if "settings" not in data and "kind" not in data and scenes:
+                duration = float(make_scene(scenes[0]).get("duration", 1))
+                data["settings"] = {
+                    "tolerances": {"from": 1e-3, "to": 1e-13, "count": 11},
+                    "steps": {"from": duration / 100, "to": duration / 1e5, "count": 10},
+                }
+            text, file = json.dumps(data, default=_plain), "the experiment"
+        else:
+            file = os.fspath(experiment)
+            text = _polhode.experiment_text(file)
+        name = str(json.loads(text).get("name", ""))
+        if not _polhode.run(text, file, str(directory), filter, jobs, quick, quiet):
+            raise KeyboardInterrupt
+    return Results(name, directory)
+
+
+__all__ = ["Results", "Scene", "run"]

@@ -1,0 +1,119 @@
+"""Pictures, in the project's colours; matplotlib is loaded when one is drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+    from polhode._errors import Errors
+    from polhode._solving import Trajectory
+
+#: As in the program's own pictures; told apart by those who see no red or green.
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7", "#e69f00", "#56b4e9", "#7f4f24",
+          "#c1121f", "#8a8a8a", "#6a3d9a", "#808000", "#17becf", "#ff8fab", "#1b4d3e", "#9acd32")
+_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+
+#: Headings of axes for columns of tables.
+_HEADINGS = {
+    "seconds_median": "time (s)",
+    "seconds_min": "shortest time (s)",
+    "rhs_evaluations": "evaluations of the right-hand side",
+    "steps": "steps",
+    "setting": "step (s) or tolerance",
+    "attitude_error_max": "largest attitude error (rad)",
+    "attitude_error_final": "attitude error at the end (rad)",
+    "momentum_error_max": "largest error of the angular momentum, relative",
+    "energy_error_max": "largest error of the energy, relative",
+    "omega_error_max": "largest error of the angular velocity, relative",
+}
+
+
+def _frames(count: int, options: dict[str, Any]) -> tuple[Figure, list[Axes]]:
+    import matplotlib.pyplot as plt
+
+    columns = min(count, 2)
+    rows = -(-count // columns)
+    options.setdefault("figsize", (6.4 * columns, 4.2 * rows))
+    figure, axes = plt.subplots(rows, columns, squeeze=False, layout="constrained", **options)
+    frames = list(axes.flat)
+    for spare in frames[count:]:
+        spare.set_visible(False)
+    for frame in frames[:count]:
+        frame.grid(True, color="#dddddd", linewidth=0.6)
+        for side in ("top", "right"):
+            frame.spines[side].set_visible(False)
+    return figure, frames[:count]
+
+
+def plot_trajectory(trajectory: Trajectory, **options: Any) -> Figure:
+    """Attitude, angular velocity and, where it moves, the centre of mass over time."""
+    several = trajectory.q.ndim == 3
+    blocks = [("q", "attitude q", "wxyz"), ("w_B", "angular velocity, body axes (rad/s)", "xyz")]
+    if np.ptp(trajectory.p.reshape(-1, 3), axis=0).max(initial=0.0) > 0:
+        blocks.append(("p", "centre of mass (m)", "xyz"))
+    figure, frames = _frames(len(blocks), options)
+    for frame, (name, heading, components) in zip(frames, blocks):
+        values = getattr(trajectory, name)
+        names = trajectory.scene.body_names if several else [""]
+        for body, called in enumerate(names):
+            for i, component in enumerate(components):
+                curve = values[:, body, i] if several else values[:, i]
+                frame.plot(trajectory.t, curve, color=COLORS[(3 * body + i) % len(COLORS)],
+                           linestyle=("-", "--", ":", "-.")[body % 4],
+                           label=f"{called} {component}".strip())
+        frame.set_xlabel("t (s)")
+        frame.set_ylabel(heading)
+        frame.legend(frameon=False, fontsize="small", ncols=2)
+    figure.suptitle(f"{trajectory.scene.get('name', '')}, {trajectory.method}", fontsize="medium")
+    return figure
+
+
+def plot_errors(errors: Errors, **options: Any) -> Figure:
+    """Errors over time."""
+    options.setdefault("figsize", (8.0, 4.6))
+    figure, (frame,) = _frames(1, options)
+    for i, (name, series) in enumerate(errors.series.items()):
+        shown = np.where(series > 0, series, np.nan)
+        if not np.isnan(shown).all():
+            frame.semilogy(errors.t, shown, color=COLORS[i % len(COLORS)], label=name)
+    frame.set_xlabel("t (s)")
+    frame.set_ylabel("error (rad, m or relative)")
+    frame.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    frame.set_title(f"{errors.trajectory.scene.get('name', '')}, {errors.trajectory.method}", fontsize="medium")
+    return figure
+
+
+def plot_table(table: DataFrame, x: str, y: str, **options: Any) -> Figure:
+    """A curve for each method and kind of setting, a frame for each scene."""
+    scenes = list(dict.fromkeys(table["scene"]))
+    options.setdefault("figsize", (8.6, 5.0) if len(scenes) == 1 else (13.0, 4.4 * -(-len(scenes) // 2)))
+    figure, frames = _frames(len(scenes), options)
+    curves = list(dict.fromkeys(zip(table["method"], table["setting_kind"])))
+    both = {method for method, _ in curves if sum(one == method for one, _ in curves) > 1}
+    entries: dict[str, Any] = {}
+    for frame, scene in zip(frames, scenes):
+        for i, (method, kind) in enumerate(curves):
+            rows = table[(table["scene"] == scene) & (table["method"] == method) & (table["setting_kind"] == kind)]
+            ended = rows[rows["status"].isin(["ok", "tolerance_not_met"])].dropna(subset=[x, y])
+            ended = ended[(ended[x] > 0) & (ended[y] > 0)]
+            if ended.empty:
+                continue
+            label = f"{method} ({kind})" if method in both else method
+            entries[label] = frame.loglog(
+                ended[x], ended[y], color=COLORS[i % len(COLORS)], label=label, markersize=4.5,
+                marker=_MARKS[(i + i // len(COLORS)) % len(_MARKS)], linewidth=1.3)[0]
+        if "float64_floor" in table and y.startswith("attitude"):
+            floor = table.loc[table["scene"] == scene, "float64_floor"].max()
+            if floor > 0:
+                entries["float64 floor"] = frame.axhline(floor, color="#5a5a5a", linewidth=0.8, linestyle="--")
+        frame.set_title(scene, fontsize="medium")
+        frame.set_xlabel(_HEADINGS.get(x, x))
+        frame.set_ylabel(_HEADINGS.get(y, y))
+    figure.legend(entries.values(), entries.keys(), loc="outside right upper", frameon=False, fontsize="small")
+    return figure

@@ -1,0 +1,286 @@
+"""Scenes: which body, how it starts, what acts on it."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Union
+
+import numpy as np
+
+from polhode import _polhode
+from polhode._html import table_html
+
+#: What a scene can be made from.
+SceneLike = Union["Scene", str, "os.PathLike[str]", Mapping[str, Any]]
+
+
+def _comfortable(value: Any) -> Any:
+    """The value with its objects as blocks, all the way down."""
+    if type(value) is dict:
+        return Block({key: _comfortable(item) for key, item in value.items()})
+    if type(value) in (list, tuple):
+        return [_comfortable(item) for item in value]
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """What JSON has no word for: arrays and numbers of numpy."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"a scene holds a {type(value).__name__}; give numbers, words, lists, arrays or dicts")
+
+
+class Block(dict):  # type: ignore[type-arg]
+    """A JSON object: a dict whose keys are attributes as well."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"there is no {name}; there are {', '.join(self)}") from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self[name] = value
+
+    def __delattr__(self, name: str) -> None:
+        try:
+            del self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        super().__setitem__(name, _comfortable(value))
+
+    def __dir__(self) -> Iterator[str]:
+        yield from super().__dir__()
+        yield from self
+
+
+class Scene(Block):
+    """A scene: the JSON of a scene file as a dict, whose keys are attributes as well.
+
+    What stands in it is read and checked when it is used; a key that is none, or a number that cannot be, is refused
+    then with one line that names place, fault and remedy.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> top = polhode.scene("lagrange_top")
+    >>> top.duration = 5
+    >>> top["body"]["mass"] = 1.5
+    >>> top.loads.append({"type": "torque", "vector": [0, 0, 0.1], "frame": "body"})
+    >>> polhode.solve(top, samples=10).t[-1]
+    5.0
+    """
+
+    _torques: list[tuple[Callable[[_polhode.LoadState], Any], str, float | None, float | None]]
+    _file: str
+    _directory: str
+    _read: tuple[str, tuple[int, ...], _polhode.ReadScene] | None
+
+    def __init__(self, data: Mapping[str, Any], file: str = "the scene", directory: str = "") -> None:
+        super().__init__({key: _comfortable(copy.deepcopy(value)) for key, value in data.items()})
+        for name, value in {"_torques": [], "_file": file, "_directory": directory, "_read": None}.items():
+            object.__setattr__(self, name, value)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return self.copy()
+
+    __copy__ = lambda self: self.copy()  # noqa: E731
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._torques:
+            raise TypeError("a scene with a torque of one's own is not pickled; add the torque afterwards")
+        return (Scene, (json.loads(self.json()), self._file, self._directory))
+
+    def copy(self, **changes: Any) -> Scene:
+        """Another scene alike, with some keys changed.
+
+        Parameters
+        ----------
+        **changes
+            Keys of the scene and their new values.
+
+        Returns
+        -------
+        Scene
+            It shares nothing with this one but the functions of torques.
+        """
+        other = Scene(self, self._file, self._directory)
+        other._torques.extend(self._torques)
+        for name, value in changes.items():
+            other[name] = value
+        return other
+
+    def add_torque(
+        self,
+        function: Callable[[_polhode.LoadState], Any],
+        *,
+        name: str = "",
+        start: float | None = None,
+        until: float | None = None,
+    ) -> Scene:
+        """Adds a torque of one's own, smooth in its arguments.
+
+        There is no truth for a scene that has one, and methods that need derivatives answer ``unsupported``.
+
+        Parameters
+        ----------
+        function : callable
+            Called with the state at hand (`LoadState`: ``t``, ``q``, ``w_B``, ``p``, ``v``), perhaps by several
+            threads; gives three numbers, the torque in body axes, N m.
+        name : str, optional
+            For messages; the function's own if there is none.
+        start, until : float, optional
+            When it acts, s; always if not given.
+
+        Returns
+        -------
+        Scene
+            This one.
+
+        Examples
+        --------
+        >>> import polhode
+        >>> body = polhode.scene("free_asymmetric").copy(duration=2)
+        >>> motion = polhode.solve(body.add_torque(lambda now: -0.1 * now.w_B), tolerance=1e-9)
+        >>> motion.method, motion.status
+        ('dop853', 'ok')
+        """
+        self._torques.append((function, name or getattr(function, "__name__", "torque"), start, until))
+        return self
+
+    def json(self, *, indent: int | None = None) -> str:
+        """The scene as the text of a scene file, without torques of one's own."""
+        return json.dumps(self, default=_plain, indent=indent)
+
+    def describe(self) -> str:
+        """Mass properties, the system posed, what was left out and why, invariants, conditioning.
+
+        Returns
+        -------
+        str
+            As ``polhode describe`` prints it.
+        """
+        return self._compiled().describe()
+
+    @property
+    def body_names(self) -> list[str]:
+        """The names of several bodies; empty where there is one alone."""
+        return self._compiled().bodies
+
+    def _compiled(self) -> _polhode.ReadScene:
+        text = json.dumps(self, default=_plain)
+        torques = tuple(id(torque) for torque in self._torques)
+        if self._read is None or self._read[0] != text or self._read[1] != torques:
+            read = _polhode.ReadScene(text, self._file, self._directory, self._torques)
+            object.__setattr__(self, "_read", (text, torques, read))
+        return self._read[2]  # type: ignore[index]
+
+    def __repr__(self) -> str:
+        return f"<polhode.Scene {self.get('name', 'without a name')}: {self.get('about', '')}>"
+
+    def _repr_html_(self) -> str:
+        rows = [[key, json.dumps(value, default=_plain)] for key, value in self.items()]
+        rows += [["torque of one's own", name] for _, name, _, _ in self._torques]
+        return table_html(["key", "value"], rows, caption=str(self.get("name", "")))
+
+
+def scene(source: SceneLike, **changes: Any) -> Scene:
+    """A scene by its name, from a file or from a dict.
+
+    Parameters
+    ----------
+    source : str, path, mapping or Scene
+        A built-in scene (see `scenes`), a scene file, or what would stand in one. A mapping without a ``name`` is
+        called "own".
+    **changes
+        Keys of the scene and their new values.
+
+    Returns
+    -------
+    Scene
+        A new one, which may be changed.
+
+    Raises
+    ------
+    InputError
+        Where there is none of that name, or the file is at fault.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> polhode.scene("t_handle").name
+    't-handle'
+    >>> box = polhode.scene({"duration": 10, "body": {"shape": {"type": "box", "half_extents": [1, 2, 3]}, "mass": 1},
+    ...                      "initial": {"angular_velocity": [0.01, 2, 0]}})
+    >>> polhode.solve(box).status
+    'ok'
+    """
+    if isinstance(source, Scene):
+        return source.copy(**changes)
+    if isinstance(source, Mapping):
+        made = Scene({"name": "own", **source})
+    else:
+        name = os.fspath(source)
+        text, directory = _polhode.scene_text(name)
+        made = Scene(json.loads(text), name, directory)
+    for key, value in changes.items():
+        made[key] = value
+    return made
+
+
+def describe(what: SceneLike) -> str:
+    """All that is known of a scene, or of a method by its name, before anything is solved.
+
+    Parameters
+    ----------
+    what : scene, or str
+        A scene or what `scene` makes one from, or the name of a method.
+
+    Returns
+    -------
+    str
+        As ``polhode describe`` prints it.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> print(polhode.describe("taylor").splitlines()[0])
+    taylor
+    """
+    if isinstance(what, str) and (text := _polhode.method_description(what)) is not None:
+        return str(text)
+    return scene(what).describe()
+
+
+class Catalogue(list[tuple[str, str]]):
+    """Names and what they stand for; a table in a notebook."""
+
+    def _repr_html_(self) -> str:
+        return table_html(["name", "about"], [list(entry) for entry in self])
+
+
+def scenes() -> Catalogue:
+    """The built-in scenes.
+
+    Returns
+    -------
+    list of (str, str)
+        Name and what it is about.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> "free_asymmetric" in dict(polhode.scenes())
+    True
+    """
+    return Catalogue((name, str(json.loads(_polhode.scene_text(name)[0]).get("about", ""))) for name in
+                     _polhode.scene_names())

@@ -1,0 +1,422 @@
+"""Solving, and the trajectories that come of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode import _polhode
+from polhode._html import pairs_html
+from polhode._scenes import Scene, SceneLike, scene as make_scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from polhode._checking import Report
+    from polhode._errors import Errors
+    from polhode._truth import Truth
+
+Array = npt.NDArray[np.float64]
+
+#: Runs beyond these limits end as ``failed``.
+_NO_TIMES = np.empty(0)
+
+
+class Motion(NamedTuple):
+    """Where the bodies are at some times, and how they move."""
+
+    t: Array  #: s
+    q: Array  #: (.., 4): w, x, y, z, body to world
+    w: Array  #: (.., 3): angular velocity, world axes, rad/s
+    p: Array  #: (.., 3): centre of mass, m
+    v: Array  #: (.., 3): its velocity, m/s
+
+
+class Trajectory:
+    """What a method gave: the motion at the sample times, how the run ended and what it cost.
+
+    Arrays lie over the samples' own memory and cannot be written to. Of several bodies each has one more axis, after
+    that of time.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        Times of the samples, s.
+    q : ndarray, shape (n, 4)
+        Attitude (w, x, y, z), body to world, as the method left it (not normalised).
+    w_B : ndarray, shape (n, 3)
+        Angular velocity, body axes, rad/s.
+    p, v : ndarray, shape (n, 3)
+        Centre of mass and its velocity, world axes, m and m/s.
+    scene : Scene
+        What was solved.
+    method : str
+        The name of the method.
+    status : str
+        ``ok``, ``unsupported``, ``diverged``, ``tolerance_not_met`` or ``failed``.
+    message : str
+        Why, where the status is not ``ok``.
+    steps, rhs_evaluations : int
+        What it cost.
+    seconds : float
+        Wall clock of the integration alone.
+    """
+
+    def __init__(self, native: _polhode.SolvedScene, scene: Scene, limits: dict[str, Any] | None = None) -> None:
+        self._native = native
+        self._limits = limits or {}
+        self.scene = scene
+        self.method: str = native.method
+        self.status: str = native.status
+        self.steps: int = native.steps
+        self.rhs_evaluations: int = native.rhs_evaluations
+        self.seconds: float = native.seconds
+
+    def __getattr__(self, name: str) -> Any:
+        # arrays are made when they are first asked for, and kept
+        if name in ("t", "q", "w_B", "p", "v", "message", "step", "tolerance", "counts", "impact_times"):
+            value = getattr(self._native, name)
+        elif name == "w":
+            value = self._native.w()
+            value.flags.writeable = False
+        elif name == "reactions":
+            value = self._native.reactions()
+        else:
+            raise AttributeError(f"a trajectory has no {name}")
+        self.__dict__[name] = value
+        return value
+
+    if TYPE_CHECKING:
+        t: Array
+        q: Array
+        w: Array
+        w_B: Array
+        p: Array
+        v: Array
+        message: str
+        step: float
+        tolerance: float | None
+        counts: dict[str, int | None]
+        impact_times: list[float]
+        reactions: Array | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run came to its end."""
+        return self.status == "ok"
+
+    @property
+    def why(self) -> str:
+        """Why `auto` chose the method; empty where it was asked for by name."""
+        return self._native.why
+
+    def at(self, times: npt.ArrayLike) -> Motion:
+        """The motion at any times, by the method's own means of looking between its steps.
+
+        The run is repeated with these as its sample times. The steps are the same, since they do not depend on where
+        samples are taken; so is what it costs. Ask for many times at once.
+
+        Parameters
+        ----------
+        times : array_like
+            s, in any order, of any shape, from 0 to the scene's duration.
+
+        Returns
+        -------
+        Motion
+            Arrays of the shape of `times` with one more axis.
+
+        Raises
+        ------
+        InputError
+            Where the method goes by a fixed step, whose samples are at whole steps alone, or a time is out of range.
+
+        Examples
+        --------
+        >>> import polhode
+        >>> motion = polhode.solve("lagrange_top", "taylor", samples=2)
+        >>> motion.at([0.25, 0.5]).q.shape
+        (2, 4)
+        """
+        asked = np.asarray(times, dtype=np.float64)
+        if self._native.step > 0:
+            raise _polhode.InputError(
+                f"{self.method} goes by a fixed step and has no values between; give the times to solve()"
+            )
+        ordered, places = np.unique(asked.ravel(), return_inverse=True)
+        settings = _polhode.Settings(tolerance=self._native.tolerance, times=ordered, **self._limits)
+        found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, False, False), self.scene)
+        if len(found.t) != len(ordered):
+            raise _polhode.InputError(f"no motion at these times: {found.message}")
+        shape = asked.shape
+        return Motion(asked.copy(), *(a[places].reshape(shape + a.shape[1:]) for a in
+                                      (found.q, found.w, found.p, found.v)))
+
+    def errors(self, truth: Truth | None = None, *, digits: int = 25) -> Errors:
+        """The errors of this trajectory against the truth; see `polhode.errors`."""
+        from polhode._errors import errors
+
+        return errors(self, truth, digits=digits)
+
+    def check(self, **options: Any) -> Report:
+        """The judgement of ``polhode check``; see `polhode.check`."""
+        from polhode._checking import check
+
+        return check(self, **options)
+
+    def csv(self) -> str:
+        """The trajectory as a trajectory file has it: shortest decimals that read back to the same numbers."""
+        return self._native.csv()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a trajectory file (CSV)."""
+        Path(path).write_text(self.csv(), encoding="utf-8")
+
+    def plot(self, **options: Any) -> Figure:
+        """Draws attitude, angular velocity and, where it moves, the centre of mass over time.
+
+        Parameters
+        ----------
+        **options
+            For ``matplotlib.pyplot.figure``.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from polhode._plot import plot_trajectory
+
+        return plot_trajectory(self, **options)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def _told(self) -> list[tuple[str, object]]:
+        pairs: list[tuple[str, object]] = [
+            ("scene", self.scene.get("name", "")),
+            ("method", f"{self.method} (auto: {self.why})" if self.why else self.method),
+            ("status", f"{self.status}: {self.message}" if self.message else self.status),
+            ("samples", len(self)),
+            ("steps", self.steps),
+            ("right-hand sides", self.rhs_evaluations),
+            ("seconds", f"{self.seconds:.3g}"),
+        ]
+        if self.tolerance is not None:
+            pairs.insert(2, ("tolerance", self.tolerance))
+        if self.step > 0:
+            pairs.insert(2, ("step (s)", self.step))
+        return pairs
+
+    def __repr__(self) -> str:
+        return "<polhode.Trajectory " + ", ".join(f"{name} {value}" for name, value in self._told()) + ">"
+
+    def _repr_html_(self) -> str:
+        return pairs_html("trajectory", self._told())
+
+
+def solve(
+    scene: SceneLike,
+    method: str | Callable[..., Any] = "auto",
+    *,
+    step: float | None = None,
+    tolerance: float | None = None,
+    samples: int | None = None,
+    times: npt.ArrayLike | None = None,
+    duration: float | None = None,
+    full: bool = False,
+    reactions: bool = False,
+    max_steps: int = 1_000_000_000,
+    max_evaluations: int = 10_000_000_000,
+    max_seconds: float = 3600,
+) -> Trajectory:
+    """Solves a scene.
+
+    Parameters
+    ----------
+    scene : scene, str, path or mapping
+        A scene or what `polhode.scene` makes one from.
+    method : str or callable, optional
+        A method's name (see `methods`), or a function made one by `method` or `solver`. ``auto`` takes the most
+        accurate for the scene.
+    step : float, optional
+        Fixed step, s; rounded down so that whole steps meet every sample. Default: the duration / 10^4.
+    tolerance : float, optional
+        Relative tolerance; the absolute one is this times each component's scale. Default: 1e-10.
+    samples : int, optional
+        N: samples at k T / N, k = 0..N. Default: 100.
+    times : array_like, optional
+        Sample times in their place, s, increasing from 0 or later. The run lasts to the last of them.
+    duration : float, optional
+        T, s, in place of the scene's.
+    full : bool, optional
+        Integrate all 13 variables and leave nothing out (of one body).
+    reactions : bool, optional
+        Samples carry the reactions of joints, where the method gives them.
+    max_steps, max_evaluations : int, optional
+        A run that needs more ends as ``failed``.
+    max_seconds : float, optional
+        Likewise, of the thread's own time.
+
+    Returns
+    -------
+    Trajectory
+        Also of a run that failed: its `status` says so.
+
+    Raises
+    ------
+    InputError
+        Where the scene or a setting is at fault.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> motion = polhode.solve("free_asymmetric", "dop853", tolerance=1e-9, samples=4)
+    >>> motion.status, motion.w.shape
+    ('ok', (5, 3))
+    """
+    if samples is not None and times is not None:
+        raise _polhode.InputError("both samples and times; give one of them")
+    at = _NO_TIMES if times is None else np.ascontiguousarray(times, dtype=np.float64)
+    posed = scene if isinstance(scene, Scene) else make_scene(scene)
+    if times is not None and duration is None and at.size:
+        duration = float(at[-1])
+    if duration is not None and posed.get("duration") != duration:
+        posed = posed.copy(duration=duration)
+    settings = _polhode.Settings(step, tolerance, 100 if samples is None else samples, at, max_steps, max_evaluations,
+                                 max_seconds)
+    name = method if isinstance(method, str) else getattr(method, "__polhode_method__", str(method))
+    native = _polhode.solve(posed._compiled(), name, settings, full, reactions)
+    limits = {"max_steps": max_steps, "max_evaluations": max_evaluations, "max_seconds": max_seconds}
+    return Trajectory(native, posed, limits)
+
+
+def trajectory(
+    scene: SceneLike,
+    t: npt.ArrayLike,
+    q: npt.ArrayLike,
+    w: npt.ArrayLike | None = None,
+    p: npt.ArrayLike | None = None,
+    v: npt.ArrayLike | None = None,
+    *,
+    made_by: str = "own",
+) -> Trajectory:
+    """A trajectory from arrays of anyone's making, for `errors` and pictures.
+
+    Parameters
+    ----------
+    scene : scene, str, path or mapping
+        What it is a trajectory of.
+    t : array_like, shape (n,)
+        Times, s, increasing.
+    q : array_like, shape (n, 4) or (n, bodies, 4)
+        Attitudes (w, x, y, z), body to world.
+    w, p, v : array_like, shape (n, 3) or (n, bodies, 3), optional
+        Angular velocity in world axes, centre of mass and its velocity; zero where they are not given.
+    made_by : str, optional
+        What the trajectory's `method` is to say.
+
+    Returns
+    -------
+    Trajectory
+    """
+    posed = make_scene(scene)
+    times = np.ascontiguousarray(t, dtype=np.float64)
+    blocks = [np.asarray(q, dtype=np.float64).reshape(-1, 4)]
+    for block in (w, p, v):
+        blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else
+                      np.asarray(block, dtype=np.float64).reshape(-1, 3))
+    if len({len(block) for block in blocks}) > 1:
+        raise _polhode.InputError("q, w, p and v are of different lengths; give a row of each for each time and body")
+    return Trajectory(_polhode.trajectory_of(posed._compiled(), made_by, times, np.hstack(blocks)), posed)
+
+
+class OdeResult:
+    """What `solve_ivp` gives, with the names that SciPy's has.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+    y : ndarray, shape (13 bodies, n)
+        Of each body q, w (world axes), p, v.
+    sol : callable or None
+        The motion at other times, shape (13 bodies, m).
+    status : int
+        0 at the end, -1 where the run failed.
+    success : bool
+    message : str
+    nfev : int
+    trajectory : Trajectory
+        The same under polhode's names.
+    """
+
+    def __init__(self, trajectory: Trajectory, dense: bool) -> None:
+        self.trajectory = trajectory
+        self.t = trajectory.t
+        self.y = self._columns(trajectory)
+        self.status = 0 if trajectory.ok else -1
+        self.success = trajectory.ok
+        self.message = trajectory.message or "The solver successfully reached the end of the integration interval."
+        self.nfev = trajectory.rhs_evaluations
+        self.sol: Callable[[npt.ArrayLike], Array] | None = (
+            (lambda times: self._columns(trajectory.at(times))) if dense else None
+        )
+
+    @staticmethod
+    def _columns(motion: Trajectory | Motion) -> Array:
+        rows = np.concatenate([motion.q, motion.w, motion.p, motion.v], axis=-1)
+        return np.asarray(rows.reshape(np.shape(motion.t) + (-1,)).T)
+
+
+def solve_ivp(
+    scene: SceneLike,
+    t_span: tuple[float, float] | None = None,
+    method: str | Callable[..., Any] = "auto",
+    t_eval: npt.ArrayLike | None = None,
+    dense_output: bool = False,
+    *,
+    rtol: float | None = None,
+) -> OdeResult:
+    """Solves a scene by a call shaped as ``scipy.integrate.solve_ivp``: the scene stands where the function would.
+
+    Parameters
+    ----------
+    scene : scene, str, path or mapping
+        Also how the motion starts, at t = 0.
+    t_span : (float, float), optional
+        From 0 to the end, s; the scene's duration if not given.
+    method : str or callable, optional
+        As for `solve`.
+    t_eval : array_like, optional
+        Sample times, s; 101 equally spaced ones if not given.
+    dense_output : bool, optional
+        Whether the result has ``sol``.
+    rtol : float, optional
+        Relative tolerance.
+
+    Returns
+    -------
+    OdeResult
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.solve_ivp("free_asymmetric", (0, 10), rtol=1e-9, dense_output=True)
+    >>> found.y.shape, found.sol(2.5).shape
+    ((13, 101), (13,))
+    """
+    posed = make_scene(scene)
+    if t_span is not None:
+        if t_span[0] != 0:
+            raise _polhode.InputError(f"t_span begins at {t_span[0]}; a scene begins at 0: give (0, end)")
+        posed.duration = float(t_span[1])
+    settings: dict[str, Any] = {}
+    if rtol is not None:
+        settings["tolerance"] = rtol
+    if t_eval is not None:
+        settings["times"], settings["duration"] = t_eval, posed.duration
+    return OdeResult(solve(posed, method, **settings), dense_output)

@@ -1,0 +1,170 @@
+"""The truth: motions to digits that are agreed on, or proven."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode import _polhode
+from polhode._html import pairs_html
+from polhode._scenes import Scene, SceneLike, scene as make_scene
+
+if TYPE_CHECKING:
+    from polhode._solving import Array
+
+_COLUMNS = ("qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz")
+_BLOCKS = {"q": slice(0, 4), "w": slice(4, 7), "p": slice(7, 10), "v": slice(10, 13)}
+
+
+class Truth:
+    """The reference motion: decimals, their binary64, and how far it may be off.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    q, w, p, v : ndarray, shape (n, 4) or (n, 3), of several bodies (n, bodies, ..)
+        The binary64 nearest to the decimals; w in world axes.
+    decimals : dict of str to list
+        By the columns of trajectory files, "qw" to "vz": a decimal string a sample, of several bodies a list of them.
+    radii : dict of str to list, or None
+        Of a certified truth: the radius about each decimal within which the true number lies, for certain.
+    bound : float
+        The largest error: of the attitude in rad, of other blocks relative to their largest length; of a certified
+        truth the largest radius.
+    digits : int
+        That were asked for; of a certified truth those that were proven.
+    certified : bool
+    message : str
+        How it was made.
+    """
+
+    def __init__(self, scene: Scene, native: Any, digits: int, certified: bool) -> None:
+        self.scene = scene
+        self.message: str = native.message
+        self.certified = certified
+        self.t: Array = np.array(native.times)
+        bodies: int = native.bodies
+        rows: list[list[Any]] = native.columns
+        values = [[number.value for number in row] for row in rows] if certified else rows
+        self.decimals = self._by_column(values, bodies)
+        self.radii = self._by_column([[n.radius for n in row] for row in rows], bodies) if certified else None
+        self.bound: float = float(native.radius) if certified else native.bound
+        self.digits: int = native.digits if certified else digits
+        numbers = np.array([[float(value) for value in row] for row in values])
+        shape = (len(self.t),) if bodies == 1 else (len(self.t), bodies)
+        self.q: Array
+        self.w: Array
+        self.p: Array
+        self.v: Array
+        self.q, self.w, self.p, self.v = (numbers[:, place].reshape((*shape, -1)) for place in _BLOCKS.values())
+
+    @staticmethod
+    def _by_column(rows: list[list[str]], bodies: int) -> dict[str, list[Any]]:
+        by_column: dict[str, list[Any]] = {}
+        for place, name in enumerate(_COLUMNS):
+            column = [row[place] for row in rows]
+            by_column[name] = (
+                column if bodies == 1 else [column[k : k + bodies] for k in range(0, len(column), bodies)]
+            )
+        return by_column
+
+    @cached_property
+    def mpmath(self) -> dict[str, list[Any]]:
+        """The decimals as mpmath's numbers (``mpf``), with as many digits as they have.
+
+        Examples
+        --------
+        >>> import mpmath, polhode
+        >>> end = polhode.truth("free_asymmetric", samples=1, digits=30).mpmath
+        >>> length = mpmath.sqrt(sum(end[c][1] ** 2 for c in ("qw", "qx", "qy", "qz")))
+        >>> abs(length - 1) < mpmath.mpf(10) ** -15
+        True
+        """
+        import mpmath
+
+        with mpmath.workdps(self.digits + 5):
+
+            def number(value: Any) -> Any:
+                return [number(one) for one in value] if isinstance(value, list) else mpmath.mpf(value)
+
+            return {name: number(column) for name, column in self.decimals.items()}
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def _told(self) -> list[tuple[str, object]]:
+        return [
+            ("scene", self.scene.get("name", "")),
+            ("digits", f"{self.digits} proven" if self.certified else self.digits),
+            ("bound", f"{self.bound:.2e}"),
+            ("samples", len(self)),
+            ("made by", self.message),
+        ]
+
+    def __repr__(self) -> str:
+        return "<polhode.Truth " + ", ".join(f"{name} {value}" for name, value in self._told()) + ">"
+
+    def _repr_html_(self) -> str:
+        return pairs_html("truth", self._told())
+
+
+def truth(
+    scene: SceneLike,
+    times: npt.ArrayLike | None = None,
+    *,
+    samples: int | None = None,
+    digits: int = 17,
+    certified: bool = False,
+    max_seconds: float = 3600,
+) -> Truth:
+    """The reference motion of a scene.
+
+    Made twice, in two formulations with two orders and steps, until they agree; or enclosed in ball arithmetic, which
+    proves each digit. Truths that agree are kept in a cache on disk (``$POLHODE_CACHE``).
+
+    Parameters
+    ----------
+    scene : scene, str, path or mapping
+    times : array_like, optional
+        s, increasing from 0 or later. A certified truth has none beyond the scene's duration.
+    samples : int, optional
+        N: times k T / N, k = 0..N, in their place. Default: 100.
+    digits : int, optional
+        Right digits, relative to the largest length of each block; at most 80 unless they are to be proven.
+    certified : bool, optional
+        Whether they are to be proven.
+    max_seconds : float, optional
+        How long it may take.
+
+    Returns
+    -------
+    Truth
+
+    Raises
+    ------
+    NoTruthError
+        Where there is none: the line says why, and to how many digits there would be one.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> proven = polhode.truth("free_asymmetric", [1.0], digits=30, certified=True)
+    >>> proven.digits >= 30, proven.bound < 1e-30
+    (True, True)
+    """
+    if samples is not None and times is not None:
+        raise _polhode.InputError("both samples and times; give one of them")
+    posed = make_scene(scene)
+    at = _polhode.SampleTimes(
+        100 if samples is None else samples,
+        np.empty(0) if times is None else np.atleast_1d(np.asarray(times, dtype=np.float64)),
+    )
+    make = _polhode.certified if certified else _polhode.decimals
+    native = make(posed._compiled(), at, digits, max_seconds)
+    if not native.available:
+        raise _polhode.NoTruthError(native.message)
+    return Truth(posed, native, digits, certified)

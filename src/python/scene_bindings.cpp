@@ -1,0 +1,107 @@
+// Scenes: their texts, and what is read from them once.
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/describe.h"
+#include "motion/mechanism_motion.h"
+#include "python/bindings.h"
+#include "scene/builtin.h"
+#include "scene/scene_file.h"
+#include "text/json_document.h"
+#include "text/message.h"
+
+namespace polhode::python {
+namespace {
+
+// What a user's own torque is shown of the motion: arrays are made only of what it asks for.
+py::array_t<double> array_of(const Vector3<double>& v) { return py::array_t<double>(3, v.component.data()); }
+
+// A Python function as a torque. It outlives the GIL's release: called, copied and destroyed by any thread.
+std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& function) {
+    const std::shared_ptr<py::function> kept(new py::function(function), [](py::function* f) {
+        const py::gil_scoped_acquire gil;
+        delete f;
+    });
+    return [kept](const LoadState& now) {
+        const py::gil_scoped_acquire gil;
+        const py::object given = (*kept)(now);
+        const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
+        if (!values || values.size() != 3) {
+            PyErr_Clear();
+            throw py::value_error("a torque gave " + std::string(py::repr(given)) +
+                                  "; give three numbers, N m in body axes");
+        }
+        return Vector3<double>(values.data()[0], values.data()[1], values.data()[2]);
+    };
+}
+
+// Strict JSON in place of JSON with comments, keys in the order in which they stand.
+std::string without_comments(std::string_view text, const std::string& file) {
+    const JsonDocument checked(text, file);  // says where and what is wrong
+    return nlohmann::ordered_json::parse(text, nullptr, true, true).dump();
+}
+
+// A scene's text, and the directory that the files it names are relative to.
+std::pair<std::string, std::string> scene_text(const std::string& name) {
+    const Scene scene = find_scene(name);  // throws where there is none, or it is at fault
+    const std::string_view text = builtin_scene_text(name);
+    return {without_comments(text.empty() ? read_text(name) : std::string(text), name), scene.directory};
+}
+
+}  // namespace
+
+ReadScene::ReadScene(const std::string& text, const std::string& file, const std::string& directory,
+                     const std::vector<NamedTorque>& torques)
+    : scene_(parse_scene(text, file, directory)) {
+    for (const auto& [function, name, from, until] : torques) {
+        UserTorque torque{name, torque_of(function), {}};
+        torque.window.from = from.value_or(torque.window.from);
+        torque.window.until = until.value_or(torque.window.until);
+        scene_.loads.emplace_back(std::move(torque));
+    }
+}
+
+std::shared_ptr<const Problem> ReadScene::problem(Formulation formulation, bool reactions) const {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<const Problem>& posed = posed_[formulation == Formulation::reduced ? 0 : 1][reactions ? 1 : 0];
+    if (!posed) {
+        auto made = std::make_shared<Problem>(pose(scene_, formulation));
+        made->reactions = reactions;
+        posed = std::move(made);
+    }
+    return posed;
+}
+
+void bind_scenes(py::module_& module) {
+    py::class_<LoadState>(module, "LoadState", "What a torque of one's own is told of the motion.")
+        .def_readonly("t", &LoadState::t, "Time, s.")
+        .def_property_readonly(
+            "q", [](const LoadState& s) { return py::make_tuple(s.q.w, s.q.x, s.q.y, s.q.z); },
+            "Attitude (w, x, y, z), body to world, as the method has it (not normalised).")
+        .def_property_readonly(
+            "w_B", [](const LoadState& s) { return array_of(s.angular_velocity_B); },
+            "Angular velocity, body axes, rad/s.")
+        .def_property_readonly(
+            "p", [](const LoadState& s) { return array_of(s.position_W); }, "Centre of mass, world axes, m.")
+        .def_property_readonly(
+            "v", [](const LoadState& s) { return array_of(s.velocity_W); },
+            "Velocity of the centre of mass, world axes, m/s.");
+
+    py::class_<ReadScene, std::shared_ptr<ReadScene>>(module, "ReadScene")
+        .def(py::init<const std::string&, const std::string&, const std::string&, const std::vector<NamedTorque>&>())
+        .def_property_readonly("duration", [](const ReadScene& s) { return s.scene().duration; })
+        .def_property_readonly("bodies", [](const ReadScene& s) { return body_names(s.scene()); })
+        .def_property_readonly("joints", [](const ReadScene& s) { return joint_names(s.scene()); })
+        .def("describe", [](const ReadScene& s) { return call([&] { return describe_scene(s.scene()); }); })
+        .def("canonical", [](const ReadScene& s) { return write_scene(s.scene()); });
+
+    module.def("scene_text", &scene_text);
+    module.def("scene_names", &builtin_scene_names);
+    module.def("experiment_names", &builtin_experiment_names);
+    module.def("experiment_text", [](const std::string& name) {
+        const std::string_view text = builtin_experiment_text(name);
+        return without_comments(text.empty() ? read_text(name) : std::string(text), name);
+    });
+}
+
+}  // namespace polhode::python

@@ -1,0 +1,192 @@
+// Solving: trajectories as arrays over the samples' own memory.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+
+#include "app/commands.h"
+#include "app/describe.h"
+#include "app/lookup.h"
+#include "motion/mechanism_motion.h"
+#include "motion/trajectory_csv.h"
+#include "python/bindings.h"
+#include "text/message.h"
+
+namespace polhode::python {
+namespace {
+
+constexpr py::ssize_t number = sizeof(double), sample_size = sizeof(Sample);
+static_assert(sizeof(Sample) == 14 * sizeof(double) && offsetof(Sample, q) == sizeof(double),
+              "arrays lie over samples");
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// A block of `length` numbers of every sample, from where `first` points to in the first one.
+py::array block(const SolvedScene& solved, const double* first, py::ssize_t length, const py::object& owner) {
+    const py::ssize_t bodies = solved.trajectory.bodies;
+    const auto moments = static_cast<py::ssize_t>(solved.trajectory.moments());
+    std::vector<py::ssize_t> shape{moments}, strides{bodies * sample_size};
+    if (bodies > 1) shape.push_back(bodies), strides.push_back(sample_size);
+    shape.push_back(length), strides.push_back(number);
+    return view(first, std::move(shape), std::move(strides), owner);
+}
+
+// What an empty trajectory has in place of its first sample.
+const Sample nothing{};
+const Sample& first_of(const SolvedScene& solved) {
+    return solved.trajectory.samples.empty() ? nothing : solved.trajectory.samples.front();
+}
+
+// Angular velocities in world axes: the samples have the body's.
+py::array world_rates(const SolvedScene& solved) {
+    std::vector<double> rates;
+    rates.reserve(3 * solved.trajectory.samples.size());
+    for (const Sample& sample : solved.trajectory.samples) {
+        const Vector3<double> w = angular_velocity_W(sample);
+        rates.insert(rates.end(), {w[0], w[1], w[2]});
+    }
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(solved.trajectory.moments())};
+    if (solved.trajectory.bodies > 1) shape.push_back(solved.trajectory.bodies);
+    shape.push_back(3);
+    return take(std::move(rates), std::move(shape));
+}
+
+// The forces and torques of joints and loops, (n, joints, 6); nothing where the method gave none.
+py::object reactions(const SolvedScene& solved, const py::object& owner) {
+    const std::vector<Reaction<double>>& all = solved.trajectory.reactions;
+    if (all.empty()) return py::none();
+    static_assert(sizeof(Reaction<double>) == 6 * sizeof(double));
+    const auto moments = static_cast<py::ssize_t>(solved.trajectory.moments());
+    const auto joints = static_cast<py::ssize_t>(all.size()) / moments;
+    return view(all.front().force_W.component.data(), {moments, joints, 6}, {joints * 6 * number, 6 * number, number},
+                owner);
+}
+
+void require_positive(const char* what, const std::optional<double>& value) {
+    if (value && !(std::isfinite(*value) && *value > 0))
+        throw UsageError(fmt::format("{} is {}; give a finite, positive number", what, *value));
+}
+
+std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene, const std::string& method,
+                                         const Settings& settings, bool full, bool with_reactions) {
+    require_positive("the step", settings.step), require_positive("the tolerance", settings.tolerance);
+    auto solved = std::make_shared<SolvedScene>();
+    solved->scene = scene;
+    solved->trajectory = call([&] {
+        const std::shared_ptr<const Problem> problem =
+            scene->problem(full ? Formulation::full : Formulation::reduced, with_reactions);
+        Choice choice{nullptr, ""};
+        if (method == "auto")
+            choice = choose_method(*problem, settings);
+        else
+            choice.method = &method_by_name(method);
+        solved->method = choice.method->name, solved->why = choice.why;
+        if (settings.step && !takes_step(*choice.method))
+            throw UsageError(fmt::format("{} takes no step; leave it out", choice.method->name));
+        if (settings.tolerance && !takes_tolerance(*choice.method))
+            throw UsageError(fmt::format("{} takes no tolerance; leave it out", choice.method->name));
+        const Settings complete = with_defaults(*problem, *choice.method, settings);
+        solved->tolerance = complete.tolerance;
+        const RaisingHere raising;
+        return solve(*problem, *choice.method, complete);
+    });
+    return solved;
+}
+
+// A trajectory of anyone's making: rows of 13 numbers, q, w in world axes, p, v.
+std::shared_ptr<SolvedScene> trajectory_of(const std::shared_ptr<ReadScene>& scene, const std::string& made_by,
+                                           const Array& times, const Array& rows) {
+    auto solved = std::make_shared<SolvedScene>();
+    solved->scene = scene, solved->method = made_by;
+    const auto t = times.unchecked<1>();
+    const auto row = rows.unchecked<2>();
+    if (row.shape(1) != 13 || t.shape(0) == 0 || row.shape(0) % t.shape(0) != 0)
+        throw py::value_error("the arrays are of different lengths; give a row for each time and body");
+    const py::ssize_t bodies = row.shape(0) / t.shape(0);
+    solved->trajectory.bodies = static_cast<int>(bodies);
+    for (py::ssize_t i = 0; i < row.shape(0); ++i) {
+        Sample sample;
+        sample.t = t(i / bodies), sample.q = {row(i, 0), row(i, 1), row(i, 2), row(i, 3)};
+        const Vector3<double> w_W(row(i, 4), row(i, 5), row(i, 6));
+        sample.angular_velocity_B = (1 / squared_norm(sample.q)) * rotate(conjugate(sample.q), w_W);
+        sample.position_W = {row(i, 7), row(i, 8), row(i, 9)};
+        sample.velocity_W = {row(i, 10), row(i, 11), row(i, 12)};
+        solved->trajectory.samples.push_back(sample);
+    }
+    return solved;
+}
+
+py::dict counts_of(const Trajectory& trajectory) {
+    py::dict counts;
+    counts["rejected_steps"] = trajectory.counts.rejected_steps;
+    counts["newton_failures"] = trajectory.counts.newton_failures;
+    counts["order_reductions"] = trajectory.counts.order_reductions;
+    return counts;
+}
+
+}  // namespace
+
+const Method& method_by_name(const std::string& name) { return method_named(name); }
+
+void bind_solving(py::module_& module) {
+    py::class_<Settings>(module, "Settings")
+        .def(py::init([](std::optional<double> step, std::optional<double> tolerance, long samples, const Array& times,
+                         long max_steps, long max_evaluations, double max_seconds) {
+                 Settings settings;
+                 settings.step = step, settings.tolerance = tolerance, settings.samples = samples;
+                 settings.times.assign(times.data(), times.data() + times.size());
+                 settings.max_steps = max_steps, settings.max_evaluations = max_evaluations;
+                 settings.seconds_limit = max_seconds;
+                 return settings;
+             }),
+             py::arg("step") = py::none(), py::arg("tolerance") = py::none(), py::arg("samples") = Settings{}.samples,
+             py::arg("times") = Array(0), py::arg("max_steps") = Settings{}.max_steps,
+             py::arg("max_evaluations") = Settings{}.max_evaluations,
+             py::arg("max_seconds") = Settings{}.seconds_limit);
+
+    const auto array = [](py::ssize_t length, auto member) {
+        return py::cpp_function([length, member](const py::object& self) {
+            const SolvedScene& solved = self.cast<const SolvedScene&>();
+            return block(solved, member(first_of(solved)), length, self);
+        });
+    };
+    py::class_<SolvedScene, std::shared_ptr<SolvedScene>>(module, "SolvedScene")
+        .def_property_readonly("t",
+                               [](const py::object& self) {
+                                   const SolvedScene& solved = self.cast<const SolvedScene&>();
+                                   return view(&first_of(solved).t,
+                                               {static_cast<py::ssize_t>(solved.trajectory.moments())},
+                                               {solved.trajectory.bodies * sample_size}, self);
+                               })
+        .def_property_readonly("q", array(4, [](const Sample& s) { return &s.q.w; }))
+        .def_property_readonly("w_B", array(3, [](const Sample& s) { return s.angular_velocity_B.component.data(); }))
+        .def_property_readonly("p", array(3, [](const Sample& s) { return s.position_W.component.data(); }))
+        .def_property_readonly("v", array(3, [](const Sample& s) { return s.velocity_W.component.data(); }))
+        .def("w", &world_rates)
+        .def("reactions", [](const py::object& self) { return reactions(self.cast<const SolvedScene&>(), self); })
+        .def_property_readonly("impact_times", [](const SolvedScene& s) { return s.trajectory.impact_times; })
+        .def_property_readonly("status", [](const SolvedScene& s) { return name_of(s.trajectory.status); })
+        .def_property_readonly("message", [](const SolvedScene& s) { return s.trajectory.message; })
+        .def_property_readonly("steps", [](const SolvedScene& s) { return s.trajectory.steps; })
+        .def_property_readonly("rhs_evaluations", [](const SolvedScene& s) { return s.trajectory.rhs_evaluations; })
+        .def_property_readonly("counts", [](const SolvedScene& s) { return counts_of(s.trajectory); })
+        .def_property_readonly("seconds", [](const SolvedScene& s) { return s.trajectory.seconds; })
+        .def_property_readonly("step", [](const SolvedScene& s) { return s.trajectory.step; })
+        .def_readonly("method", &SolvedScene::method)
+        .def_readonly("why", &SolvedScene::why)
+        .def_readonly("tolerance", &SolvedScene::tolerance)
+        .def_readonly("scene", &SolvedScene::scene)
+        .def("csv", [](const SolvedScene& s) {
+            const py::gil_scoped_release released;
+            return trajectory_csv(s.trajectory, body_names(s.scene->scene()));
+        });
+
+    module.def("method_description", [](const std::string& name) -> std::optional<std::string> {
+        const Method* method = find_method(name);
+        return method ? std::optional(describe_method(*method)) : std::nullopt;
+    });
+    module.def("solve", &solve_scene);
+    module.def("trajectory_of", &trajectory_of);
+}
+
+}  // namespace polhode::python

@@ -1,0 +1,86 @@
+"""Scenes as dicts and by attributes; what is wrong with one is told in one line."""
+
+import copy
+import json
+import pickle
+
+import numpy as np
+import polhode
+import pytest
+
+
+def test_a_scene_is_a_dict_and_has_attributes():
+    top = polhode.scene("lagrange_top")
+    assert top["body"]["mass"] == top.body.mass
+    top.body.mass = 3
+    top["loads"].append({"type": "torque", "vector": np.array([0, 0, 1.0]), "frame": "body"})
+    assert top.loads[-1].type == "torque"
+    read = json.loads(top.json())
+    assert read["body"]["mass"] == 3 and read["loads"][-1]["vector"] == [0, 0, 1]
+    del top.duration
+    assert "duration" not in top
+    with pytest.raises(AttributeError, match="there is no durration"):
+        top.durration
+
+
+def test_every_built_in_scene_reads_back():
+    for name, about in polhode.scenes():
+        scene = polhode.scene(name)
+        assert about and scene.name
+        again = polhode.Scene(json.loads(scene.json()), name, scene._directory)
+        assert again._compiled().canonical() == scene._compiled().canonical()
+
+
+def test_a_change_is_seen_by_the_next_solve():
+    scene = polhode.scene("free_asymmetric")
+    before = polhode.solve(scene, samples=2).q[-1].copy()
+    scene.initial.angular_velocity = np.asarray(scene.initial.angular_velocity) * 1.5
+    after = polhode.solve(scene, samples=2).q[-1]
+    assert not np.array_equal(before, after)
+
+
+def test_copies_are_their_own():
+    scene = polhode.scene("free_asymmetric")
+    for other in (scene.copy(duration=1), copy.deepcopy(scene), copy.copy(scene), pickle.loads(pickle.dumps(scene))):
+        other.body.mass = 7
+        assert scene.body.mass != 7
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"durration": 1}, "/durration"),
+        ({"duration": -1}, "/duration"),
+        ({"body": {"mass": 1, "inertia": [1, 1, 5]}}, "/body/inertia"),
+        ({"duration": float("nan")}, "the scene"),
+    ],
+)
+def test_a_fault_is_told_in_one_line(change, words):
+    scene = polhode.scene("free_asymmetric").copy(**change)
+    with pytest.raises(polhode.InputError, match=words) as fault:
+        polhode.solve(scene)
+    assert "\n" not in str(fault.value) and ";" in str(fault.value)
+    assert isinstance(fault.value, ValueError)
+
+
+def test_unknown_names_are_told_with_near_misses():
+    with pytest.raises(polhode.InputError, match="lagrange_top"):
+        polhode.scene("lagrange_topp")
+    with pytest.raises(polhode.InputError, match="taylor"):
+        polhode.solve("lagrange_top", "taylr")
+    with pytest.raises(TypeError, match="a scene holds a set"):
+        polhode.solve(polhode.scene("lagrange_top", name={1}))
+
+
+def test_descriptions(program):
+    assert polhode.describe("lagrange_top") == program("describe", "lagrange_top")
+    assert polhode.describe("taylor") == program("describe", "taylor")
+    assert "Block" not in repr(polhode.scene("t_handle")) and "<table>" in polhode.scene("t_handle")._repr_html_()
+
+
+def test_methods_are_those_of_the_program(program):
+    own = {line.split()[0] for line in program("list", "methods").splitlines()} - {"auto"}
+    here = {m.name for m in polhode.methods()}
+    assert {name for name in own if not name.startswith("gsl_")} <= here
+    assert not any(name.startswith("gsl_") for name in here)
+    assert "<table>" in polhode.methods()._repr_html_() and polhode.methods()["taylor"].dense

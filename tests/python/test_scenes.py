@@ -52,7 +52,7 @@ def test_copies_are_their_own():
         ({"durration": 1}, "/durration"),
         ({"duration": -1}, "/duration"),
         ({"body": {"mass": 1, "inertia": [1, 1, 5]}}, "/body/inertia"),
-        ({"duration": float("nan")}, "the scene"),
+        ({"duration": float("nan")}, "/duration: is NaN"),
     ],
 )
 def test_a_fault_is_told_in_one_line(change, words):

@@ -55,12 +55,12 @@ def _named_text(given: TrajectoryLike, number: int) -> tuple[str, str]:
     if isinstance(given, Trajectory):
         return f"trajectory {number} ({given.method})", given.csv()
     if isinstance(given, (str, os.PathLike)):
-        path = os.fspath(given)
+        path: str = os.fspath(given)
         try:
             return path, Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as fault:
             raise _polhode.InputError(f"{path}: cannot be read ({fault}); give a readable CSV file") from None
-    columns = {str(name): given[name] for name in given}
+    columns: dict[str, Any] = {str(name): given[name] for name in given}
     lines = [",".join(columns)]
     rows = zip(*(np.asarray(column).tolist() for column in columns.values()))
     lines += [",".join(str(value) for value in row) for row in rows]

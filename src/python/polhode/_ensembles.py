@@ -124,8 +124,11 @@ def ensemble(
         if name not in _WIDTHS:
             raise _polhode.InputError(f"there is no {name} of a body; give {', '.join(_WIDTHS)}")
         rows = lengths.copy().pop()
-        shapes = [(rows, 3), (rows, 3, 3)] if name == "inertia" else [(rows,)] if name == "mass" else [
-            (rows, _WIDTHS[name])]
+        shapes: list[tuple[int, ...]] = [(rows, _WIDTHS[name])]
+        if name == "inertia":
+            shapes.append((rows, 3, 3))
+        elif name == "mass":
+            shapes = [(rows,)]
         if values.shape not in shapes:
             raise _polhode.InputError(f"{name} has the shape {values.shape}; give {' or '.join(map(str, shapes))}")
     solved = _polhode.solve_bodies(read, lengths.pop(), _polhode.Columns(*(given.get(name) for name in _WIDTHS)), settings)

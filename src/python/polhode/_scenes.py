@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Union
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, SupportsIndex, Union
 
 import numpy as np
 
@@ -19,10 +19,10 @@ SceneLike = Union["Scene", str, "os.PathLike[str]", Mapping[str, Any]]
 
 def _comfortable(value: Any) -> Any:
     """The value with its objects as blocks, all the way down."""
-    if type(value) is dict:
-        return Block({key: _comfortable(item) for key, item in value.items()})
-    if type(value) in (list, tuple):
-        return [_comfortable(item) for item in value]
+    if type(value) is dict or type(value) is Block:
+        return Block((key, _comfortable(item)) for key, item in value.items())
+    if isinstance(value, (list, tuple)):
+        return Blocks(_comfortable(item) for item in value)
     return value
 
 
@@ -35,6 +35,26 @@ def _plain(value: Any) -> Any:
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     raise TypeError(f"a scene holds a {type(value).__name__}; give numbers, words, lists, arrays or dicts")
+
+
+class Blocks(list):  # type: ignore[type-arg]
+    """A JSON array, whose objects have their keys as attributes."""
+
+    def append(self, value: Any) -> None:
+        super().append(_comfortable(value))
+
+    def extend(self, values: Iterable[Any]) -> None:
+        super().extend(_comfortable(value) for value in values)
+
+    def insert(self, place: SupportsIndex, value: Any) -> None:
+        super().insert(place, _comfortable(value))
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        super().__setitem__(place, _comfortable(value))
+
+    def __iadd__(self, values: Iterable[Any]) -> Blocks:  # type: ignore[misc]
+        self.extend(values)
+        return self
 
 
 class Block(dict):  # type: ignore[type-arg]

@@ -5,6 +5,7 @@ not understand is a warning that names its place.
 """
 
 import json
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -40,6 +41,7 @@ class Katex:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
+        self._owner = 0  # pages are written by forked processes, each with a KaTeX of its own
         self._made: dict[tuple[str, bool], str] = {}
 
     def html(self, latex: str, display: bool, node: nodes.Node) -> str:
@@ -53,7 +55,8 @@ class Katex:
         return self._made[key]
 
     def _ask(self, question: dict[str, Any]) -> dict[str, str]:
-        if self._process is None:
+        if self._process is None or self._owner != os.getpid():
+            self._owner = os.getpid()
             self._process = subprocess.Popen(
                 ["node", "-e", _PROGRAM, str(KATEX)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
             )
@@ -102,5 +105,4 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_html_math_renderer("katex", (_inline, _depart), (_displayed, _depart))
     app.add_css_file("katex/katex.min.css")
     app.connect("build-finished", _copy_style)
-    # a forked process would share the one KaTeX
-    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": False}
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,5 +1,6 @@
 """Sphinx' configuration. Sphinx reads the pages that generate.py has gathered, not this folder."""
 
+import hashlib
 import os
 import re
 import sys
@@ -20,6 +21,7 @@ author = "the polhode authors"
 copyright = "the polhode authors, BSD-3-Clause"  # the name is Sphinx'
 release = version = _version[1] if _version else ""
 language = "en"
+smartquotes = False  # --option stays what it is
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "formulas"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -45,7 +47,8 @@ numpydoc_class_members_toctree = False
 html_theme = "furo"
 html_title = f"polhode {release}"
 html_static_path = ["static"]
-html_css_files = ["polhode.css"]
+# a changed style changes this setting, so that Sphinx writes all pages anew
+html_css_files = ["polhode.css?" + hashlib.sha256((_here / "static/polhode.css").read_bytes()).hexdigest()[:8]]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {

@@ -92,7 +92,7 @@ def method_page(pages: Pages, program: Program) -> None:
         text.append(f"(method-{slug(name)})=\n## {escaped(name)}\n")
         text += [escaped(" ".join(block.split())) + "\n" for block in blocks[1:2]]
         facts = [line.strip().partition("  ") for block in blocks[2:] for line in block.splitlines() if line.strip()]
-        text += [f"- {key}: {escaped(value.strip())}" for key, _, value in facts]
+        text += [f"- *{key}*: {escaped(value.strip())}" for key, _, value in facts]
         text.append("")
     pages.write("reference/methods.md", "\n".join(text))
 

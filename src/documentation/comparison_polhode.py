@@ -1,0 +1,1 @@
+"""The same two motions by polhode's Python module. (To be written.)"""

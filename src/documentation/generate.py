@@ -37,7 +37,7 @@ def included_pages(pages: Pages) -> None:
         str(path.relative_to(TOP))
         for room in ("src", "integrators", "tests", "experiments")
         for path in (TOP / room).rglob("README.md")
-        if path.parent != HERE and str(path.relative_to(TOP)) not in INCLUDED
+        if str(path.relative_to(TOP)) not in INCLUDED
     )
     rooms = "\n".join(f"{Path(path).parent} <{pages.include(path)[:-3]}>" for path in folders)
     others = sorted(
@@ -77,7 +77,7 @@ def main() -> int:
         table_pages(pages, program)
         cpp_pages(pages, read_headers(TOP, options.work / "doxygen"))
         python_page(pages)
-        comparison_outputs(pages, HERE)
+        comparison_outputs(pages, HERE, options.work / "comparison", options.program)
         notebook_pages(pages, TOP, options.work / "notebooks", options.program)
     except (RuntimeError, subprocess.CalledProcessError) as fault:
         print(f"documentation: {fault}", file=sys.stderr)

@@ -61,18 +61,20 @@ def python_page(pages: Pages) -> None:
     pages.write("reference/python.md", "\n".join(text))
 
 
-def comparison_outputs(pages: Pages, folder: Path) -> None:
-    """Runs the scripts of the comparison that can be run here, and keeps what they print."""
-    needs = {"scipy": "scipy", "polhode": "polhode"}
-    for name, module in needs.items():
-        if _python("-c", f"import {module}").returncode != 0:
-            printed = f"not run: the Python module {module} is not there"
-        else:
-            done = _python(str(folder / f"comparison_{name}.py"), folder=folder)
+def comparison_outputs(pages: Pages, folder: Path, work: Path, program: Path) -> None:
+    """What the scripts of the comparison print; each is run again only where it or the program has changed."""
+    work.mkdir(parents=True, exist_ok=True)
+    for name in ("scipy", "polhode"):
+        script, kept = folder / f"comparison_{name}.py", work / f"{name}.txt"
+        if _python("-c", f"import {name}").returncode != 0:
+            pages.write(f"comparison_{name}.txt", f"not run: `import {name}` failed when these pages were built\n")
+            continue
+        if not kept.is_file() or kept.stat().st_mtime < max(one.stat().st_mtime for one in (script, program)):
+            done = _python(str(script), folder=folder)
             if done.returncode != 0:
-                raise RuntimeError(f"comparison_{name}.py: {done.stderr.strip()}")
-            printed = done.stdout
-        pages.write(f"comparison_{name}.txt", printed)
+                raise RuntimeError(f"{script.name}: {done.stderr.strip()}")
+            kept.write_text(done.stdout, encoding="utf-8")
+        pages.write(f"comparison_{name}.txt", kept.read_text(encoding="utf-8"))
 
 
 def notebook_pages(pages: Pages, top: Path, work: Path, program: Path) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 w1, w2, w3, qw, qx, qy, qz = hy.make_vars("w1", "w2", "w3", "qw", "qx", "qy", "qz")
 
 
-def equations(moments, weight):
-    """Euler's equations in body axes, with `weight` = m g l about a fixed point."""
+def equations(moments: tuple[float, float, float], weight: float) -> list[tuple[hy.expression, hy.expression]]:
+    """Euler's equations in body axes, `weight` m g l about a point."""
     I1, I2, I3 = moments
     up1, up2 = 2 * (qx * qz - qw * qy), 2 * (qy * qz + qw * qx)  # the vertical in body axes
     return [

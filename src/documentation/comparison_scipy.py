@@ -1,16 +1,20 @@
 """A free asymmetric body and Lagrange's top by SciPy's solve_ivp, held against digits of polhode's truth."""
 
 import time
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+Vector = NDArray[np.float64]
 
-def rates(moments, weight):
-    """The right-hand side of y = (w, q): Euler's equations in body axes, with `weight` = m g l about a fixed point."""
+
+def rates(moments: tuple[float, float, float], weight: float) -> Callable[[float, Vector], tuple[float, ...]]:
+    """The right-hand side of y = (w, q): Euler's equations in body axes, `weight` m g l about a point."""
     I1, I2, I3 = moments
 
-    def derivative(t, y):
+    def derivative(t: float, y: Vector) -> tuple[float, ...]:
         w1, w2, w3, qw, qx, qy, qz = y
         up1, up2 = 2 * (qx * qz - qw * qy), 2 * (qy * qz + qw * qx)  # the vertical in body axes
         return (
@@ -26,13 +30,13 @@ def rates(moments, weight):
     return derivative
 
 
-def angle(p, q):
+def angle(p: Vector, q: Vector) -> float:
     """The angle (rad) between two attitudes, q of any length."""
     vector = p[0] * q[1:] - q[0] * p[1:] - np.cross(p[1:], q[1:])
-    return 2 * np.arctan2(np.linalg.norm(vector), abs(p @ q))
+    return float(2 * np.arctan2(np.linalg.norm(vector), abs(p @ q)))
 
 
-SCENES = {  # moments, m g l, start (w, q), end, and q at the end by `polhode truth SCENE --samples 1`
+SCENES = {  # moments, m g l, start (w, q), end, and q at the end by `polhode truth`
     "free_asymmetric": (
         (1, 2, 3), 0, (1, 1, 1, 1, 0, 0, 0), 100,
         (-0.7543620159814325776, 0.6111927854801947043, -0.1860544358049817802, -0.1508809952866147802),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cpp_pages import cpp_pages, read_headers
 from pages import Pages
-from program_pages import Program, command_page, experiment_page, method_page, scene_pages, table_pages
+from program_pages import Program, column_pages, command_page, experiment_page, key_page, method_page, scene_pages
 from python_pages import comparison_outputs, notebook_pages, python_page
 
 HERE = Path(__file__).resolve().parent
@@ -64,6 +64,7 @@ def main() -> int:
     parser.add_argument("--program", type=Path, required=True)
     parser.add_argument("--output", type=Path, required=True, help="folder of pages to be made")
     parser.add_argument("--work", type=Path, required=True, help="folder for what is kept between builds")
+    parser.add_argument("--site", type=Path, required=True, help="what Sphinx makes of them")
     options = parser.parse_args()
     pages = Pages(options.output, TOP)
     program = Program(options.program, options.work / "program")
@@ -74,7 +75,8 @@ def main() -> int:
         method_page(pages, program)
         experiment_page(pages, program)
         command_page(pages, program)
-        table_pages(pages, program)
+        key_page(pages, program)
+        column_pages(pages, program)
         cpp_pages(pages, read_headers(TOP, options.work / "doxygen"))
         python_page(pages)
         comparison_outputs(pages, HERE, options.work / "comparison", options.program)
@@ -84,7 +86,8 @@ def main() -> int:
         if isinstance(fault, subprocess.CalledProcessError) and fault.stderr:
             print(fault.stderr if isinstance(fault.stderr, str) else fault.stderr.decode(), file=sys.stderr)
         return 1
-    pages.finish()
+    for page in pages.finish():
+        (options.site / page.relative_to(pages.folder)).with_suffix(".html").unlink(missing_ok=True)
     return 0
 
 

@@ -17,6 +17,7 @@ import io
 import json
 import linecache
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -28,7 +29,7 @@ from typing import Any
 
 @dataclass
 class Cell:
-    """A cell as it stands in the file; `number` counts from 1, all kinds together."""
+    """A cell as it stands in the file, without lines that begin with %; `number` counts from 1, all kinds together."""
 
     number: int
     kind: str
@@ -48,7 +49,11 @@ def read(path: Path) -> list[Cell]:
     content = json.loads(path.read_text(encoding="utf-8"))
     if content.get("nbformat") != 4:
         raise ValueError("not a notebook of format 4")
-    return [Cell(i, cell["cell_type"], "".join(cell["source"])) for i, cell in enumerate(content["cells"], 1)]
+    cells = [Cell(i, cell["cell_type"], "".join(cell["source"])) for i, cell in enumerate(content["cells"], 1)]
+    for cell in cells:
+        if cell.kind == "code":  # without Jupyter's own commands
+            cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.MULTILINE)
+    return cells
 
 
 def fenced(text: str, language: str) -> str:
@@ -70,9 +75,8 @@ class Notebook:
     def run(self, cell: Cell) -> Output:
         """Runs a code cell and returns what it shows; its exceptions pass."""
         self._output = Output()
-        lines = ["" if line.startswith("%") else line for line in cell.source.splitlines()]
-        source, place = "\n".join(lines), f"{self.path.name}, cell {cell.number}"
-        linecache.cache[place] = (len(source), None, [line + "\n" for line in lines], place)
+        source, place = cell.source, f"{self.path.name}, cell {cell.number}"
+        linecache.cache[place] = (len(source), None, source.splitlines(keepends=True), place)
         tree = ast.parse(source, place)
         last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
         printed = io.StringIO()

@@ -61,11 +61,13 @@ class Pages:
             return link[0]
         target, _, anchor = target.partition("#")
         inside = Path(os.path.normpath(origin / target))
+        if self.folder / "tree" / inside in self._written and image:  # a figure that a notebook drew
+            return link[0]
         path = self.top / inside
         if (path / "README.md").is_file():
             inside, path = inside / "README.md", path / "README.md"
         if inside.parts[0] == ".." or not path.is_file():
-            return f"{words}"
+            return words
         if image or path.suffix != ".md":
             self.copy(path, f"tree/{inside}")
             suffix = ""
@@ -81,13 +83,12 @@ class Pages:
         """The files that were written so far."""
         return set(self._written)
 
-    def finish(self) -> None:
-        """Removes what earlier builds have left."""
-        for path in sorted(self.folder.rglob("*"), reverse=True):
-            if path.is_dir() and not any(path.iterdir()):
-                path.rmdir()
-            elif path.is_file() and path not in self._written:
-                path.unlink()
+    def finish(self) -> list[Path]:
+        """Removes what earlier builds have left, and returns what it was."""
+        left = [path for path in self.folder.rglob("*") if path.is_file() and path not in self._written]
+        for path in left:
+            path.unlink()
+        return left
 
 
 def _outside_code(text: str, change: Callable[[str], str]) -> str:

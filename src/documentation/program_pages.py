@@ -6,6 +6,7 @@ import json
 import os
 import re
 import subprocess
+import textwrap
 from pathlib import Path
 
 from pages import Pages
@@ -44,6 +45,18 @@ def literal(text: str, language: str = "text") -> str:
     return f"````{language}\n{text.rstrip()}\n````\n"
 
 
+def wrapped(text: str, width: int = 98) -> str:
+    """What the program prints, its long lines broken and continued below where their last column begins."""
+    out = []
+    for line in text.splitlines():
+        column = max((gap.end() for gap in re.finditer(r"(?:^|\S)\s{2,}(?=\S)", line[:45])), default=0)
+        out += textwrap.wrap(
+            line, width, subsequent_indent=" " * column, drop_whitespace=True, break_on_hyphens=False,
+            break_long_words=False, expand_tabs=False, replace_whitespace=False,
+        ) or [""]  # fmt: skip
+    return "\n".join(out)
+
+
 def folded(title: str, block: str) -> str:
     """A block that is opened by a click."""
     return f"```{{raw}} html\n<details><summary>{title}</summary>\n```\n\n{block}\n```{{raw}} html\n</details>\n```\n"
@@ -69,7 +82,8 @@ def scene_pages(pages: Pages, program: Program) -> None:
         file, title, about_part = parts.get(part, (f"scenes_{part}", f"Scenes of {part}/", ""))
         text = [f"# {title}\n\n{about_part} Each scene is shown as `polhode describe` tells it and as it is written.\n"]
         for (name, about), description in zip(scenes, program.describes([name for name, _ in scenes])):
-            text += [f"(scene-{slug(name)})=\n## {escaped(name)}\n", f"{escaped(about)}.\n", literal(description)]
+            text += [f"(scene-{slug(name)})=\n## {escaped(name)}\n", f"{escaped(about)}.\n"]
+            text.append(literal(wrapped(description)))
             text.append(folded(f"{name}.json", literal(program.says("show", name), "jsonc")))
         pages.write(f"reference/{file}.md", "\n".join(text))
 
@@ -83,8 +97,8 @@ def method_page(pages: Pages, program: Program) -> None:
     """All methods, each with what its descriptor says."""
     names = [name for name, _ in program.lists("methods")]
     text = [
-        "# Methods\n\nEach method as `polhode describe` tells it. *Stable* is how far a step may reach by linear theory: "
-        "[](../theory.md#linear-stability-and-stiffness). The methods of a family stand side by side in "
+        "# Methods\n\nEach method as `polhode describe` tells it. *Stable* is how far a step may reach by "
+        "[linear theory](../theory.md#linear-stability-and-stiffness). The methods of a family stand side by side in "
         "[the table of all methods](../tree/integrators/README.md#all-methods), which also says what was left out.\n"
     ]
     for name, description in zip(names, program.describes(names)):
@@ -105,7 +119,8 @@ def experiment_page(pages: Pages, program: Program) -> None:
         "[Scenes and experiments](../tree/experiments/README.md#writing-an-experiment) says how to write one.\n"
     ]
     for (name, about), description in zip(experiments, program.describes([name for name, _ in experiments])):
-        text += [f"## {escaped(name)}\n", f"{escaped(about)}\n", folded("What it runs", literal(description))]
+        text += [f"## {escaped(name)}\n", f"{escaped(about)}\n"]
+        text.append(folded("What it runs", literal(wrapped(description))))
     pages.write("reference/experiments.md", "\n".join(text))
 
 
@@ -116,17 +131,31 @@ def command_page(pages: Pages, program: Program) -> None:
     text = [
         "# Commands\n\nWhat `--help` prints. [The page of the commands](../tree/src/app/README.md) has them in a table, "
         "with exit codes.\n",
-        literal(top),
+        literal(wrapped(top)),
     ]
     for command in commands:
-        text += [f"## polhode {command}\n", literal(program.says(command, "--help"))]
+        text += [f"## polhode {command}\n", literal(wrapped(program.says(command, "--help")))]
     pages.write("reference/commands.md", "\n".join(text))
 
 
-def table_pages(pages: Pages, program: Program) -> None:
-    """Keys of files, columns of trajectories and of results."""
+def key_page(pages: Pages, program: Program) -> None:
+    """Every key of scene and experiment files, a table for each object that has keys."""
+    head = "| key | type | default | meaning | example |\n| --- | --- | --- | --- | --- |"
+    text = ["# Keys of scene and experiment files\n\nEvery key that a file may have, by the object that has it.\n"]
+    for line in program.says("list", "keys", "--format", "markdown").splitlines()[2:]:
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        object_, key, type_, unit, default, example, meaning = cells
+        if object_:
+            text.append(f"\n## {object_}\n\n{head}")
+        if example:  # as code, where nothing but | is escaped
+            example = "`" + re.sub(r"\\(?!\|)(.)", r"\1", example) + "`"
+        text.append(f"| `{key}` | {', '.join(filter(None, (type_, unit)))} | {default} | {meaning} | {example} |")
+    pages.write("reference/keys.md", "\n".join(text) + "\n")
+
+
+def column_pages(pages: Pages, program: Program) -> None:
+    """Columns of trajectories and of results."""
     titles = {
-        "keys": ("Keys of scene and experiment files", "Every key that a file may have."),
         "columns": ("Columns of trajectories", "The columns of trajectory files, found by name."),
         "metrics": ("Columns of results", "The columns of result tables that measure something."),
     }

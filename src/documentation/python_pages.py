@@ -39,7 +39,7 @@ def public_names() -> dict[str, str] | None:
     if asked.returncode != 0:
         return None
     names: dict[str, str] = json.loads(asked.stdout)
-    return {name: kind for name, kind in names.items() if kind != "module"}
+    return {name: kind for name, kind in names.items() if kind != "module" and name[0] != "_"}
 
 
 def python_page(pages: Pages) -> None:
@@ -99,9 +99,9 @@ def notebook_pages(pages: Pages, top: Path, work: Path, program: Path) -> None:
                 raise RuntimeError(done.stderr.strip())
         origin = path.parent.relative_to(top)
         name = f"tree/{origin}/{path.stem}.md"
-        pages.write_page(name, page.read_text(encoding="utf-8"), origin)
         for figure in sorted((work / f"{path.stem}_files").glob("*")):
             pages.copy(figure, f"tree/{origin}/{path.stem}_files/{figure.name}")
+        pages.write_page(name, page.read_text(encoding="utf-8"), origin)
         text.append(name[:-3])
     pages.write("notebooks.md", "\n".join([*text, "```", ""]))
 

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import textwrap
 from pathlib import Path
@@ -19,6 +20,9 @@ class Program:
         self._path = path
         self._cache = cache / hashlib.sha256(path.read_bytes()).hexdigest()[:16]
         self._cache.mkdir(parents=True, exist_ok=True)
+        for old in cache.iterdir():
+            if old != self._cache:
+                shutil.rmtree(old)
 
     def says(self, *arguments: str) -> str:
         """The standard output of one call."""
@@ -129,8 +133,8 @@ def command_page(pages: Pages, program: Program) -> None:
     top = program.says("--help")
     commands = re.findall(r"^  ([a-z]+) +\S", top.partition("Subcommands:")[2], re.MULTILINE)
     text = [
-        "# Commands\n\nWhat `--help` prints. [The page of the commands](../tree/src/app/README.md) has them in a table, "
-        "with exit codes.\n",
+        "# Commands\n\nWhat `--help` prints. [The page of the commands](../tree/src/app/README.md) has them in a "
+        "table, with exit codes.\n",
         literal(wrapped(top)),
     ]
     for command in commands:

@@ -418,7 +418,8 @@ void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, co
     parallel_for(blocks, settings.threads, [&](std::size_t i) {
         const std::size_t first = i * size, count = std::min(size, bodies.size() - first);
         if (Interruption::is_wanted()) {
-            for (EnsembleRow& row : rows.subspan(first, count)) row.status = Status::failed, row.message = "interrupted";
+            for (EnsembleRow& row : rows.subspan(first, count))
+                row.status = Status::failed, row.message = "interrupted";
             return;
         }
         Block(scene, plan, settings, bodies.subspan(first, count), rows.subspan(first, count)).solve();

@@ -39,4 +39,5 @@ PYBIND11_MODULE(_polhode, module) {
     bind_ensembles(module);
     bind_own_methods(module);
     bind_experiments(module);
+    bind_measuring(module);
 }

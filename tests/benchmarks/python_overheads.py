@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Measures what Python adds to polhode's own work, and writes a table with its provenance.
 
-    PYTHONPATH=build/python src/python/measure_overheads.py DIRECTORY
+    PYTHONPATH=build/python tests/benchmarks/python_overheads.py DIRECTORY
 
 writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Ratios are of runs in one process, in turn, the
 shortest of several.
@@ -143,7 +143,7 @@ def main() -> None:
                 if line.startswith("model name")), platform.machine())
     entries["python"] = {
         "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "command_line": "src/python/measure_overheads.py",
+        "command_line": "tests/benchmarks/python_overheads.py",
         "versions": {"polhode": polhode.__version__, "Python": platform.python_version(), "numpy": np.__version__},
         "cpu": cpu,
         "cores": os.cpu_count(),

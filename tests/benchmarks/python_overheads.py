@@ -13,12 +13,12 @@ import datetime
 import json
 import os
 import platform
-import resource
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def callables() -> list[list[str]]:
         ("torque of one's own, three numbers, dop853", words, drag, "dop853", "dop853"),
         ("step of one's own (Runge-Kutta 4)", drag, drag, rk4, "odeint_rk4"),
     ):
-        how = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
+        how: dict[str, Any] = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
         own, native = float("inf"), float("inf")
         for _ in range(5):
             one, other = polhode.solve(scene, method, samples=1, **how), polhode.solve(base, by, samples=1, **how)

@@ -1,12 +1,13 @@
-// Methods that are added while the program runs.
-#include "integrators/own_methods.h"
-
+// Methods that are added while the program runs, here where no other test goes through the list.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "integrators/own_methods.h"
 #include "integrators/run/watch.h"
 
 namespace polhode {
@@ -41,6 +42,23 @@ TEST(AddMethod, RefusesNamesOfTheProgramsOwn) {
     EXPECT_THROW(add_method(made("taylor", "")), std::invalid_argument);
     EXPECT_THROW(add_method(made("", "")), std::invalid_argument);
     EXPECT_EQ(methods().size(), count);
+}
+
+TEST(AddMethod, GoesOnWhileOthersLook) {
+    std::atomic<bool> done = false;
+    std::vector<std::jthread> readers;
+    std::atomic<long> looked = 0;
+    for (int k = 0; k < 2; ++k)
+        readers.emplace_back([&] {
+            while (!done) {
+                for (const Method* method : methods()) ASSERT_FALSE(method->name.empty());
+                ++looked;
+            }
+        });
+    for (int i = 0; i < 50 || looked < 4; ++i) add_method(made("added_meanwhile", std::to_string(i)));
+    done = true;
+    readers.clear();
+    EXPECT_NE(find_method("added_meanwhile"), nullptr);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ LONG = {
     "torque": "polhode.solve(polhode.scene('free_asymmetric').add_torque(lambda now: -1e-3 * now.w_B), step=1e-7,"
               "method='odeint_rk4')",
     "ensemble": "polhode.ensemble('heavy_asymmetric_top', w=np.ones((200000, 3)), duration=1000)",
-    "run": "polhode.run({'scenes': ['lagrange_top'], 'methods': ['odeint_euler'], 'settings': {'steps': [1e-8]},"
+    "run": "polhode.run({'scenes': ['lagrange_top'], 'methods': ['odeint_rk4'], 'settings': {'steps': [1e-7]},"
            "'seconds_per_run': 1000})",
 }
 

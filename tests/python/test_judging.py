@@ -5,6 +5,7 @@ import json
 import matplotlib.pyplot as plt
 import mpmath
 import numpy as np
+import pandas as pd
 import polhode
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -71,6 +72,7 @@ def test_check_says_what_the_program_says(program, tmp_path):
     assert json.dumps(found.data) == json.dumps(json.loads(program("check", "t_handle", str(path), "--format", "json")))
     columns = {"t": motion.t, **dict(zip(("qw", "qx", "qy", "qz"), motion.q.T))}
     assert not polhode.check(columns, "t_handle").ok
+    assert polhode.check(pd.DataFrame(columns), "t_handle").text == polhode.check(columns, "t_handle").text
     assert polhode.check(polhode.solve("t_handle"), limits={"attitude": 1e-6}).ok
     with pytest.raises(polhode.InputError, match="no scene"):
         polhode.check(path)
@@ -140,7 +142,7 @@ def test_a_method_of_ones_own_is_a_row_like_any_other(tmp_path):
     for scene in ("lagrange_top", "every_load", "mechanisms/double_pendulum"):
         motion = polhode.solve(scene, midpoint, step=1e-3, duration=1, samples=4)
         assert motion.status == "ok" and motion.errors().max["attitude"] < 0.05, scene
-    with pytest.raises(polhode.InputError, match="already"):
+    with pytest.raises(ValueError, match="already"):
         polhode.method(midpoint, name="taylor")
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Measures what Python adds to polhode's own work, and writes a table with its provenance.
 
-    PYTHONPATH=build/python src/python/measure_overheads.py DIRECTORY
+    PYTHONPATH=build/python tests/benchmarks/python_overheads.py DIRECTORY
 
 writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Ratios are of runs in one process, in turn, the
 shortest of several.
@@ -13,12 +13,12 @@ import datetime
 import json
 import os
 import platform
-import resource
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def callables() -> list[list[str]]:
         ("torque of one's own, three numbers, dop853", words, drag, "dop853", "dop853"),
         ("step of one's own (Runge-Kutta 4)", drag, drag, rk4, "odeint_rk4"),
     ):
-        how = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
+        how: dict[str, Any] = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
         own, native = float("inf"), float("inf")
         for _ in range(5):
             one, other = polhode.solve(scene, method, samples=1, **how), polhode.solve(base, by, samples=1, **how)
@@ -143,7 +143,7 @@ def main() -> None:
                 if line.startswith("model name")), platform.machine())
     entries["python"] = {
         "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "command_line": "src/python/measure_overheads.py",
+        "command_line": "tests/benchmarks/python_overheads.py",
         "versions": {"polhode": polhode.__version__, "Python": platform.python_version(), "numpy": np.__version__},
         "cpu": cpu,
         "cores": os.cpu_count(),

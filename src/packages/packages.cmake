@@ -33,6 +33,7 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME polhode)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-polhode, libpolhode-dev")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "high-accuracy rigid-body integrator and laboratory
 polhode computes how a rigid body, or several with joints between them, turns

@@ -8,8 +8,7 @@ set(CPACK_PACKAGE_CONTACT "polhode developers <developers@polhode.invalid>")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_VERBATIM_VARIABLES ON)
 # each package has a summary of its own, in the first line of its description: none stands before all of them
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_DEFAULT_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL program development)
@@ -82,9 +81,9 @@ if(POLHODE_PYTHON)
 polhode computes how a rigid body, or several with joints between them, turns
 and flies, by many methods, and says of each how wrong it is for how much time.
 .
-This package has the Python module: scenes, solving into NumPy arrays, reference
-motions, errors, ensembles and experiments. Pictures need Matplotlib, tables
-pandas, and proven digits mpmath.")
+This package has the Python module: scenes, solving into NumPy arrays,
+reference motions, errors, ensembles and experiments. Pictures need Matplotlib,
+tables pandas, and proven digits mpmath.")
 endif()
 
 set(CPACK_SOURCE_GENERATOR TGZ)

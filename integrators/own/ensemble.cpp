@@ -16,6 +16,7 @@
 #include "motion/exact_body.h"
 #include "motion/itinerary.h"
 #include "motion/translation.h"
+#include "text/interruption.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -416,6 +417,11 @@ void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, co
     const std::size_t size = plan.one_by_one ? 8 : block_size, blocks = (bodies.size() + size - 1) / size;
     parallel_for(blocks, settings.threads, [&](std::size_t i) {
         const std::size_t first = i * size, count = std::min(size, bodies.size() - first);
+        if (Interruption::is_wanted()) {
+            for (EnsembleRow& row : rows.subspan(first, count))
+                row.status = Status::failed, row.message = "interrupted";
+            return;
+        }
         Block(scene, plan, settings, bodies.subspan(first, count), rows.subspan(first, count)).solve();
     });
 }

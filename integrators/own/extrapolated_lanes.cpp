@@ -9,6 +9,7 @@
 #include "integrators/lanes/rotation_lanes.h"
 #include "integrators/own/extrapolation_control.h"
 #include "text/decimal.h"
+#include "text/interruption.h"
 
 namespace polhode {
 /// What is seen of a step, in whole registers: of each variable eight numbers.
@@ -144,6 +145,7 @@ LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps) {
     const std::string at = shortest_decimal(begin + motion.reached);
     if (motion.end == LaneMotion::End::too_many_steps)
         return {Status::failed, "more than " + std::to_string(max_steps) + " steps are needed"};
+    if (motion.end == LaneMotion::End::interrupted) return {Status::failed, "interrupted at t = " + at};
     if (motion.end == LaneMotion::End::too_short)
         return {Status::tolerance_not_met, "step size below the spacing of numbers at t = " + at};
     return {Status::diverged, "the motion is not finite after t = " + at};
@@ -225,7 +227,19 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
     std::size_t next = 0;
     for (Register& r : registers_)
         for (int lane = 0; lane < lanes; ++lane) fill(r, lane, motions, next);
-    for (;;) {
+    constexpr int between_looks = 64;
+    for (int until_look = between_looks;; --until_look) {
+        if (until_look == 0) {
+            until_look = between_looks;
+            // what is under way is left where its span began, and what waits is not begun
+            if (Interruption::is_wanted()) {
+                for (const Register& r : registers_)
+                    for (LaneMotion* const motion : r.motion)
+                        if (motion) motion->end = LaneMotion::End::interrupted;
+                for (; next < motions.size(); ++next) motions[next].end = LaneMotion::End::interrupted;
+                return;
+            }
+        }
         std::array<Register*, 2> busy{};
         std::size_t count = 0;
         for (Register& r : registers_)

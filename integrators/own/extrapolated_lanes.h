@@ -19,7 +19,7 @@ struct LaneMotion {
     const double* sizes = nullptr;  ///< of each variable, > 0: what its errors are measured by, unless it grows larger
     double step = 0;                ///< s: 0, or what the span before has come to
     long steps = 0;                 ///< tried, on all spans
-    enum class End { reached, not_finite, too_many_steps, too_short } end = End::reached;
+    enum class End { reached, not_finite, too_many_steps, too_short, interrupted } end = End::reached;
     double reached = 0;  ///< s, of the span asked
 };
 

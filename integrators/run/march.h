@@ -27,10 +27,13 @@ class SampleIntervals {
 
     /// From one sample to the next: step i goes from time(i) to time(i + 1), s.
     struct Interval {
-        double begin, end, h;  // s
-        long steps;
-        bool sampled;  // at its end
+        double begin;  ///< s
+        double end;    ///< s
+        double h;      ///< s, but for rounding
+        long steps;    ///< at least one
+        bool sampled;  ///< at its end
 
+        /// Where step i begins, s.
         double time(long i) const { return i == steps ? end : begin + static_cast<double>(i) * h; }
     };
 

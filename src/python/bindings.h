@@ -145,5 +145,6 @@ void bind_truth(py::module_& module);
 void bind_ensembles(py::module_& module);
 void bind_own_methods(py::module_& module);
 void bind_experiments(py::module_& module);
+void bind_measuring(py::module_& module);
 
 }  // namespace polhode::python

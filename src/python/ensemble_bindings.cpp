@@ -12,6 +12,7 @@ using Column = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 struct SolvedBodies {
     std::vector<EnsembleRow> rows;
+    std::vector<std::size_t> failed;  ///< those that did not end well
     double seconds = 0;
 };
 
@@ -39,11 +40,18 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
     auto solved = std::make_shared<SolvedBodies>();
     call_aside([&] {
         const Stopwatch stopwatch;
-        std::vector<EnsembleBody> bodies(count, ensemble_body(read.scene()));
-        constexpr std::size_t block = 4096;
-        parallel_for((count + block - 1) / block, settings.threads, [&](std::size_t part) {
-            for (std::size_t i = part * block; i < std::min(count, (part + 1) * block); ++i) {
-                EnsembleBody& body = bodies[i];
+        solved->rows.resize(count);
+        const EnsembleBody alike = ensemble_body(read.scene());
+        EnsembleSettings alone = settings;
+        alone.threads = 1;
+        // bodies are made some at a time, and are gone before they leave the cache
+        constexpr std::size_t block = 2048;
+        std::vector<std::vector<std::size_t>> failed((count + block - 1) / block);
+        parallel_for(failed.size(), settings.threads, [&](std::size_t part) {
+            const std::size_t first = part * block, end = std::min(count, first + block);
+            std::vector<EnsembleBody> bodies(end - first, alike);
+            for (std::size_t i = first; i < end; ++i) {
+                EnsembleBody& body = bodies[i - first];
                 if (q) body.orientation = {q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]};
                 if (w) body.angular_velocity = vector_at(w + 3 * i);
                 if (p) body.position_W = vector_at(p + 3 * i);
@@ -53,9 +61,11 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
                 if (tensors)
                     for (std::size_t k = 0; k < 3; ++k) body.inertia_B[k] = vector_at(inertia + 9 * i + 3 * k);
             }
+            solve_ensemble(read.scene(), bodies, alone, std::span(solved->rows).subspan(first, end - first));
+            for (std::size_t i = first; i < end; ++i)
+                if (solved->rows[i].status != Status::ok) failed[part].push_back(i);
         });
-        solved->rows.resize(count);
-        solve_ensemble(read.scene(), bodies, settings, solved->rows);
+        for (const auto& some : failed) solved->failed.insert(solved->failed.end(), some.begin(), some.end());
         solved->seconds = stopwatch.seconds();
         return true;
     });
@@ -135,18 +145,11 @@ void bind_ensembles(py::module_& module) {
                  }
                  return take(std::move(rates), {static_cast<py::ssize_t>(solved.rows.size()), 3});
              })
-        .def("failures",
-             [](const SolvedBodies& solved) {
-                 py::list all;
-                 for (std::size_t i = 0; i < solved.rows.size(); ++i)
-                     if (solved.rows[i].status != Status::ok)
-                         all.append(py::make_tuple(i, name_of(solved.rows[i].status), solved.rows[i].message));
-                 return all;
-             })
-        .def("moved", [](const SolvedBodies& solved) {
-            std::vector<bool> moved;
-            for (const EnsembleRow& row : solved.rows) moved.push_back(row.moved);
-            return moved;
+        .def("failures", [](const SolvedBodies& solved) {
+            py::list all;
+            for (const std::size_t i : solved.failed)
+                all.append(py::make_tuple(i, name_of(solved.rows[i].status), solved.rows[i].message));
+            return all;
         });
     module.def("solve_bodies", &solve_bodies);
     module.def("solve_mechanisms", &solve_mechanisms);

@@ -9,13 +9,18 @@ namespace {
 
 // Exceptions carry the program's own lines.
 void bind_exceptions(py::module_& module) {
-    py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
-    py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError);
+    const auto named = [](py::handle type, const char* about) {
+        type.attr("__module__") = "polhode";
+        type.attr("__doc__") = about;
+    };
+    named(py::register_exception<InputError>(module, "InputError", PyExc_ValueError),
+          "A scene, a file, a name or a setting is at fault: one line names place, fault and remedy.");
+    named(py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError),
+          "There is no truth to judge by: the line says why.");
     py::register_exception_translator([](std::exception_ptr pointer) {
         try {
             if (pointer) std::rethrow_exception(pointer);
         } catch (const UsageError& error) {
-            py::module_::import("polhode._polhode").attr("InputError");
             PyErr_SetString(py::module_::import("polhode._polhode").attr("InputError").ptr(), error.what());
         }
     });
@@ -34,4 +39,5 @@ PYBIND11_MODULE(_polhode, module) {
     bind_ensembles(module);
     bind_own_methods(module);
     bind_experiments(module);
+    bind_measuring(module);
 }

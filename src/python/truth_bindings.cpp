@@ -76,7 +76,7 @@ py::dict errors_of(const SolvedScene& solved, int digits, double max_seconds) {
 std::tuple<bool, std::string, std::string, std::string> check_texts(
     const ReadScene& scene, const std::vector<std::pair<std::string, std::string>>& tables,
     const std::string& convention, const std::map<std::string, std::string>& limits, bool explain) {
-    const Convention read = parse_convention(convention);
+    const Convention read = convention.empty() ? Convention{} : parse_convention(convention);
     ErrorLimits allowed(scene.scene());
     for (const auto& [block, limit] : limits) allowed.set(block, limit);
     std::vector<NamedText> files;

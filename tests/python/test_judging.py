@@ -5,6 +5,7 @@ import json
 import matplotlib.pyplot as plt
 import mpmath
 import numpy as np
+import pandas as pd
 import polhode
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -49,7 +50,7 @@ def test_several_bodies_have_a_truth_each():
 
 
 def test_errors_are_the_angle_between_attitudes():
-    motion = polhode.solve("free_asymmetric", "odeint_rk4", step=0.02, samples=20)
+    motion = polhode.solve("free_asymmetric", "odeint_rk4", step=0.2, samples=20)
     truth = polhode.truth(motion.scene, motion.t)
     off = polhode.errors(motion, truth)
     cosine = np.abs(np.sum(motion.q * truth.q, axis=1)) / np.linalg.norm(motion.q, axis=1)
@@ -71,6 +72,7 @@ def test_check_says_what_the_program_says(program, tmp_path):
     assert json.dumps(found.data) == json.dumps(json.loads(program("check", "t_handle", str(path), "--format", "json")))
     columns = {"t": motion.t, **dict(zip(("qw", "qx", "qy", "qz"), motion.q.T))}
     assert not polhode.check(columns, "t_handle").ok
+    assert polhode.check(pd.DataFrame(columns), "t_handle").text == polhode.check(columns, "t_handle").text
     assert polhode.check(polhode.solve("t_handle"), limits={"attitude": 1e-6}).ok
     with pytest.raises(polhode.InputError, match="no scene"):
         polhode.check(path)
@@ -127,7 +129,7 @@ def test_a_method_of_ones_own_is_a_row_like_any_other(tmp_path):
         return y + h * f(t + h / 2, y + h / 2 * f(t, y))
 
     found = polhode.run({"name": "mine", "scenes": ["free_asymmetric"], "methods": [midpoint, "odeint_rk4"],
-                         "settings": {"steps": [0.04, 0.02, 0.01]}, "repeats": 1}, tmp_path)
+                         "settings": {"steps": [0.02, 0.01, 0.005]}, "repeats": 1}, tmp_path)
     rows = found.table[found.table.method == "midpoint_here"]
     assert list(rows.status) == ["ok"] * 3 and (rows.rhs_evaluations == 2 * rows.steps).all()
     order = np.log2(rows.attitude_error_max.to_numpy()[:-1] / rows.attitude_error_max.to_numpy()[1:])
@@ -140,7 +142,7 @@ def test_a_method_of_ones_own_is_a_row_like_any_other(tmp_path):
     for scene in ("lagrange_top", "every_load", "mechanisms/double_pendulum"):
         motion = polhode.solve(scene, midpoint, step=1e-3, duration=1, samples=4)
         assert motion.status == "ok" and motion.errors().max["attitude"] < 0.05, scene
-    with pytest.raises(polhode.InputError, match="already"):
+    with pytest.raises(ValueError, match="already"):
         polhode.method(midpoint, name="taylor")
 
 
@@ -178,5 +180,5 @@ def test_pictures():
     for scene in ("lagrange_top", "mechanisms/double_pendulum"):
         motion = polhode.solve(scene, samples=20)
         assert motion.plot().axes and motion.errors().plot().axes
-    assert len(polhode.solve("thrown_box", samples=20).plot().axes) >= 2
+    assert len(polhode.solve("thrown_hammer", samples=20).plot().axes) >= 2
     plt.close("all")

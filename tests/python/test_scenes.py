@@ -39,6 +39,34 @@ def test_a_change_is_seen_by_the_next_solve():
     assert not np.array_equal(before, after)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda s: s["body"].update(mass=2.5),
+        lambda s: s.body.pop("center_of_mass"),
+        lambda s: s.initial.orientation.__setitem__(0, -1.0),
+        lambda s: s.loads.append({"type": "torque", "vector": [0, 0, 1], "frame": "body"}),
+        lambda s: s.loads.extend([{"type": "torque", "vector": (0, 0, 1), "frame": "body"}]),
+        lambda s: s.loads.pop(),
+        lambda s: s.loads.clear(),
+        lambda s: s.loads[0].acceleration.reverse(),
+        lambda s: s.__ior__({"duration": 3.5}),
+        lambda s: s.setdefault("about", "mine") and s.__delitem__("about"),
+        lambda s: s.add_torque(lambda now: (0, 0, 1)),
+        lambda s: s.loads.__iadd__([{"type": "torque", "vector": np.array([0, 0, 1]), "frame": "body"}]),
+        lambda s: s.loads.__delitem__(0),
+        lambda s: s.loads[0].__setattr__("acceleration", np.array([0, 0, -3])),
+    ],
+)
+def test_every_way_of_changing_is_noticed(change):
+    scene = polhode.scene("lagrange_top")
+    scene.initial.orientation = [1.0, 0, 0, 0]
+    read = scene._compiled()
+    assert scene._compiled() is read
+    change(scene)
+    assert scene._compiled() is not read
+
+
 def test_copies_are_their_own():
     scene = polhode.scene("free_asymmetric")
     for other in (scene.copy(duration=1), copy.deepcopy(scene), copy.copy(scene), pickle.loads(pickle.dumps(scene))):
@@ -52,7 +80,7 @@ def test_copies_are_their_own():
         ({"durration": 1}, "/durration"),
         ({"duration": -1}, "/duration"),
         ({"body": {"mass": 1, "inertia": [1, 1, 5]}}, "/body/inertia"),
-        ({"duration": float("nan")}, "the scene"),
+        ({"duration": float("nan")}, "/duration: is NaN"),
     ],
 )
 def test_a_fault_is_told_in_one_line(change, words):

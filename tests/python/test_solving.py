@@ -181,7 +181,7 @@ def test_several_bodies():
     motion = polhode.solve("mechanisms/double_pendulum", samples=10, reactions=True)
     assert motion.q.shape == (11, 2, 4) and motion.p.shape == (11, 2, 3) and motion.t.shape == (11,)
     assert motion.reactions.shape[0] == 11 and motion.reactions.shape[2] == 6
-    assert motion.errors().max["attitude"] < 1e-8
+    assert motion.errors().max["attitude"] < 1e-5
     assert len(motion.csv().splitlines()) == 23
 
 

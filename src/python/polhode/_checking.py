@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Union, cast
 
 import numpy as np
 
@@ -60,7 +60,8 @@ def _named_text(given: TrajectoryLike, number: int) -> tuple[str, str]:
             return path, Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as fault:
             raise _polhode.InputError(f"{path}: cannot be read ({fault}); give a readable CSV file") from None
-    columns = {str(name): given[name] for name in given}
+    table = cast(Mapping[str, Any], given)  # a DataFrame is like one
+    columns = {str(name): table[name] for name in table}
     lines = [",".join(columns)]
     rows = zip(*(np.asarray(column).tolist() for column in columns.values()))
     lines += [",".join(str(value) for value in row) for row in rows]

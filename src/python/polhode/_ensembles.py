@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,14 +35,21 @@ class Ensemble:
     """
 
     q: Array
-    w: Array
     p: Array
     v: Array
 
-    def __init__(self, arrays: dict[str, Any], failures: list[tuple[int, str, str]], seconds: float) -> None:
+    def __init__(self, arrays: dict[str, Any], failures: list[tuple[int, str, str]], seconds: float,
+                 native: _polhode.SolvedBodies | None = None) -> None:
         self.__dict__.update(arrays)
         self.failures = failures
         self.seconds = seconds
+        self._native = native
+
+    @cached_property
+    def w(self) -> Array:
+        """Angular velocities in world axes, rad/s; made when they are first asked for."""
+        assert self._native is not None, "of mechanisms it is there from the beginning"
+        return self._native.w()
 
     @property
     def ok(self) -> bool:
@@ -124,14 +132,16 @@ def ensemble(
         if name not in _WIDTHS:
             raise _polhode.InputError(f"there is no {name} of a body; give {', '.join(_WIDTHS)}")
         rows = lengths.copy().pop()
-        shapes = [(rows, 3), (rows, 3, 3)] if name == "inertia" else [(rows,)] if name == "mass" else [
-            (rows, _WIDTHS[name])]
+        shapes: list[tuple[int, ...]] = [(rows, _WIDTHS[name])]
+        if name == "inertia":
+            shapes.append((rows, 3, 3))
+        elif name == "mass":
+            shapes = [(rows,)]
         if values.shape not in shapes:
             raise _polhode.InputError(f"{name} has the shape {values.shape}; give {' or '.join(map(str, shapes))}")
     solved = _polhode.solve_bodies(read, lengths.pop(), _polhode.Columns(*(given.get(name) for name in _WIDTHS)), settings)
-    made = Ensemble({"q": solved.q, "w": solved.w(), "w_B": solved.w_B, "p": solved.p, "v": solved.v},
-                    solved.failures(), solved.seconds)
-    return made
+    arrays = {"q": solved.q, "w_B": solved.w_B, "p": solved.p, "v": solved.v}
+    return Ensemble(arrays, solved.failures(), solved.seconds, solved)
 
 
 def _mechanisms(read: Any, given: dict[str, Array], samples: int, settings: Any) -> Ensemble:

@@ -142,7 +142,7 @@ def run(
     directory.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="polhode-scenes-") as folder:
         if isinstance(experiment, Mapping):
-            data = {"name": "own", "about": "An experiment of one's own", **experiment}
+            data: dict[str, Any] = {"name": "own", "about": "An experiment of one's own", **experiment}
             given = data.get("scenes", [])
             scenes = [given] if isinstance(given, (str, os.PathLike, Mapping)) else list(given)
             data["scenes"] = _scene_files(scenes, Path(folder))

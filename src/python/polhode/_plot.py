@@ -115,5 +115,7 @@ def plot_table(table: DataFrame, x: str, y: str, **options: Any) -> Figure:
         frame.set_title(scene, fontsize="medium")
         frame.set_xlabel(_HEADINGS.get(x, x))
         frame.set_ylabel(_HEADINGS.get(y, y))
-    figure.legend(entries.values(), entries.keys(), loc="outside right upper", frameon=False, fontsize="small")
+    beside = frames[1 if len(frames) > 1 else 0]
+    beside.legend(entries.values(), entries.keys(), loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False,
+                  fontsize="small")
     return figure

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import copy
+import functools
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Union
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, SupportsIndex, Union
 
 import numpy as np
 
@@ -15,15 +15,6 @@ from polhode._html import table_html
 
 #: What a scene can be made from.
 SceneLike = Union["Scene", str, "os.PathLike[str]", Mapping[str, Any]]
-
-
-def _comfortable(value: Any) -> Any:
-    """The value with its objects as blocks, all the way down."""
-    if type(value) is dict:
-        return Block({key: _comfortable(item) for key, item in value.items()})
-    if type(value) in (list, tuple):
-        return [_comfortable(item) for item in value]
-    return value
 
 
 def _plain(value: Any) -> Any:
@@ -37,8 +28,82 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"a scene holds a {type(value).__name__}; give numbers, words, lists, arrays or dicts")
 
 
+class Changes:
+    """How often anything of a scene has been changed: shared by all that it is made of."""
+
+    count = 0
+
+
+def _comfortable(value: Any, changes: Changes) -> Any:
+    """The value with its objects and lists as blocks, all the way down: a copy, whose changes are counted."""
+    if isinstance(value, Mapping):
+        return Block(value, changes)
+    if isinstance(value, (list, tuple)):
+        return Blocks(value, changes)
+    if isinstance(value, np.ndarray):
+        return Blocks(value.tolist(), changes) if value.ndim else value.item()
+    return value
+
+
+def _counted(base: type, name: str) -> Callable[..., Any]:
+    plain = getattr(base, name)
+
+    @functools.wraps(plain)
+    def method(self: Any, *arguments: Any, **named: Any) -> Any:
+        self._changes.count += 1
+        return plain(self, *arguments, **named)
+
+    return method
+
+
+class Blocks(list):  # type: ignore[type-arg]
+    """A JSON array, whose objects have their keys as attributes."""
+
+    __slots__ = ("_changes",)
+
+    def __init__(self, values: Iterable[Any], changes: Changes) -> None:
+        self._changes = changes
+        super().__init__(_comfortable(value, changes) for value in values)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (list, (list(self),))
+
+    def append(self, value: Any) -> None:
+        self._changes.count += 1
+        super().append(_comfortable(value, self._changes))
+
+    def extend(self, values: Iterable[Any]) -> None:
+        self._changes.count += 1
+        super().extend([_comfortable(value, self._changes) for value in values])
+
+    def insert(self, place: SupportsIndex, value: Any) -> None:
+        self._changes.count += 1
+        super().insert(place, _comfortable(value, self._changes))
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        self._changes.count += 1
+        super().__setitem__(place, _comfortable(value, self._changes))
+
+    def __iadd__(self, values: Iterable[Any]) -> Blocks:  # type: ignore[misc]
+        self.extend(values)
+        return self
+
+    def copy(self) -> Blocks:
+        return Blocks(self, Changes())
+
+
 class Block(dict):  # type: ignore[type-arg]
     """A JSON object: a dict whose keys are attributes as well."""
+
+    __slots__ = ("_changes",)
+    _changes: Changes
+
+    def __init__(self, data: Mapping[str, Any], changes: Changes) -> None:
+        object.__setattr__(self, "_changes", changes)
+        super().__init__({key: _comfortable(value, changes) for key, value in data.items()})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (dict, (dict(self),))
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -56,11 +121,34 @@ class Block(dict):  # type: ignore[type-arg]
             raise AttributeError(name) from None
 
     def __setitem__(self, name: str, value: Any) -> None:
-        super().__setitem__(name, _comfortable(value))
+        self._changes.count += 1
+        super().__setitem__(name, _comfortable(value, self._changes))
+
+    def update(self, *arguments: Any, **named: Any) -> None:
+        for name, value in dict(*arguments, **named).items():
+            self[name] = value
+
+    def __ior__(self, other: Any) -> Block:  # type: ignore[override,misc]
+        self.update(other)
+        return self
+
+    def setdefault(self, name: str, default: Any = None) -> Any:
+        if name not in self:
+            self[name] = default
+        return self[name]
+
+    def copy(self) -> Block:
+        return Block(self, Changes())
 
     def __dir__(self) -> Iterator[str]:
         yield from super().__dir__()
         yield from self
+
+
+for _name in ("__delitem__", "pop", "popitem", "clear"):
+    setattr(Block, _name, _counted(dict, _name))
+for _name in ("__delitem__", "pop", "remove", "clear", "sort", "reverse", "__imul__"):
+    setattr(Blocks, _name, _counted(list, _name))
 
 
 class Scene(Block):
@@ -80,13 +168,14 @@ class Scene(Block):
     5.0
     """
 
+    __slots__ = ("_torques", "_file", "_directory", "_read")
     _torques: list[tuple[Callable[[_polhode.LoadState], Any], str, float | None, float | None]]
     _file: str
     _directory: str
-    _read: tuple[str, tuple[int, ...], _polhode.ReadScene] | None
+    _read: tuple[int, _polhode.ReadScene] | None
 
     def __init__(self, data: Mapping[str, Any], file: str = "the scene", directory: str = "") -> None:
-        super().__init__({key: _comfortable(copy.deepcopy(value)) for key, value in data.items()})
+        super().__init__(data, Changes())
         for name, value in {"_torques": [], "_file": file, "_directory": directory, "_read": None}.items():
             object.__setattr__(self, name, value)
 
@@ -154,6 +243,7 @@ class Scene(Block):
         >>> motion.method, motion.status
         ('dop853', 'ok')
         """
+        self._changes.count += 1
         self._torques.append((function, name or getattr(function, "__name__", "torque"), start, until))
         return self
 
@@ -177,12 +267,13 @@ class Scene(Block):
         return self._compiled().bodies
 
     def _compiled(self) -> _polhode.ReadScene:
-        text = json.dumps(self, default=_plain)
-        torques = tuple(id(torque) for torque in self._torques)
-        if self._read is None or self._read[0] != text or self._read[1] != torques:
-            read = _polhode.ReadScene(text, self._file, self._directory, self._torques)
-            object.__setattr__(self, "_read", (text, torques, read))
-        return self._read[2]  # type: ignore[index]
+        # counted before it is read: what another thread changes meanwhile is read the next time
+        count = self._changes.count
+        if self._read is not None and self._read[0] == count:
+            return self._read[1]
+        read = _polhode.ReadScene(self.json(), self._file, self._directory, self._torques)
+        object.__setattr__(self, "_read", (count, read))
+        return read
 
     def __repr__(self) -> str:
         return f"<polhode.Scene {self.get('name', 'without a name')}: {self.get('about', '')}>"
@@ -218,7 +309,7 @@ def scene(source: SceneLike, **changes: Any) -> Scene:
     --------
     >>> import polhode
     >>> polhode.scene("t_handle").name
-    't-handle'
+    't_handle'
     >>> box = polhode.scene({"duration": 10, "body": {"shape": {"type": "box", "half_extents": [1, 2, 3]}, "mass": 1},
     ...                      "initial": {"angular_velocity": [0.01, 2, 0]}})
     >>> polhode.solve(box).status

@@ -49,7 +49,7 @@ class Truth:
         self.t: Array = np.array(native.times)
         bodies: int = native.bodies
         rows: list[list[Any]] = native.columns
-        values = [[number.value for number in row] for row in rows] if certified else rows
+        values: list[list[Any]] = [[number.value for number in row] for row in rows] if certified else rows
         self.decimals = self._by_column(values, bodies)
         self.radii = self._by_column([[n.radius for n in row] for row in rows], bodies) if certified else None
         self.bound: float = float(native.radius) if certified else native.bound
@@ -63,7 +63,7 @@ class Truth:
         self.q, self.w, self.p, self.v = (numbers[:, place].reshape((*shape, -1)) for place in _BLOCKS.values())
 
     @staticmethod
-    def _by_column(rows: list[list[str]], bodies: int) -> dict[str, list[Any]]:
+    def _by_column(rows: list[list[Any]], bodies: int) -> dict[str, list[Any]]:
         by_column: dict[str, list[Any]] = {}
         for place, name in enumerate(_COLUMNS):
             column = [row[place] for row in rows]

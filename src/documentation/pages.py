@@ -1,0 +1,99 @@
+"""The folder that Sphinx reads: pages written into it, and pages of the source tree copied with what they show."""
+
+import os
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+# beyond it Sphinx takes minutes, and browsers long: the file itself is linked
+LARGEST_PAGE = 120_000
+
+_CODE = re.compile(r"^(```+|~~~+).*?^\1[ \t]*$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
+_LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
+
+
+class Pages:
+    """A folder of pages. What was not written again since it was opened is removed by `finish`."""
+
+    def __init__(self, folder: Path, top: Path) -> None:
+        self.folder = folder
+        self.top = top
+        self._written: set[Path] = set()
+
+    def write(self, name: str, text: str) -> None:
+        """Writes a page; one that is the same stays as it is, so that Sphinx does not read it again."""
+        path = self.folder / name
+        self._written.add(path)
+        if path.is_file() and path.read_text(encoding="utf-8") == text:
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def copy(self, source: Path, name: str) -> None:
+        """Copies a file that is no page."""
+        path = self.folder / name
+        if path in self._written:
+            return
+        self._written.add(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.is_file() or path.stat().st_mtime_ns != source.stat().st_mtime_ns:
+            shutil.copy2(source, path)
+
+    def include(self, path: str) -> str:
+        """Copies a page of the source tree, and what it links to, as it stands there. Returns the copy's name."""
+        name = f"tree/{path}"
+        if self.folder / name not in self._written:
+            self._written.add(self.folder / name)
+            text = (self.top / path).read_text(encoding="utf-8")
+            if not text.startswith("# "):  # a table alone
+                text = f"# {Path(path).stem}\n\n{text}"
+            self.write_page(name, text, Path(path).parent)
+        return name
+
+    def write_page(self, name: str, text: str, origin: Path) -> None:
+        """Writes Markdown whose links are relative to `origin`, a folder of the source tree, under tree/."""
+        self.write(name, _outside_code(text, lambda part: _LINK.sub(lambda link: self._link(link, origin), part)))
+
+    def _link(self, link: re.Match[str], origin: Path) -> str:
+        image, words, target = link.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return link[0]
+        target, _, anchor = target.partition("#")
+        inside = Path(os.path.normpath(origin / target))
+        if self.folder / "tree" / inside in self._written and image:  # a figure that a notebook drew
+            return link[0]
+        path = self.top / inside
+        if (path / "README.md").is_file():
+            inside, path = inside / "README.md", path / "README.md"
+        if inside.parts[0] == ".." or not path.is_file():
+            return words
+        if image or path.suffix != ".md":
+            self.copy(path, f"tree/{inside}")
+            suffix = ""
+        elif path.stat().st_size > LARGEST_PAGE and path.name != "README.md":
+            self.copy(path, f"tree/{inside}.txt")
+            suffix, anchor = ".txt", ""
+        else:
+            self.include(str(inside))
+            suffix = f"#{anchor}" if anchor else ""
+        return f"{image}[{words}]({os.path.relpath(inside, origin)}{suffix})"
+
+    def written(self) -> set[Path]:
+        """The files that were written so far."""
+        return set(self._written)
+
+    def finish(self) -> list[Path]:
+        """Removes what earlier builds have left, and returns what it was."""
+        left = [path for path in self.folder.rglob("*") if path.is_file() and path not in self._written]
+        for path in left:
+            path.unlink()
+        return left
+
+
+def _outside_code(text: str, change: Callable[[str], str]) -> str:
+    parts, end = [], 0
+    for code in _CODE.finditer(text):
+        parts += [change(text[end : code.start()]), code[0]]
+        end = code.end()
+    return "".join([*parts, change(text[end:])])

@@ -1,0 +1,52 @@
+// What the same work costs without Python, so that one process can tell what a call through the module adds.
+#include <limits>
+
+#include "integrators/own/ensemble.h"
+#include "python/bindings.h"
+
+namespace polhode::python {
+namespace {
+
+// The shortest time (s) of `repeats` calls of solve() with the posed problem, as a C++ program would write them.
+double seconds_of_solve(const ReadScene& scene, const std::string& method, const Settings& settings, int repeats) {
+    return call([&] {
+        const std::shared_ptr<const Problem> problem = scene.problem(Formulation::reduced, false);
+        const Method& taken = method_by_name(method);
+        double shortest = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < repeats; ++i) {
+            const Stopwatch stopwatch;
+            const Trajectory trajectory = solve(*problem, taken, settings);
+            shortest = std::min(shortest, stopwatch.seconds());
+        }
+        return shortest;
+    });
+}
+
+// Likewise of solve_ensemble() of so many bodies that differ in their angular velocities.
+double seconds_of_ensemble(const ReadScene& scene, const py::array_t<double, py::array::c_style>& rates, int threads,
+                           int repeats) {
+    const double* w = rates.data();
+    const auto count = static_cast<std::size_t>(rates.shape(0));
+    return call([&] {
+        std::vector<EnsembleBody> bodies(count, ensemble_body(scene.scene()));
+        for (std::size_t i = 0; i < count; ++i) bodies[i].angular_velocity = {w[3 * i], w[3 * i + 1], w[3 * i + 2]};
+        EnsembleSettings settings;
+        settings.threads = threads;
+        double shortest = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < repeats; ++i) {
+            const Stopwatch stopwatch;
+            const std::vector<EnsembleRow> rows = solve_ensemble(scene.scene(), bodies, settings);
+            shortest = std::min(shortest, stopwatch.seconds());
+        }
+        return shortest;
+    });
+}
+
+}  // namespace
+
+void bind_measuring(py::module_& module) {
+    module.def("seconds_of_solve", &seconds_of_solve);
+    module.def("seconds_of_ensemble", &seconds_of_ensemble);
+}
+
+}  // namespace polhode::python

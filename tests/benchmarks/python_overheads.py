@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+"""Measures what Python adds to polhode's own work, and writes a table with its provenance.
+
+    PYTHONPATH=build/python tests/benchmarks/python_overheads.py DIRECTORY
+
+writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Ratios are of runs in one process, in turn, the
+shortest of several.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import polhode
+from polhode import _polhode
+
+
+def shortest(work: Callable[[], object], repeats: int) -> float:
+    """The shortest time of one call, s."""
+    best = float("inf")
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        work()
+        best = min(best, time.perf_counter() - begin)
+    return best
+
+
+def call_overhead() -> list[list[str]]:
+    """A call on small scenes, beside the same solve() by C++ in the same process."""
+    rows = []
+    for name, method in (("free_asymmetric", "exact"), ("lagrange_top", "taylor"), ("every_load", "dop853")):
+        scene = polhode.scene(name)
+        polhode.solve(scene, method, samples=10)
+        settings = _polhode.Settings(samples=10)
+        within, outside = float("inf"), float("inf")
+        for _ in range(20):
+            within = min(within, _polhode.seconds_of_solve(scene._compiled(), method, settings, 20))
+            outside = min(outside, shortest(lambda: polhode.solve(scene, method, samples=10).q, 20))
+        rows.append([f"solve, {name}, {method}, 11 samples", f"{1e6 * within:.1f} us", f"{1e6 * outside:.1f} us",
+                     f"{1e6 * (outside - within):.1f} us more", "20 us more"])
+    return rows
+
+
+def ensembles() -> list[list[str]]:
+    """10^6 free bodies from arrays to arrays, beside solve_ensemble()."""
+    scene = polhode.scene("free_asymmetric")
+    rates = np.random.default_rng(1).normal(size=(1_000_000, 3))
+    threads = os.cpu_count() or 1
+    within, outside = float("inf"), float("inf")
+    for _ in range(5):
+        within = min(within, _polhode.seconds_of_ensemble(scene._compiled(), rates, threads, 1))
+        outside = min(outside, shortest(lambda: polhode.ensemble(scene, w=rates, threads=threads), 1))
+    return [["ensemble of 10^6 free bodies", f"{within:.3f} s", f"{outside:.3f} s", f"{outside / within:.2f} times",
+             "1.05 times"]]
+
+
+def memory() -> list[list[str]]:
+    """How much more memory a million samples take once all arrays have been looked at."""
+    code = """if True:
+        import resource, polhode
+        motion = polhode.solve("free_asymmetric", "exact", samples=1_000_000)
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        sizes = [len(a) for a in (motion.t, motion.q, motion.w_B, motion.p, motion.v)]
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    return [["arrays of 10^6 samples", "112 MB of samples", f"{int(said) / 1024:.1f} MB more", "", "0 MB more"]]
+
+
+def callables() -> list[list[str]]:
+    """A torque and a step of one's own, beside the same by polhode."""
+
+    @polhode.method(name="rk4_in_python", order=4)
+    def rk4(f, t, y, h):  # type: ignore[no-untyped-def]
+        a = f(t, y)
+        b = f(t + h / 2, y + h / 2 * a)
+        c = f(t + h / 2, y + h / 2 * b)
+        return y + h / 6 * (a + 2 * b + 2 * c + f(t + h, y + h * c))
+
+    drag = polhode.scene("free_asymmetric", duration=10)
+    drag["loads"] = [{"type": "drag", "rotational": [0.1, 0.2, 0.3]}]
+    plain = polhode.scene("free_asymmetric", duration=10)
+    arrays = plain.copy().add_torque(lambda now: np.array([-0.1, -0.2, -0.3]) * now.w_B)
+
+    def by_components(now: polhode.LoadState) -> tuple[float, float, float]:
+        a, b, c = now.w_B.tolist()
+        return (-0.1 * a, -0.2 * b, -0.3 * c)
+
+    words = plain.copy().add_torque(by_components)
+    rows = []
+    for title, scene, base, method, by in (
+        ("torque of one's own, numpy, dop853", arrays, drag, "dop853", "dop853"),
+        ("torque of one's own, three numbers, dop853", words, drag, "dop853", "dop853"),
+        ("step of one's own (Runge-Kutta 4)", drag, drag, rk4, "odeint_rk4"),
+    ):
+        how: dict[str, Any] = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
+        own, native = float("inf"), float("inf")
+        for _ in range(5):
+            one, other = polhode.solve(scene, method, samples=1, **how), polhode.solve(base, by, samples=1, **how)
+            own = min(own, one.seconds / one.rhs_evaluations)
+            native = min(native, other.seconds / other.rhs_evaluations)
+        rows.append([title + ", a right-hand side", f"{1e6 * native:.3f} us", f"{1e6 * own:.2f} us",
+                     f"{own / native:.0f} times", ""])
+    return rows
+
+
+def starting() -> list[list[str]]:
+    """The import, the interpreter's own start and numpy's left out and counted."""
+
+    def run(code: str) -> float:
+        return shortest(lambda: subprocess.run([sys.executable, "-c", code], check=True), 7)
+
+    bare, numpy, module = run("pass"), run("import numpy"), run("import polhode")
+    return [["import polhode (numpy's import in it)", f"{numpy - bare:.3f} s for numpy", f"{module - bare:.3f} s", "",
+             "0.2 s"]]
+
+
+def main() -> None:
+    """Measures, and writes what was found."""
+    directory = Path(sys.argv[1])
+    directory.mkdir(parents=True, exist_ok=True)
+    head = ["what", "C++", "Python", "difference", "asked, at most"]
+    rows = [*starting(), *call_overhead(), *ensembles(), *memory(), *callables()]
+    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
+    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]
+    lines.insert(1, "| " + " | ".join("-" * width for width in widths) + " |")
+    (directory / "python.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (directory / "python.csv").write_text(
+        "\n".join(",".join(f'"{cell}"' for cell in row) for row in [head, *rows]) + "\n", encoding="utf-8")
+    record = directory / "provenance.json"
+    entries = json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
+    cpu = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
+                if line.startswith("model name")), platform.machine())
+    entries["python"] = {
+        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "command_line": "tests/benchmarks/python_overheads.py",
+        "versions": {"polhode": polhode.__version__, "Python": platform.python_version(), "numpy": np.__version__},
+        "cpu": cpu,
+        "cores": os.cpu_count(),
+    }
+    record.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()

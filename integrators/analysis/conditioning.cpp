@@ -15,6 +15,7 @@
 #include "integrators/run/processor_time.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/sensitivity_session.h"
+#include "text/interruption.h"
 
 namespace polhode {
 namespace {
@@ -86,6 +87,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
         while (session.time() < segment.end && !samples.empty()) {
             if (++result.steps > max_steps)
                 return fail(fmt::format("more than {} steps: known until t = {:g} s", max_steps, session.time()));
+            if (Interruption::is_wanted()) return fail("interrupted");
             if (processor_time() > end)
                 return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
             if (const int flag = session.step(); flag < 0) return fail(session.failure(flag).message);

@@ -15,6 +15,7 @@
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 #include "motion/own_system.h"
+#include "text/interruption.h"
 
 namespace polhode {
 namespace {
@@ -306,6 +307,7 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
             while (t < stop) {
                 if (static_cast<double>(++result.steps) > most_steps)
                     return fail(fmt::format("more than {:.0f} steps: known until t = {:.4g} s", most_steps, t));
+                if (Interruption::is_wanted()) return fail("interrupted");
                 if (processor_time() > end)
                     return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
                 const double left = stop - t;

@@ -113,7 +113,8 @@ std::string refusal(const Scene& scene, int digits) {
     for (const Plane& plane : scene.planes)
         if (plane.friction > 0) return "no truth: an impact with friction has none";
     if (digits > most_truth_digits)
-        return fmt::format("no truth to {} digits: {} at most can be asked for", digits, most_truth_digits);
+        return fmt::format("no truth to {} digits: {} at most can be asked for, unless they are certified", digits,
+                           most_truth_digits);
     return "";
 }
 

@@ -14,6 +14,7 @@
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"
 #include "text/decimal.h"
+#include "text/interruption.h"
 #include "text/json_document.h"
 #include "text/message.h"
 #include "text/parallel.h"
@@ -74,6 +75,7 @@ void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth
         std::vector<ReferenceSample> samples;
         const std::size_t end = rows * (i + 1) / pieces;
         for (std::size_t first = rows * i / pieces; first < end; first += samples.size()) {
+            if (Interruption::is_wanted()) throw NoTruth(checked.path + ": interrupted");
             samples.clear();
             for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
                 samples.push_back(truth.at(file.rows[k].t));

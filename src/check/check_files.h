@@ -27,7 +27,7 @@ struct NamedText {
 /// must not cost the time of the first. `columns`: which of theirs hold ours, if they are not told by their names.
 /// Files of more than some thousand samples are judged in binary64, by several threads. `explain`: known faults are
 /// tried on sound files too. `picture`: their errors over time are drawn into CheckedFile::picture. Throws InputError
-/// where a file cannot be read, or goes on for longer than the scene, and NoTruth.
+/// where a file cannot be read, or goes on for longer than the scene, and NoTruth, also where it is interrupted.
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
                                      const Convention& convention, const ColumnNames& columns,
                                      const ErrorLimits& limits, bool explain, bool picture = false);

@@ -92,7 +92,7 @@ auto call(F&& f) {
         next = Clock::now() + between_signals;
         return thrown.has_value();
     };
-    const auto result = [&] {
+    auto result = [&] {
         const py::gil_scoped_release released;
         const Interruption scope{Interruption::Question(interrupted)};
         return f();

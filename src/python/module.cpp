@@ -17,13 +17,14 @@ void bind_exceptions(py::module_& module) {
           "A scene, a file, a name or a setting is at fault: one line names place, fault and remedy.");
     named(py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError),
           "There is no truth to judge by: the line says why.");
-    py::register_exception_translator([](std::exception_ptr pointer) {
-        try {
-            if (pointer) std::rethrow_exception(pointer);
-        } catch (const UsageError& error) {
-            PyErr_SetString(py::module_::import("polhode._polhode").attr("InputError").ptr(), error.what());
-        }
-    });
+    py::register_exception_translator(
+        [](std::exception_ptr pointer) {  // NOLINT(performance-unnecessary-value-param): pybind11's signature
+            try {
+                if (pointer) std::rethrow_exception(pointer);
+            } catch (const UsageError& error) {
+                PyErr_SetString(py::module_::import("polhode._polhode").attr("InputError").ptr(), error.what());
+            }
+        });
 }
 
 }  // namespace

@@ -182,6 +182,7 @@ void bind_solving(py::module_& module) {
         });
 
     module.def("method_description", [](const std::string& name) -> std::optional<std::string> {
+        if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
         const Method* method = find_method(name);
         return method ? std::optional(describe_method(*method)) : std::nullopt;
     });

@@ -59,6 +59,8 @@ LONG = {
     "torque": "polhode.solve(polhode.scene('free_asymmetric').add_torque(lambda now: -1e-3 * now.w_B), step=1e-7,"
               "method='odeint_rk4')",
     "ensemble": "polhode.ensemble('heavy_asymmetric_top', w=np.ones((200000, 3)), duration=1000)",
+    "describe": "[polhode.describe('mechanisms/chain_10') for _ in range(20)]",
+    "check": "[polhode.check(polhode.solve('heavy_asymmetric_top', samples=100_000)) for _ in range(20)]",
     "run": "polhode.run({'scenes': ['lagrange_top'], 'methods': ['odeint_rk4'], 'settings': {'steps': [1e-7]},"
            "'seconds_per_run': 1000})",
 }

@@ -70,6 +70,9 @@ class Results:
         """
         from polhode._plot import plot_table
 
+        for name in (x, y):
+            if name not in self.table:
+                raise _polhode.InputError(f"there is no column {name}; there are {', '.join(self.table)}")
         return plot_table(self.table, x, y, **options)
 
     def __repr__(self) -> str:

@@ -112,7 +112,10 @@ def method(
     ----------
     function : callable
         ``step(f, t, y, h)`` gives the state at t + h from the state y at t, with the right-hand side ``f(t, y)``. y is
-        an ndarray, whose length is the scene's: what a scene does not need is not in it.
+        an ndarray, whose length is the scene's: what a scene does not need is not in it. Of one body it holds the
+        angular velocity in the axes that `describe` names, then the attitude (w, x, y, z), then, where the centre of
+        mass is solved for, p and v; of a turn about one axis the rate, then cosine and sine of half the angle; of
+        several bodies the joints' coordinates, then their rates.
     name : str, optional
         The function's own if not given. Defined again, it replaces what was so called.
     order : int, optional

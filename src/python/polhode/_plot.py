@@ -33,6 +33,9 @@ _HEADINGS = {
     "omega_error_max": "largest error of the angular velocity, relative",
 }
 
+#: Errors below this are those of rounding the start, which are formed in more than double precision.
+_SMALLEST_SHOWN = 1e-18
+
 
 def _frames(count: int, options: dict[str, Any]) -> tuple[Figure, list[Axes]]:
     import matplotlib.pyplot as plt
@@ -69,7 +72,8 @@ def plot_trajectory(trajectory: Trajectory, **options: Any) -> Figure:
                            label=f"{called} {component}".strip())
         frame.set_xlabel("t (s)")
         frame.set_ylabel(heading)
-        frame.legend(frameon=False, fontsize="small", ncols=2)
+        # above the frame, where it covers no curve
+        frame.legend(frameon=False, fontsize="small", ncols=len(components), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     figure.suptitle(f"{trajectory.scene.get('name', '')}, {trajectory.method}", fontsize="medium")
     return figure
 
@@ -78,10 +82,14 @@ def plot_errors(errors: Errors, **options: Any) -> Figure:
     """Errors over time."""
     options.setdefault("figsize", (8.0, 4.6))
     figure, (frame,) = _frames(1, options)
+    largest = 0.0
     for i, (name, series) in enumerate(errors.series.items()):
         shown = np.where(series > 0, series, np.nan)
         if not np.isnan(shown).all():
             frame.semilogy(errors.t, shown, color=COLORS[i % len(COLORS)], label=name)
+            largest = max(largest, float(np.nanmax(shown)))
+    if largest > _SMALLEST_SHOWN and frame.get_ylim()[0] < _SMALLEST_SHOWN:
+        frame.set_ylim(bottom=_SMALLEST_SHOWN)
     frame.set_xlabel("t (s)")
     frame.set_ylabel("error (rad, m or relative)")
     frame.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))

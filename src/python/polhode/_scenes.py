@@ -128,7 +128,7 @@ class Block(dict):  # type: ignore[type-arg]
         for name, value in dict(*arguments, **named).items():
             self[name] = value
 
-    def __ior__(self, other: Any) -> Block:  # type: ignore[override,misc]
+    def __ior__(self, other: Any) -> Block:  # type: ignore[misc]
         self.update(other)
         return self
 

@@ -159,6 +159,8 @@ def truth(
     if samples is not None and times is not None:
         raise _polhode.InputError("both samples and times; give one of them")
     posed = make_scene(scene)
+    if posed._torques:
+        raise _polhode.NoTruthError("no truth: a user's torque has none")
     at = _polhode.SampleTimes(
         100 if samples is None else samples,
         np.empty(0) if times is None else np.atleast_1d(np.asarray(times, dtype=np.float64)),

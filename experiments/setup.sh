@@ -14,6 +14,8 @@ python_packages=(python3-dev pybind11-dev python3-numpy python3-matplotlib pytho
 # the pages of src/documentation
 documentation_packages=(python3-sphinx python3-myst-parser python3-numpydoc furo libjs-katex doxygen)
 python_test_packages=(python3-scipy python3-pytest python3-hypothesis mypy)
+# what makes and reads packages
+package_packages=(file lintian python3-pip python3-setuptools python3-wheel)
 # the engines that `experiments/run engines` compares; those under Node come by npm
 engine_packages=(pkgconf libbullet-dev libode-dev libmujoco-dev libsimbody-dev libdart-dev nodejs npm)
 # for tests/run --all

@@ -1,0 +1,97 @@
+# What `cpack` makes: three Debian packages of the three components, and with CPackSourceConfig.cmake the source as git
+# has it. README.md tells how.
+set(CPACK_PACKAGE_NAME polhode)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_VENDOR "polhode developers")
+# a name of no one's: mail to .invalid goes nowhere
+set(CPACK_PACKAGE_CONTACT "polhode developers <developers@polhode.invalid>")
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_VERBATIM_VARIABLES ON)
+# each package has a summary of its own, in the first line of its description: none stands before all of them
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL program development)
+if(POLHODE_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+# a package a component
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_THREADS 0)
+set(CPACK_PACKAGE_CHECKSUM SHA256)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME polhode)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-polhode, libpolhode-dev")
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "high-accuracy rigid-body integrator and laboratory
+polhode computes how a rigid body, or several with joints between them, turns
+and flies, by many methods, and says of each how wrong it is for how much time.
+A scene is solved in closed form where there is one, by integrators of
+polhode's own, by SUNDIALS and by Boost.Odeint, and is contrasted with the
+update loops of game physics. All are held against a reference motion whose
+digits can be proven.
+.
+This package has the program with its manual pages, the catalogue of scenes and
+experiments, and examples.")
+
+# what polhodeConfig.cmake looks for and what the static libraries are linked with
+set(development_depends "libfmt-dev, libtinyxml2-dev, libmpfr-dev, libgmp-dev")
+if(POLHODE_ARB)
+  string(APPEND development_depends ", libflint-arb-dev, libflint-dev")
+endif()
+if(POLHODE_ASMJIT)
+  string(APPEND development_depends ", libasmjit-dev")
+endif()
+if(NOT POLHODE_SUNDIALS_LIBRARIES)
+  string(APPEND development_depends ", libsundials-dev (>= 6.4)")
+endif()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libpolhode-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${development_depends}")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, polhode")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "high-accuracy rigid-body integrator - static library
+polhode computes how a rigid body, or several with joints between them, turns
+and flies, by many methods, and says of each how wrong it is for how much time.
+.
+This package has the static libraries, the C++20 headers, the files by which
+CMake's find_package finds them, and a project that uses them.")
+
+if(POLHODE_PYTHON)
+  # the module is of one minor version of Python
+  math(EXPR next_minor "${POLHODE_PYTHON_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-polhode)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${POLHODE_PYTHON_MINOR}~), python3 (<< 3.${next_minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-pandas, python3-mpmath")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_CURRENT_LIST_DIR}/python/postinst;${CMAKE_CURRENT_LIST_DIR}/python/prerm")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "high-accuracy rigid-body integrator - Python 3 module
+polhode computes how a rigid body, or several with joints between them, turns
+and flies, by many methods, and says of each how wrong it is for how much time.
+.
+This package has the Python module: scenes, solving into NumPy arrays,
+reference motions, errors, ensembles and experiments. Pictures need Matplotlib,
+tables pandas, and proven digits mpmath.")
+endif()
+
+set(CPACK_SOURCE_GENERATOR TGZ)
+set(CPACK_SOURCE_PACKAGE_FILE_NAME polhode-${PROJECT_VERSION})
+# nothing is copied as it lies there: source.cmake asks git
+set(CPACK_SOURCE_INSTALLED_DIRECTORIES "")
+set(CPACK_INSTALL_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/source.cmake)
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian.cmake)
+set(CPACK_POLHODE_SOURCE_DIR ${PROJECT_SOURCE_DIR})
+set(CPACK_POLHODE_BINARY_DIR ${PROJECT_BINARY_DIR})
+include(CPack)

@@ -26,8 +26,9 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
     std::exception_ptr failure;
     std::mutex failure_mutex;
     {
-        std::vector<std::jthread> pool;
+        // before the threads, which outlive what is declared behind them
         const Interruption::Question* interruption = Interruption::current();
+        std::vector<std::jthread> pool;
         for (std::size_t k = 0; k < threads; ++k)
             pool.emplace_back([&] {
                 const Interruption inherited(interruption);

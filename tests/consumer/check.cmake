@@ -1,5 +1,5 @@
 # Installs the tree built in BUILD, moves what was installed elsewhere, builds the consumer against it and runs it.
-# Called by ctest with BUILD, SOURCE, WORK, COMPILER, FLAGS, GENERATOR.
+# Called by ctest with BUILD, SOURCE, WORK, COMPILER, GENERATOR.
 cmake_minimum_required(VERSION 3.22)
 
 function(run)
@@ -18,7 +18,7 @@ file(READ ${SOURCE}/../../integrators/README.md page)
 string(REGEX MATCH "```cpp\n([^`]*)```" shown "${page}")
 file(WRITE ${WORK}/shown.cpp "#include <polhode/polhode.h>\nnamespace polhode {\n${CMAKE_MATCH_1}}\n")
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
-  -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS} -DCMAKE_PREFIX_PATH=${WORK}/moved
+  -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/moved
   -DCMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON -DMETHOD_SHOWN=${WORK}/shown.cpp)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} -E env POLHODE_CACHE=${WORK}/cache ${WORK}/build/consumer)

@@ -49,7 +49,8 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
         std::vector<std::vector<std::size_t>> failed((count + block - 1) / block);
         parallel_for(failed.size(), settings.threads, [&](std::size_t part) {
             const std::size_t first = part * block, end = std::min(count, first + block);
-            std::vector<EnsembleBody> bodies(end - first, alike);
+            thread_local std::vector<EnsembleBody> bodies;  // one memory for all blocks of a thread
+            bodies.assign(end - first, alike);
             for (std::size_t i = first; i < end; ++i) {
                 EnsembleBody& body = bodies[i - first];
                 if (q) body.orientation = {q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]};

@@ -74,6 +74,16 @@ py::array_t<T> take(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
     return py::array_t<T>(std::move(shape), kept->data(), owner);
 }
 
+/// A sample from 13 numbers of a trajectory's row: q, w in world axes, p, v.
+inline Sample sample_of(double t, const double* row) {
+    Sample sample;
+    sample.t = t, sample.q = {row[0], row[1], row[2], row[3]};
+    const Vector3<double> w_W(row[4], row[5], row[6]);
+    sample.angular_velocity_B = (1 / squared_norm(sample.q)) * rotate(conjugate(sample.q), w_W);
+    sample.position_W = {row[7], row[8], row[9]}, sample.velocity_W = {row[10], row[11], row[12]};
+    return sample;
+}
+
 /// How often Python is asked for signals.
 inline constexpr std::chrono::milliseconds between_signals{20};
 

@@ -133,14 +133,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
         const auto row = rows.unchecked<2>();
         for (py::ssize_t i = 0; i < row.shape(0); ++i) {
             if (last_alone && static_cast<std::size_t>(i) / bodies + 1 < times.size()) continue;
-            Sample sample;
-            sample.t = times[static_cast<std::size_t>(i) / bodies];
-            sample.q = {row(i, 0), row(i, 1), row(i, 2), row(i, 3)};
-            sample.angular_velocity_B = (1 / squared_norm(sample.q)) *
-                                        rotate(conjugate(sample.q), Vector3<double>(row(i, 4), row(i, 5), row(i, 6)));
-            sample.position_W = {row(i, 7), row(i, 8), row(i, 9)};
-            sample.velocity_W = {row(i, 10), row(i, 11), row(i, 12)};
-            trajectory.samples.push_back(sample);
+            trajectory.samples.push_back(sample_of(times[static_cast<std::size_t>(i) / bodies], row.data(i, 0)));
         }
         trajectory.steps = given[1].cast<long>(), trajectory.rhs_evaluations = given[2].cast<long>();
     }

@@ -105,13 +105,7 @@ std::shared_ptr<SolvedScene> trajectory_of(const std::shared_ptr<ReadScene>& sce
     const py::ssize_t bodies = row.shape(0) / t.shape(0);
     solved->trajectory.bodies = static_cast<int>(bodies);
     for (py::ssize_t i = 0; i < row.shape(0); ++i) {
-        Sample sample;
-        sample.t = t(i / bodies), sample.q = {row(i, 0), row(i, 1), row(i, 2), row(i, 3)};
-        const Vector3<double> w_W(row(i, 4), row(i, 5), row(i, 6));
-        sample.angular_velocity_B = (1 / squared_norm(sample.q)) * rotate(conjugate(sample.q), w_W);
-        sample.position_W = {row(i, 7), row(i, 8), row(i, 9)};
-        sample.velocity_W = {row(i, 10), row(i, 11), row(i, 12)};
-        solved->trajectory.samples.push_back(sample);
+        solved->trajectory.samples.push_back(sample_of(t(i / bodies), row.data(i, 0)));
     }
     return solved;
 }

@@ -84,6 +84,14 @@ inline Sample sample_of(double t, const double* row) {
     return sample;
 }
 
+/// A Python function that any thread may copy, call and let go of.
+inline std::shared_ptr<py::function> kept(const py::function& function) {
+    return {new py::function(function), [](py::function* f) {
+                const py::gil_scoped_acquire gil;
+                delete f;
+            }};
+}
+
 /// How often Python is asked for signals.
 inline constexpr std::chrono::milliseconds between_signals{20};
 

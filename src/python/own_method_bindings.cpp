@@ -15,14 +15,6 @@
 namespace polhode::python {
 namespace {
 
-// A Python object that any thread may copy, call and let go of.
-std::shared_ptr<py::function> kept(const py::function& function) {
-    return {new py::function(function), [](py::function* f) {
-                const py::gil_scoped_acquire gil;
-                delete f;
-            }};
-}
-
 py::array_t<double> array_of(const double* y, int n) { return py::array_t<double>(n, y); }
 
 // The state that a Python function gave, of n numbers.
@@ -175,7 +167,7 @@ void add_own_method(const std::string& name, const std::string& documentation, c
                           : control == "tolerance" ? Control::tolerance
                           : control == "none"      ? Control::none
                                                    : Control::fixed_step_or_tolerance;
-    const auto function = kept(step ? *step : *solve);
+    const std::shared_ptr<py::function> function = kept(step ? *step : *solve);
     const bool steps = step.has_value();
     add_method(make_method(description, [function, steps](const Problem& problem, const Settings& settings) {
         return Thrown::solve(

@@ -18,13 +18,9 @@ py::array_t<double> array_of(const Vector3<double>& v) { return py::array_t<doub
 
 // A Python function as a torque. It outlives the GIL's release: called, copied and destroyed by any thread.
 std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& function) {
-    const std::shared_ptr<py::function> kept(new py::function(function), [](py::function* f) {
+    return [torque = kept(function)](const LoadState& now) {
         const py::gil_scoped_acquire gil;
-        delete f;
-    });
-    return [kept](const LoadState& now) {
-        const py::gil_scoped_acquire gil;
-        const py::object given = (*kept)(now);
+        const py::object given = (*torque)(now);
         const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
         if (!values || values.size() != 3) {
             PyErr_Clear();

@@ -77,6 +77,8 @@ def test_between_the_samples():
     fine = polhode.solve("lagrange_top", "cvode_adams", tolerance=1e-10, samples=40)
     between = coarse.at(fine.t[::-1])
     assert np.array_equal(between.q[::-1], fine.q) and np.array_equal(between.w[::-1], fine.w)
+    full = polhode.solve("free_asymmetric", "cvode_adams", tolerance=1e-8, samples=4, full=True)
+    assert np.array_equal(full.at(full.t).q, full.q)
     assert coarse.at(1.5).q.shape == (4,) and coarse.at([[1.0, 2.0]]).p.shape == (1, 2, 3)
     with pytest.raises(polhode.InputError, match="fixed step"):
         polhode.solve("lagrange_top", "odeint_rk4", step=0.01).at(1.5)

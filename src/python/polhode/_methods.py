@@ -14,6 +14,7 @@ import numpy as np
 from polhode import _polhode
 from polhode._html import table_html
 from polhode._scenes import Scene
+from polhode._solving import rows_of
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -204,11 +205,8 @@ def solver(
                  seconds: float) -> tuple[Any, int, int]:
             posed = Scene(json.loads(text), "the scene", directory)
             found: Mapping[str, Any] = solve(posed, np.array(times), step, tolerance)
-            blocks = [np.asarray(found["q"], dtype=np.float64).reshape(-1, 4)]
-            for block in ("w", "p", "v"):
-                blocks.append(np.asarray(found[block], dtype=np.float64).reshape(-1, 3) if block in found
-                              else np.zeros((len(blocks[0]), 3)))
-            return np.hstack(blocks), int(found.get("steps", 0)), int(found.get("rhs_evaluations", 0))
+            numbers = rows_of(found["q"], *(found.get(block) for block in ("w", "p", "v")))
+            return numbers, int(found.get("steps", 0)), int(found.get("rhs_evaluations", 0))
 
         _add(solve, name, order, control, source, conserves, step=None, solve=rows)
         return solve

@@ -67,8 +67,10 @@ class Trajectory:
         Wall clock of the integration alone.
     """
 
-    def __init__(self, native: _polhode.SolvedScene, scene: Scene, limits: dict[str, Any] | None = None) -> None:
+    def __init__(self, native: _polhode.SolvedScene, scene: Scene, limits: dict[str, Any] | None = None,
+                 full: bool = False) -> None:
         self._native = native
+        self._full = full
         self._limits = limits or {}
         self.scene = scene
         self.method: str = native.method
@@ -150,7 +152,7 @@ class Trajectory:
             )
         ordered, places = np.unique(asked.ravel(), return_inverse=True)
         settings = _polhode.Settings(tolerance=self._native.tolerance, times=ordered, **self._limits)
-        found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, False, False), self.scene)
+        found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, self._full, False), self.scene)
         if len(found.t) != len(ordered):
             raise _polhode.InputError(f"no motion at these times: {found.message}")
         shape = asked.shape
@@ -292,7 +294,18 @@ def solve(
     name = method if isinstance(method, str) else getattr(method, "__polhode_method__", str(method))
     native = _polhode.solve(posed._compiled(), name, settings, full, reactions)
     limits = {"max_steps": max_steps, "max_evaluations": max_evaluations, "max_seconds": max_seconds}
-    return Trajectory(native, posed, limits)
+    return Trajectory(native, posed, limits, full)
+
+
+def rows_of(q: npt.ArrayLike, *others: npt.ArrayLike | None) -> Array:
+    """Rows of 13 numbers from q and from w, p, v, which are zero where they are not given."""
+    blocks = [np.asarray(q, dtype=np.float64).reshape(-1, 4)]
+    for block in others:
+        blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else
+                      np.asarray(block, dtype=np.float64).reshape(-1, 3))
+    if len({len(block) for block in blocks}) > 1:
+        raise _polhode.InputError("q, w, p and v are of different lengths; give a row of each for each time and body")
+    return np.hstack(blocks)
 
 
 def trajectory(
@@ -326,13 +339,7 @@ def trajectory(
     """
     posed = make_scene(scene)
     times = np.ascontiguousarray(t, dtype=np.float64)
-    blocks = [np.asarray(q, dtype=np.float64).reshape(-1, 4)]
-    for block in (w, p, v):
-        blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else
-                      np.asarray(block, dtype=np.float64).reshape(-1, 3))
-    if len({len(block) for block in blocks}) > 1:
-        raise _polhode.InputError("q, w, p and v are of different lengths; give a row of each for each time and body")
-    return Trajectory(_polhode.trajectory_of(posed._compiled(), made_by, times, np.hstack(blocks)), posed)
+    return Trajectory(_polhode.trajectory_of(posed._compiled(), made_by, times, rows_of(q, w, p, v)), posed)
 
 
 class OdeResult:

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 const double infinity = std::numeric_limits<double>::infinity();
 
 Curve curve(const std::string& label, int color) {
-    return {label, color, 0, true, false, {1e-3, 1e-2, 1e-1}, {1e-2, 1e-5, 1e-8}};
+    return {.label = label, .color = color, .x = {1e-3, 1e-2, 1e-1}, .y = {1e-2, 1e-5, 1e-8}};
 }
 
 Figure small_figure() {
@@ -95,10 +95,11 @@ class Draw : public ::testing::Test {
 TEST(GnuplotScript, HasNoNumberThatIsNotFinite) {
     Figure figure = small_figure();
     figure.panels[0].curves[0].y = {std::nan(""), -infinity, infinity};
-    figure.panels[1].curves[0] = {"bad", 2, 0, true, true, {0, -1, 1e-3, 5e-324}, {1, 1, 1e-3, 1}};
+    figure.panels[1].curves[0] = {
+        .label = "bad", .color = 2, .cut = true, .x = {0, -1, 1e-3, 5e-324}, .y = {1, 1, 1e-3, 1}};
     figure.panels[2].curves.clear();
     figure.panels[2].log_y = false;
-    figure.panels[2].curves = {{"huge", 1, 0, true, false, {1, 2}, {-1.7e308, 1.7e308}}};
+    figure.panels[2].curves = {{.label = "huge", .x = {1, 2}, .y = {-1.7e308, 1.7e308}}};
     for (const char* terminal : {"svg", "pdf"}) {
         const std::string script = gnuplot_script(figure, terminal, "out");
         EXPECT_FALSE(std::regex_search(script, std::regex("[^a-z](nan|inf)[^a-z]", std::regex::icase))) << script;
@@ -268,38 +269,6 @@ TEST(GnuplotScript, KeepsToTheLimitsOfAPanel) {
     EXPECT_EQ(count(script, "$curve1 using 1:2 every 1::0::2 with points"), 1u);
     EXPECT_EQ(count(script, "$legend0"), 2u);  // of the curve with a line alone
     EXPECT_EQ(count(script, "$legend1"), 0u);
-}
-
-// CIE 1976 L*
-double lightness(const std::string& color) {
-    const auto linear = [&](std::size_t at) {
-        const double c = std::stoi(color.substr(at, 2), nullptr, 16) / 255.0;
-        return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-    };
-    return 116 * std::cbrt(0.2126 * linear(1) + 0.7152 * linear(3) + 0.0722 * linear(5)) - 16;
-}
-
-TEST(CurveStyle, ShadesDarkenByASteadyStep) {
-    for (int i = 1; i < shade_count; ++i)
-        EXPECT_GT(lightness(color_of_shade(i - 1)) - lightness(color_of_shade(i)), 8) << i;
-    EXPECT_EQ(color_of_shade(-1), color_of_shade(0));
-    EXPECT_EQ(color_of_shade(shade_count), color_of_shade(shade_count - 1));
-}
-
-TEST(CurveStyle, TellsFortyEightCurvesApart) {
-    std::set<std::pair<std::string, int>> styles;
-    std::set<std::string> colors;
-    for (int i = 0; i < 48; ++i) {
-        Curve c;
-        c.color = i;
-        styles.insert({color_of(c), marker_of(c)});
-        if (i < 8) colors.insert(color_of(c));
-    }
-    EXPECT_EQ(styles.size(), 48u);
-    EXPECT_EQ(colors.size(), 8u);
-    Curve negative;
-    negative.color = -1;
-    EXPECT_FALSE(color_of(negative).empty());
 }
 
 TEST(FigureLayout, KeepsEverythingApart) {

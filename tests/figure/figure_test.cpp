@@ -339,7 +339,7 @@ TEST_F(Draw, ShowsTextLiterally) {
 TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
     const Panel empty{"empty", "x (s)", "y (1)", true, true, {}};
     Panel zero = empty;
-    zero.curves = {{"exact", 0, 0, true, true, {1, 2}, {0, 0}}};
+    zero.curves = {{.label = "exact", .cut = true, .x = {1, 2}, .y = {0, 0}}};
     for (const Figure& figure : {Figure{"none", 1, {}, ""}, Figure{"", 2, {empty, zero}, ""}}) {
         ASSERT_EQ(draw(figure, path("a")), "");
         EXPECT_EQ(count(shown_text(content(path("a.svg"))), "no point to draw"), figure.panels.size());
@@ -348,12 +348,18 @@ TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
 
 TEST_F(Draw, DrawsExtremeData) {
     Figure figure = small_figure();
-    figure.panels[0].curves[0] = {"one point", 0, 0, true, true, {1}, {1}};
-    figure.panels[0].curves[1] = {"range", 1, 3, false, true, {1e-300, 1e300}, {1e300, 1e-300}};
+    figure.panels[0].curves[0] = {.label = "one point", .cut = true, .x = {1}, .y = {1}};
+    figure.panels[0].curves[1] = {.label = "range",
+                                  .color = 1,
+                                  .dash = 3,
+                                  .points = false,
+                                  .cut = true,
+                                  .x = {1e-300, 1e300},
+                                  .y = {1e300, 1e-300}};
     figure.panels[1].log_x = figure.panels[1].log_y = false;
-    figure.panels[1].curves = {{"linear", 2, 1, true, true, {-1e300, 1e300}, {1e300, -1e300}}};
+    figure.panels[1].curves = {{.label = "linear", .dash = 1, .cut = true, .x = {-1e300, 1e300}, .y = {1e300, -1e300}}};
     figure.panels[2].log_x = false;
-    figure.panels[2].curves = {{"still", 2, 1, true, true, {1, 1, 1}, {2, 2, 2}}};
+    figure.panels[2].curves = {{.label = "still", .dash = 1, .cut = true, .x = {1, 1, 1}, .y = {2, 2, 2}}};
     EXPECT_EQ(draw(figure, path("a")), "");
 }
 

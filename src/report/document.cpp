@@ -10,24 +10,12 @@
 #include <map>
 #include <set>
 
-#include "experiment/run/versions.h"
+#include "experiment/plan/method_style.h"
 #include "figure/curve_style.h"
 #include "integrators/method.h"
 #include "report/findings.h"
 #include "text/decimal.h"
 #include "text/message.h"
-#if __has_include("experiment/plan/method_style.h")
-#include "experiment/plan/method_style.h"
-#else
-namespace polhode {
-struct MethodStyle {
-    int color = 0, mark = 0;
-};
-inline MethodStyle method_style(const Method& m) { return {static_cast<int>(m.family), 0}; }
-inline std::string color_of(int) { return "#0072b2"; }
-inline std::string dark_color_of(int) { return "#56b4e9"; }
-}  // namespace polhode
-#endif
 
 namespace polhode {
 namespace {
@@ -439,20 +427,36 @@ class DocumentWriter {
         return json;
     }
 
+    // Who is kept where not all motions can be: first what people copy, then by the rest of the list.
+    static int rank(const std::string& name) {
+        const Method* const method = find_method(name);
+        if (!method) return 3;
+        if (method->precision != Precision::binary64) return 2;
+        return method->family == Family::published_update || method->family == Family::engine_update ? 0 : 1;
+    }
+
     Json motions_json() {
         Json list = content_.motions.list;
         std::size_t tracks = 0, dropped = 0;
-        for (Json& motion : list)
-            for (Json& method : motion["methods"]) {
-                if (method["track"].is_null() || method["method"] == -1) continue;
-                if (++tracks <= detail_.tracks) continue;
-                method["track"] = nullptr, ++dropped;
+        for (const Json& motion : list)
+            for (const Json& method : motion["methods"]) tracks += method["track"].is_null() ? 0 : 1;
+        if (tracks <= detail_.tracks) return list;
+        // to each scene its share
+        const std::size_t share = detail_.tracks / std::max<std::size_t>(1, list.size());
+        for (Json& motion : list) {
+            std::vector<Json*> own;
+            for (Json& method : motion["methods"])
+                if (!method["track"].is_null() && method["method"] != -1) own.push_back(&method);
+            std::ranges::stable_sort(own, {}, [](const Json* m) { return rank((*m)["label"].get<std::string>()); });
+            for (std::size_t i = share; i < own.size(); ++i, ++dropped) {
+                Json& method = *own[i];
+                method["track"] = nullptr;
                 const std::string before = method["message"].get<std::string>();
                 method["message"] = before + (before.empty() ? "" : "; ") + "its motion is left out of this page";
             }
-        if (dropped > 0)
-            remarks_.push_back(
-                fmt::format("Of {} methods' motions {} are left out to keep the page small.", tracks, dropped));
+        }
+        remarks_.push_back(fmt::format(
+            "Of {} methods' motions {} are left out to keep the page small; their errors are here.", tracks, dropped));
         return list;
     }
 

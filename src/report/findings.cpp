@@ -51,7 +51,7 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 
 std::optional<Finding> fastest_finding(const ResultFolder& folder) {
     const auto by_scene = rows_by_scene(folder);
-    // at the accuracy that most can be told at, the finest of equals
+    // at the finest accuracy that half of the scenes can be told at
     std::optional<Finding> finding;
     std::size_t most = 0;
     for (const double error : {1e-9, 1e-6, 1e-3}) {
@@ -80,21 +80,21 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
             factors.push_back(*other / first.seconds);
             if (factors.back() > largest_factor) largest_factor = factors.back(), peers_scene = s;
         }
-        if (scenes <= most) continue;
+        if (scenes <= 2 * most) continue;
         most = scenes;
         const auto winner = std::ranges::max_element(wins, {}, [](const auto& w) { return w.second; });
         const std::string& scene = folder.scenes.names()[example[winner->first]];
         Finding one;
         one.title = fmt::format("{} is the fastest to {:g} rad on {} of {} scenes", shown(winner->first), error,
                                 winner->second, scenes);
-        std::vector<std::string> others;
+        std::vector<std::pair<int, std::string>> ranked;
         for (const auto& [name, count] : wins)
-            if (name != winner->first) others.push_back(fmt::format("{} on {}", shown(name), count));
-        if (!others.empty()) {
-            std::ranges::sort(others);
-            if (others.size() > 4) others.resize(4), others.emplace_back("..");
-            one.text = fmt::format("Elsewhere: {}. ", listed(others));
-        }
+            if (name != winner->first) ranked.emplace_back(-count, name);
+        std::ranges::sort(ranked);
+        std::vector<std::string> others;
+        for (const auto& [count, name] : ranked) others.push_back(fmt::format("{} on {}", shown(name), -count));
+        if (others.size() > 4) others.resize(4), others.emplace_back("..");
+        if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", listed(others));
         if (!factors.empty())
             one.text += fmt::format(
                 "The best of another library takes {:.3g} times as long in the median of {}, at most {:.3g} times "
@@ -113,13 +113,17 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
     std::set<std::string> methods;
     std::size_t runs = 0;
     const FolderRow* worst = nullptr;
+    double plainest = -1;
     for (const FolderRow& row : folder.rows) {
         if (!(row.attitude > 1 && row.energy < 1e-2) || row.status == Status::unsupported) continue;
         ++runs;
         methods.insert(method_name(folder, row));
-        // the plainest: the least wrong in energy beside a momentum that is off
-        const auto plain = [](const FolderRow& r) { return r.momentum > 0.1 ? r.energy : r.energy + 1; };
-        if (!worst || plain(row) < plain(*worst)) worst = &row;
+        // the plainest: an update as people copy it, and a momentum that is off by as much as can be
+        const Method* const method = find_method(method_name(folder, row));
+        const double plain =
+            std::min(2.0, std::isfinite(row.momentum) ? row.momentum : 0) +
+            (method && method->family == Family::published_update && method->precision == Precision::binary64 ? 3 : 0);
+        if (plain > plainest) plainest = plain, worst = &row;
     }
     if (!worst) return std::nullopt;
     return Finding{

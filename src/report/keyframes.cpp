@@ -8,8 +8,8 @@
 namespace polhode {
 namespace {
 
-// 16 bits and a sign
-constexpr double grid_steps = 32767;
+// 12 bits and a sign: half a milliradian, which no picture shows
+constexpr double grid_steps = 4095;
 
 struct Grid {
     double w = 0, p = 0, v = 0;  // one step of each; 0: all zero
@@ -21,8 +21,8 @@ struct Grid {
     }
     Sample rounded(const Sample& s) const {
         Sample r = s;
-        r.q = {rounded(s.q.w, 1 / grid_steps), rounded(s.q.x, 1 / grid_steps), rounded(s.q.y, 1 / grid_steps),
-               rounded(s.q.z, 1 / grid_steps)};
+        r.q = normalized(Quaternion<double>{rounded(s.q.w, 1 / grid_steps), rounded(s.q.x, 1 / grid_steps),
+                                            rounded(s.q.y, 1 / grid_steps), rounded(s.q.z, 1 / grid_steps)});
         r.angular_velocity_B = rounded(s.angular_velocity_B, w);
         r.position_W = start + rounded(s.position_W - start, p);
         r.velocity_W = rounded(s.velocity_W, v);
@@ -52,15 +52,6 @@ double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
     return 2 * std::atan2(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), std::abs(d.w));
 }
 
-bool is_drawable(const Sample& s) {
-    const double q = squared_norm(s.q);
-    if (!(std::isfinite(q) && q > 1e-30 && q < 1e30)) return false;
-    for (int i = 0; i < 3; ++i)
-        for (const double value : {s.angular_velocity_B[i], s.position_W[i], s.velocity_W[i]})
-            if (!(std::abs(value) < 1e9)) return false;
-    return true;
-}
-
 // p and v at both ends, h apart
 double hermite(double p0, double v0, double p1, double v1, double h, double s) {
     const double r = s - 1;
@@ -74,6 +65,15 @@ Quaternion<double> rate(const Sample& s) {
 }
 
 }  // namespace
+
+bool is_drawable(const Sample& s) {
+    const double q = squared_norm(s.q);
+    if (!(std::isfinite(q) && q > 1e-30 && q < 1e30)) return false;
+    for (int i = 0; i < 3; ++i)
+        for (const double value : {s.angular_velocity_B[i], s.position_W[i], s.velocity_W[i]})
+            if (!(std::abs(value) < 1e15)) return false;
+    return true;
+}
 
 Quaternion<double> attitude_between(const Sample& from, const Sample& to, double part) {
     const double h = to.t - from.t;

@@ -22,6 +22,9 @@ struct SampledMotion {
     }
 };
 
+/// Whether all its numbers are finite and not too large to draw.
+bool is_drawable(const Sample& sample);
+
 /// A trajectory as such a motion, up to its first number that is not finite or too large to draw.
 SampledMotion sampled_motion(const Trajectory& trajectory);
 

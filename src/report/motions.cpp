@@ -27,24 +27,29 @@ namespace {
 constexpr double most_revolutions = 25;
 // attitudes a radian of turning: the fastest body turns by so much between two samples
 constexpr double turn_per_sample = 0.1;
-constexpr long least_samples = 200, most_samples = 2000, most_error_points = 120;
-// what a picture of a few hundred pixels does not show
-constexpr double visible_angle = 2e-3;
-constexpr double truth_limit = 10, run_limit = 1;  // s
+constexpr long least_samples = 200, most_samples = 2000;
+// of a truth that costs anew at each time
+constexpr long dear_samples = 400;
+constexpr std::size_t judged_samples = 400, error_points = 100, fewer_error_points = 30;
+// what a picture of a few hundred pixels does not show: a degree is a pixel or two
+constexpr double visible_angle = 1e-2;
+constexpr double truth_limit = 10, run_limit = 0.5;  // s
+constexpr long run_steps = 200'000;
+// Of a method's settings that one is drawn which people take: a tolerance near this, a step near so much turning (rad).
+constexpr double drawn_tolerance = 1e-6, turn_per_step = 0.1;
 
 // A method's run that a row of the folder is of.
 struct DrawnRun {
     int method = 0;
     SettingKind kind = SettingKind::none;
     double setting = absent;
-    bool ended_well = false;
 };
 
-// The coarsest setting that ended well; where none did, the coarsest.
-bool goes_before(const DrawnRun& a, const DrawnRun& b) {
-    if (a.ended_well != b.ended_well) return a.ended_well;
-    if (a.kind != b.kind) return a.kind == SettingKind::tolerance;
-    return a.setting > b.setting;
+// Whether the first is drawn rather than the second; `step` (s) is the one that people would take.
+bool goes_before(const DrawnRun& a, const DrawnRun& b, double step) {
+    if (a.kind != b.kind) return a.kind == SettingKind::step;
+    const double wanted = a.kind == SettingKind::step ? step : drawn_tolerance;
+    return std::abs(std::log(a.setting / wanted)) < std::abs(std::log(b.setting / wanted));
 }
 
 // The truth at any times.
@@ -54,17 +59,36 @@ class TruthOf {
         if (!is_mechanism(scene)) dense_ = dense_reference(scene, scene.duration);
     }
 
+    // at times that nobody has asked for before it costs little
+    bool is_dense() const { return dense_.available; }
+
     Reference at(const std::vector<double>& times) {
-        if (!dense_.available) return reference(scene_, times, 17, truth_limit);
+        if (!dense_.available) {
+            if (times != times_) times_ = times, known_ = reference(scene_, times, 17, truth_limit);
+            return known_;
+        }
         Reference truth;
         truth.available = true, truth.message = dense_.message, truth.bound = dense_.bound;
         for (const double t : times) truth.samples.push_back(dense_.at(t));
         return truth;
     }
 
+    // its first samples, where those alone are asked for
+    Reference begin_of(const std::vector<double>& times) {
+        if (dense_.available || times.size() > times_.size() || !std::equal(times.begin(), times.end(), times_.begin()))
+            return at(times);
+        Reference truth = known_;
+        const std::size_t bodies = static_cast<std::size_t>(truth.bodies);
+        truth.samples.resize(std::min(truth.samples.size(), times.size() * bodies));
+        if (!truth.system.empty()) truth.system.resize(times.size());
+        return truth;
+    }
+
   private:
     const Scene& scene_;
     DenseTruth dense_;
+    std::vector<double> times_;
+    Reference known_;
 };
 
 Trajectory rounded(const Reference& truth) {
@@ -136,8 +160,9 @@ class MotionWriter {
         window(problem);
         TruthOf truth(scene_);
         const double rate = problem.scales.angular_velocity;
+        dense_ = truth.is_dense();
         samples_ = std::clamp(static_cast<long>(std::ceil(scene_.duration * rate / turn_per_sample)), least_samples,
-                              most_samples) /
+                              dense_ ? most_samples : dear_samples) /
                    2 * 2;
         const Reference reference = truth.at(sample_times(scene_.duration, samples_));
         if (!reference.available) {
@@ -145,6 +170,10 @@ class MotionWriter {
             return nullptr;
         }
         const SampledMotion motion = sampled_motion(rounded(reference));
+        if (motion.t.size() < 2) {
+            fault_ = "its numbers are too large to draw";
+            return nullptr;
+        }
         double size = 0;
         if (is_mechanism(scene_))
             for (const NamedBody& body : scene_.bodies) size = std::max(size, size_of(body.body));
@@ -210,14 +239,14 @@ class MotionWriter {
     // The samples of a run: of fixed steps at the steps themselves, so that the step is the one asked for.
     Settings settings_of(const DrawnRun& run, bool dense) const {
         Settings settings;
-        settings.seconds_limit = run_limit;
-        settings.samples = dense ? samples_ : std::min(samples_, 100L);
+        settings.seconds_limit = run_limit, settings.max_steps = run_steps;
+        settings.samples = dense || !dense_ ? samples_ : std::min(samples_, 100L);
         if (run.kind == SettingKind::tolerance) settings.tolerance = run.setting;
         if (run.kind == SettingKind::step) {
             const double steps = std::ceil(scene_.duration / run.setting * (1 - 1e-9));
             const double between = std::ceil(steps / static_cast<double>(most_samples));
-            settings.samples = std::max(1L, static_cast<long>(std::ceil(steps / between)));
-            settings.step = scene_.duration / static_cast<double>(settings.samples) / between;
+            if (dense_) settings.samples = std::max(1L, static_cast<long>(std::ceil(steps / between)));
+            settings.step = dense_ ? scene_.duration / static_cast<double>(settings.samples) / between : run.setting;
         }
         return settings;
     }
@@ -244,7 +273,7 @@ class MotionWriter {
                                             : trajectory.message;
             const bool is_visible = add(json, trajectory, message, truth);
             // a run by tolerance is drawn from more samples than it is judged by
-            if (!is_visible || run.kind == SettingKind::step || dense) break;
+            if (!is_visible || run.kind == SettingKind::step || dense || !dense_) break;
         }
         return json;
     }
@@ -268,20 +297,30 @@ class MotionWriter {
         json["track"] = json["difference"] = nullptr;
         json["t"] = json["attitude"] = Json::array();
         if (trajectory.moments() == 0) return false;
+        // differences from the truth are formed in 128 bits: at some hundred times
+        const std::size_t bodies = static_cast<std::size_t>(trajectory.bodies);
+        Trajectory judged = trajectory;
+        judged.samples.clear(), judged.orthogonality_defect.clear(), judged.reactions.clear();
         std::vector<double> times;
-        for (std::size_t k = 0; k < trajectory.moments(); ++k) times.push_back(trajectory.at(k).front().t);
-        if (times.back() == 0) return false;
-        const Reference reference = truth.at(times);
+        for (const std::size_t k : spread(trajectory.moments(), dense_ ? judged_samples : trajectory.moments())) {
+            const auto first = trajectory.samples.begin() + static_cast<std::ptrdiff_t>(k * bodies);
+            if (!std::all_of(first, first + static_cast<std::ptrdiff_t>(bodies), is_drawable)) break;
+            times.push_back(first->t);
+            judged.samples.insert(judged.samples.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
+        }
+        if (times.empty() || times.back() == 0) return false;
+        const Reference reference = truth.begin_of(times);
         if (!reference.available) return false;
-        const std::vector<double> errors = error_series(scene_, trajectory, reference)["attitude"];
+        const std::vector<double> errors = error_series(scene_, judged, reference)["attitude"];
         const double largest = std::ranges::max(errors, {}, [](double e) { return std::isfinite(e) ? e : -1; });
         json["difference"] = number_json(largest, 3);
-        for (const std::size_t k : spread(errors.size(), static_cast<std::size_t>(most_error_points))) {
+        const bool as_truth =
+            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(judged, reference);
+        for (const std::size_t k : spread(errors.size(), as_truth ? fewer_error_points : error_points)) {
             json["t"].push_back(number_json(times[k], 5));
             json["attitude"].push_back(number_json(errors[k], 3));
         }
-        if (trajectory.status == Status::ok && largest <= visible_angle && moves_alike(trajectory, reference))
-            return false;
+        if (as_truth) return false;
         const SampledMotion motion = sampled_motion(trajectory);
         if (motion.t.size() < 2) return false;
         const Keyframes keyframes = thinned(motion, tolerance_, false);
@@ -303,6 +342,7 @@ class MotionWriter {
     Scene scene_;
     std::string& fault_;
     long samples_ = least_samples;
+    bool dense_ = false;
     Tolerance tolerance_, worst_;
 };
 
@@ -315,6 +355,7 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
         const Scene* scene = nullptr;
         std::vector<int> places;
         std::map<int, DrawnRun> runs;
+        double step = 0;  // s, that people would take
         std::string fault;
         Json json;
     };
@@ -329,14 +370,18 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
     std::map<int, Task*> of_place;
     for (auto& [key, task] : tasks)
         for (const int place : task.places) of_place[place] = &task;
+    for (auto& [key, task] : tasks) {
+        const double rate = pose(*task.scene).scales.angular_velocity;
+        task.step = rate > 0 ? turn_per_step / rate : task.scene->duration / 1000;
+    }
     for (const FolderRow& row : folder.rows) {
         const auto found = of_place.find(row.scene);
         if (found == of_place.end() || row.status == Status::unsupported) continue;
         const double setting = row.kind == SettingKind::none ? absent : row.setting;
         if (row.kind != SettingKind::none && !(setting > 0)) continue;
-        const DrawnRun run{row.method, row.kind, setting, row.status == Status::ok};
+        const DrawnRun run{row.method, row.kind, setting};
         const auto [at, is_new] = found->second->runs.try_emplace(row.method, run);
-        if (!is_new && goes_before(run, at->second)) at->second = run;
+        if (!is_new && goes_before(run, at->second, found->second->step)) at->second = run;
     }
     std::vector<Task*> order;
     for (auto& [key, task] : tasks) order.push_back(&task);
@@ -354,6 +399,8 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
         } catch (const InputError& fault) {
             task.fault = fault.what();
         }
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count(), runs.size(),
+                task.scene->name.c_str(), task.json.dump().size());
     });
 
     Motions motions;

@@ -200,9 +200,17 @@ export class CurvePlot {
         text.push("");
         method.push(null);
       }
+      const look = { line: { color: theme.grey, width: 1 }, marker: { size: 4, color: theme.grey }, hoverinfo: "text", showlegend: false };
+      // lines do for most; marks are slow to draw, and only a lone point needs one
+      const lone = grey.filter((curve) => curve.x.length === 1);
+      if (lone.length > 0) {
+        traces.push({
+          type: "scatter", mode: "markers", x: lone.map((curve) => curve.x[0] ?? null), y: lone.map((curve) => curve.y[0] ?? null), ...look,
+          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to light`), customdata: lone.map((curve) => curve.method) as never,
+        } as Trace);
+      }
       traces.push({
-        type: "scatter", mode: "lines+markers", x, y, text, customdata: method as never, hoverinfo: "text", showlegend: false, connectgaps: false,
-        line: { color: theme.grey, width: 1 }, marker: { size: 3, color: theme.grey },
+        type: "scatter", mode: "lines", x, y, text, customdata: method as never, ...look, connectgaps: false,
       } as Trace);
     }
     picture.guides.forEach((guide) =>

@@ -124,6 +124,15 @@ export class Plot {
     this.redraw();
   }
 
+  setHeight(height: number): void {
+    this.host.style.height = `${height}px`;
+  }
+
+  /** Whether there is little room for labels. */
+  narrow(): boolean {
+    return this.host.clientWidth > 0 && this.host.clientWidth < 560;
+  }
+
   /** After all drawing that was asked for so far. */
   settled(): Promise<void> {
     return this.busy;

@@ -236,7 +236,7 @@ export class TableView {
         line.append(
           element(
             "td",
-            { class: column.numeric || typeof cell === "number" ? "number" : null, title: own === null && whole !== short ? whole.slice(0, 2000) : null },
+            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
             own ?? short,
           ),
         );
@@ -266,8 +266,8 @@ export class TableView {
       }, text);
     fill(
       this.pager,
-      button("⏮", 0, "first page"), button("◀", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
-      button("▶", here + 1, "next page"), button("⏭", pages - 1, "last page"),
+      button("First", 0, "first page"), button("Back", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
+      button("Next", here + 1, "next page"), button("Last", pages - 1, "last page"),
     );
   }
 

@@ -146,7 +146,7 @@ export class CurvePlot {
             onclick: () => this.toggle(method),
           },
           methodSwatch(this.tools, method, isLit),
-          named(methodName(this.tools, method), 30),
+          named(methodName(this.tools, method), 34),
           detail === null ? null : element("span", { class: detail.flag === "" ? "detail" : "detail flagged", title: detail.flag === "" ? null : detail.flag }, detail.text),
         ),
       );
@@ -269,7 +269,7 @@ export class CurvePlot {
 
   /** Runs that failed: where they have both coordinates there, else at the edge. */
   private failures(traces: Trace[], curve: Curve, nth: number, rank: number, color: string): void {
-    const lane = 0.985 - 0.02 * (rank % 6);
+    const lane = 0.985 - 0.016 * (rank % 6);
     const kinds: [boolean, boolean][] = [[true, true], [true, false], [false, true], [false, false]];
     for (const [hasX, hasY] of kinds) {
       const some = curve.failures.filter((one) => (one.x !== null) === hasX && (one.y !== null) === hasY);

@@ -17,7 +17,7 @@ export interface Dot {
   method: number; // -1: none
 }
 
-const mostDots = 60;
+const mostDots = 90;
 
 /** Rows of dots, the first at the top; `one` draws the line at 1. */
 export class DotPlot {
@@ -43,7 +43,7 @@ export class DotPlot {
     const values = shown.map((dot) => dot.value);
     const logarithmic = log ?? (values.every((value) => value > 0) && Math.max(...values) > 20 * Math.min(...values));
     const drawn = logarithmic ? shown.filter((dot) => dot.value > 0) : shown;
-    this.plot.setHeight(80 + 19 * drawn.length);
+    this.plot.setHeight(80 + (drawn.length > 40 ? 15 : 19) * drawn.length);
     this.plot.draw((theme) => {
       const color = (dot: Dot): string => (dot.method < 0 ? (theme.dark ? "#7cc0ff" : "#00518a") : methodColor(this.tools.data, this.tools.data.methods[dot.method], theme.dark));
       const ends = drawn.map((dot) => ({ high: dot.high === null ? 0 : dot.high - dot.value, low: dot.low === null ? 0 : dot.value - dot.low }));
@@ -56,7 +56,7 @@ export class DotPlot {
       } as unknown as Trace;
       const length = this.plot.narrow() ? 20 : 44;
       const layout: Layout = {
-        xaxis: axis(theme, plotText(title), logarithmic, { side: "bottom" }),
+        xaxis: axis(theme, plotText(title), logarithmic, one ? { autorangeoptions: { include: [0.9] } } : {}),
         yaxis: {
           ...axis(theme, "", false), range: [drawn.length - 0.5, -0.5], tickmode: "array", tickvals: drawn.map((_, i) => i), ticktext: drawn.map((dot) => plotText(dot.label, length)),
           tickfont: { size: 11 }, ticks: "", fixedrange: true,

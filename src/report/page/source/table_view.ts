@@ -236,7 +236,7 @@ export class TableView {
         line.append(
           element(
             "td",
-            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
+            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 && text.includes(" ") ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
             own ?? short,
           ),
         );

@@ -2,7 +2,7 @@ import { CurvePlot, type Curve } from "../curve_plot.ts";
 import { Choice, element, fill } from "../dom.ts";
 import { quantity, significant } from "../format.ts";
 import { TableView } from "../table_view.ts";
-import { chosenScene, methodLabel, methodName, otherScenes, sceneName, type Section, type Tools } from "../tools.ts";
+import { chosenScene, methodLabel, methodName, otherScenes, sceneName, standIn, standInNote, type Section, type Tools } from "../tools.ts";
 import { curvesOf, hoverOf, measures, positive } from "./work_precision.ts";
 import type { Order, ReportData } from "../data.ts";
 import { settingKinds, type Row } from "../rows.ts";
@@ -11,8 +11,16 @@ import { oneLine, shorten } from "../text.ts";
 /** From here on a fitted order is called off. */
 export const mostOrderDifference = 0.2;
 
-export function isOff(order: Order): boolean {
-  return order.claimed !== null && order.observed !== null && order.claimed > 0 && Math.abs(order.claimed - order.observed) > mostOrderDifference;
+export function isOff(order: Order, atFloor = false): boolean {
+  return !atFloor && order.claimed !== null && order.observed !== null && order.claimed > 0 && Math.abs(order.claimed - order.observed) > mostOrderDifference;
+}
+
+/** Whether all that an order was fitted to is rounding, so that none is to be seen. */
+export function isAtFloor(order: Order, curve: Curve | undefined, floor: number | null): boolean {
+  if (curve === undefined || floor === null || order.from === null || order.to === null) return false;
+  const [low, high] = [Math.min(order.from, order.to) * 0.999, Math.max(order.from, order.to) * 1.001];
+  const errors = curve.y.filter((y, i) => y !== null && (curve.x[i] ?? -1) >= low && (curve.x[i] ?? -1) <= high);
+  return errors.length > 0 && errors.every((y) => (y ?? 0) <= 100 * floor);
 }
 
 function experimentsOf(data: ReportData): Set<number> {
@@ -39,8 +47,7 @@ export function guidesOf(curves: readonly Curve[], slopes: readonly number[], na
   });
 }
 
-function standard(curves: readonly Curve[], orders: readonly Order[], tools: Tools): number[] {
-  const off = orders.filter(isOff).map((order) => order.method);
+function standard(curves: readonly Curve[], off: readonly number[], tools: Tools): number[] {
   const smallest = new Map<number, number>();
   for (const curve of curves) {
     for (const y of curve.y) if (y !== null) smallest.set(curve.method, Math.min(smallest.get(curve.method) ?? Infinity, y));
@@ -73,11 +80,13 @@ export const convergence: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, `Beside each method stand the order it claims and the one fitted here; an exclamation mark where they differ by more than ${mostOrderDifference}. Dotted lines show slopes to read the curves by.`),
+      element("p", { class: "explain" }, `Beside each method stand the order it claims and the one fitted here; an exclamation mark where they differ by more than ${mostOrderDifference}, unless all the errors are rounding. Dotted lines show slopes to read the curves by.`),
       element("div", { class: "choices" }, experimentChoice.root, kindChoice.root, measureChoice.root), message, chart.root, below,
     );
+    const having = [...new Set([...data.orders.map((order) => order.scene), ...data.rows.scene.filter((_, i) => experiments.has(data.rows.experiment[i] ?? -1))])].sort((a, b) => a - b);
     const show = (): void => {
-      const scene = chosenScene(tools);
+      const chosen = chosenScene(tools);
+      const scene = standIn(tools, chosen, having);
       const ofScene = [...tools.index.ofScene(scene)].filter((place) => experiments.has(data.rows.experiment[place] ?? -1));
       const known = [...new Set([...ofScene.map((place) => data.rows.experiment[place] ?? -1), ...data.orders.filter((order) => order.scene === scene).map((order) => order.experiment)])];
       const experiment = known.find((e) => data.experiments[e]?.name === page.get("convergence.experiment")) ?? known[0] ?? -1;
@@ -94,10 +103,11 @@ export const convergence: Section = {
       const curves = curvesOf(tools, places.filter((place) => data.rows.setting_kind[place] === kind), x, y, (row) => hoverOf(tools, row, `${measure.title}: ${quantity(data.rows[measure.key][row.place], measure.unit) || "not known"}`))
         .map((curve) => ({ ...curve, variant: curve.variant.split(", ").slice(1).join(", ") }));
       const ofKind = orders.filter((order) => order.setting_kind === kind);
+      const floor = places.map((place) => data.rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null;
+      const atFloor = (order: Order): boolean => isAtFloor(order, curves.find((curve) => curve.method === order.method), floor);
       const byMethod = new Map(ofKind.map((order) => [order.method, order]));
-      const others = [...new Set([...data.orders.map((order) => order.scene), ...data.rows.scene.filter((_, i) => experiments.has(data.rows.experiment[i] ?? -1))])].filter((s) => s !== scene).sort((a, b) => a - b);
-      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "Convergence results", others));
-      else fill(message);
+      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "Convergence results", having));
+      else fill(message, standInNote(tools, chosen, scene));
       chart.root.hidden = curves.length === 0;
       if (curves.length > 0) {
         const tolerance = kind === 2;
@@ -106,12 +116,12 @@ export const convergence: Section = {
           x: { title: tolerance ? "tolerance" : "step (s)", log: true },
           y: { title: `${measure.title}${measure.unit === "" ? "" : ` (${measure.unit})`}`, log: true },
           bands: [], guides: guidesOf(curves, tolerance ? [1] : [1, 2, 4, 6, 8], (slope) => (tolerance ? "error ∝ tolerance" : `order ${slope}`)),
-          standard: standard(curves, ofKind, tools),
+          standard: standard(curves, ofKind.filter((order) => isOff(order, atFloor(order))).map((order) => order.method), tools),
           detailHead: ofKind.length === 0 ? undefined : "claimed / fitted",
           detail: (method) => {
             const order = byMethod.get(method);
             if (order === undefined) return null;
-            const off = isOff(order);
+            const off = isOff(order, atFloor(order));
             return {
               text: `${order.claimed === null || order.claimed === 0 ? "–" : significant(order.claimed)} / ${order.observed === null ? "–" : order.observed.toFixed(2)}${off ? " !" : ""}`,
               flag: off ? `claims ${significant(order.claimed)}, shows ${significant(order.observed)}` : "",

@@ -2,7 +2,7 @@ import { CurvePlot, type Curve } from "../curve_plot.ts";
 import { Choice, element, fill } from "../dom.ts";
 import { duration, quantity, significant } from "../format.ts";
 import { TableView } from "../table_view.ts";
-import { chosenScene, methodLabel, methodName, otherScenes, sceneName, type Section, type Tools } from "../tools.ts";
+import { chosenScene, methodLabel, methodName, otherScenes, sceneName, standIn, standInNote, type Section, type Tools } from "../tools.ts";
 import type { Drift } from "../data.ts";
 import { oneLine, shorten, type Cell } from "../text.ts";
 import { measures as all, positive } from "./work_precision.ts";
@@ -64,8 +64,10 @@ export const drift: Section = {
       element("p", { class: "explain" }, "How errors grow. Beside each method stands the exponent p of error ~ t^p with its standard deviation, where such a law holds: 1 is a steady drift, 2 one that feeds on itself, 0 none."),
       element("div", { class: "choices" }, experimentChoice.root, measureChoice.root, scaleChoice.root), message, chart.root, below,
     );
+    const having = [...new Set(data.drift.map((run) => run.scene))].sort((a, b) => a - b);
     const show = (): void => {
-      const scene = chosenScene(tools);
+      const chosen = chosenScene(tools);
+      const scene = standIn(tools, chosen, having);
       const ofScene = data.drift.filter((run) => run.scene === scene);
       const known = [...new Set(ofScene.map((run) => run.experiment))];
       const experiment = known.find((e) => data.experiments[e]?.name === page.get("drift.experiment")) ?? known[0] ?? -1;
@@ -76,10 +78,12 @@ export const drift: Section = {
       measureChoice.update(measures.map((one) => [one.key, one.title]), measure.key);
       scaleChoice.update([["", "logarithmic"], ["linear", "linear"]], log ? "" : "linear");
       const curves = curvesOf(runs, measure, log, tools);
-      if (runs.length === 0) fill(message, otherScenes(tools, "Errors over time", [...new Set(data.drift.map((run) => run.scene))].sort((a, b) => a - b)));
+      if (runs.length === 0) fill(message, otherScenes(tools, "Errors over time", having));
       else if (curves.length === 0) fill(message, element("p", { class: "note" }, "No run of this scene has this error."));
-      else if (runs.some((run) => run.thinned)) fill(message, element("p", { class: "faint" }, "Some runs are drawn with fewer points than the folder has."));
-      else fill(message);
+      else {
+        fill(message, standInNote(tools, chosen, scene),
+          runs.some((run) => run.thinned) ? element("p", { class: "faint" }, "Some runs are drawn with fewer points than the folder has.") : null);
+      }
       chart.root.hidden = curves.length === 0;
       if (curves.length > 0) {
         const growth = new Map<number, string>();

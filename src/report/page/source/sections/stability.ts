@@ -52,8 +52,11 @@ function cells(map: StabilityMap): HTMLCanvasElement {
   return canvas;
 }
 
-/** Places of a few labels along an axis. */
-export function tickPlaces(length: number, most: number): number[] {
+/** Places of a few labels along an axis: at powers of ten where there are some, else evenly. */
+export function tickPlaces(values: readonly number[], most: number): number[] {
+  const { length } = values;
+  const powers = values.flatMap((value, i) => (/^1(\.0)?e/.test(value.toExponential(1)) ? [i] : []));
+  if (powers.length >= 2 && powers.length <= most) return powers;
   if (length <= most) return Array.from({ length }, (_, i) => i);
   return Array.from({ length: most }, (_, k) => Math.round((k * (length - 1)) / (most - 1)));
 }
@@ -61,7 +64,7 @@ export function tickPlaces(length: number, most: number): number[] {
 function ticks(values: readonly number[], most: number, vertical: boolean): HTMLElement {
   return element(
     "div", { class: vertical ? "ticks-y" : "ticks-x", "aria-hidden": "true" },
-    ...tickPlaces(values.length, most).map((i) => {
+    ...tickPlaces(values, most).map((i) => {
       const share = ((i + 0.5) / values.length) * 100;
       return element("span", { style: vertical ? `bottom:${share}%` : `left:${share}%` }, significant(values[i], 2));
     }),
@@ -87,8 +90,8 @@ function svgText(map: StabilityMap, title: string): string {
     }
   }
   root.append(vector("rect", { x: "70", y: "22", width: String(width), height: String(height), fill: "none", stroke: "#000000" }));
-  for (const i of tickPlaces(map.x.length, 5)) text(70 + (i + 0.5) * size, height + 36, significant(map.x[i], 2), { "text-anchor": "middle" });
-  for (const j of tickPlaces(map.y.length, 5)) text(66, 22 + (map.y.length - 0.5 - j) * size + 4, significant(map.y[j], 2), { "text-anchor": "end" });
+  for (const i of tickPlaces(map.x, 5)) text(70 + (i + 0.5) * size, height + 36, significant(map.x[i], 2), { "text-anchor": "middle" });
+  for (const j of tickPlaces(map.y, 5)) text(66, 22 + (map.y.length - 0.5 - j) * size + 4, significant(map.y[j], 2), { "text-anchor": "end" });
   text(70 + width / 2, height + 52, map.x_label, { "text-anchor": "middle" });
   text(14, 22 + height / 2, map.y_label, { "text-anchor": "middle", transform: `rotate(-90 14 ${22 + height / 2})` });
   map.outcomes.forEach((name, o) => {
@@ -114,7 +117,7 @@ export const stability: Section = {
     let table: TableView | null = null;
     host.append(
       element("p", { class: "explain" }, "What came of each pair of step and parameter, from light for the best to dark for the worst. Choose a map to enlarge and read it; the table has the shares."),
-      element("div", { class: "choices" }, mapChoice.root, familyChoice.root), legend, multiples, large, below,
+      element("div", { class: "choices" }, mapChoice.root, familyChoice.root), legend, element("div", { class: "maps" }, multiples, large), below,
     );
 
     const enlarge = (map: StabilityMap): HTMLElement => {

@@ -76,7 +76,7 @@ export class TableView {
       },
     });
     this.state = element("span", { class: "state" });
-    this.scroller = element("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": shorten(oneLine(content.caption), 80) });
+    this.scroller = element("div", { class: "scroller", tabindex: 0, role: "group", "aria-label": shorten(oneLine(content.caption), 80) });
     this.pager = element("p", { class: "pager" });
     this.tools = element("div", { class: "table-tools" });
     this.root = element("div", { class: "table-view" }, this.tools, this.fault, this.scroller, this.pager);
@@ -256,7 +256,7 @@ export class TableView {
     const here = Math.floor(this.at / rowsPerPage);
     const button = (text: string, to: number, label: string): HTMLElement =>
       element("button", {
-        type: "button", "aria-label": label, disabled: to < 0 || to >= pages || to === here,
+        type: "button", title: label, disabled: to < 0 || to >= pages || to === here,
         onclick: () => {
           this.at = to * rowsPerPage;
           this.fillRows();

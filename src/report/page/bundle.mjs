@@ -1,0 +1,66 @@
+// Bundles script and style and puts both into the page:  node bundle.mjs SOURCE NODE_MODULES > OUTPUT
+// The result is one file that asks for nothing, with the licences of what is in it.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const [source, modules] = process.argv.slice(2);
+const esbuild = createRequire(join(modules, "here.js"))("esbuild");
+
+const fail = (text) => {
+  process.stderr.write(`${text}\n`);
+  process.exit(1);
+};
+
+/** What esbuild makes of a file. */
+const bundle = (file) => {
+  try {
+    const result = esbuild.buildSync({
+      entryPoints: [join(source, file)],
+      bundle: true,
+      minify: true,
+      format: "iife",
+      target: "es2022",
+      charset: "utf8",
+      legalComments: "inline",
+      nodePaths: [modules],
+      tsconfigRaw: "{}",
+      write: false,
+      outdir: "/",
+      logLevel: "silent",
+    });
+    return result.outputFiles[0].text.trim();
+  } catch (fault) {
+    const first = fault.errors?.[0];
+    const place = first?.location ? `${first.location.file}:${first.location.line}: ` : `${file}: `;
+    return fail(`${place}${first?.text ?? fault.message}`);
+  }
+};
+
+/** The licence a package comes with, as a comment: who passes the page on passes the package on. */
+const licence = (name) => {
+  const about = JSON.parse(readFileSync(join(modules, name, "package.json"), "utf8"));
+  const text = readFileSync(join(modules, name, "LICENSE"), "utf8").trim().replaceAll("*/", "* /");
+  return `/*!\n${about.name} ${about.version}\n\n${text}\n*/\n`;
+};
+
+const style = bundle("style.css");
+if (/<\/style/i.test(style)) fail("style.css: holds the end of a style element; take it out");
+
+// What would end the script element, or begin a comment in the eyes of the HTML parser, is written in ways that mean the
+// same inside of a JavaScript string.
+const script =
+  ["plotly.js-basic-dist-min", "three"].map(licence).join("").replaceAll(/<(?=[!/])/g, "< ") +
+  bundle("main.ts")
+    .replaceAll(/<\/script/gi, (found) => `<\\/${found.slice(2)}`)
+    .replaceAll("<!--", "\\x3c!--");
+
+let page = readFileSync(join(source, "page.html"), "utf8");
+for (const [place, text] of [["/*polhode:style*/", style], ["/*polhode:script*/", script]]) {
+  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+  page = page.replace(place, () => text);
+}
+for (const place of ["<!--polhode:title-->", "<!--polhode:data-->"]) {
+  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+}
+process.stdout.write(page);

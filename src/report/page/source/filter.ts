@@ -1,0 +1,90 @@
+// The filter of a table: a line of conditions, all of which a row has to meet.
+//
+//   word          some cell holds the word, whatever its case          "two words"     as they stand
+//   -word         no cell holds it
+//   column:word   the cell of that column holds it                     -column:word    does not
+//   column>1e-9   compares a number: < <= > >= = != (= and != texts, too)
+//
+// A column is named as its head says, with _ for a space, or by its beginning where only one begins so.
+
+import type { Cell } from "./text.ts";
+
+export interface Filter {
+  /** "" or what is wrong with the line. */
+  fault: string;
+  matches(row: readonly Cell[]): boolean;
+}
+
+const everything: Filter = { fault: "", matches: () => true };
+
+/** The line's terms; a quotation holds together what is in it. */
+function termsOf(line: string): string[] {
+  return line.match(/(?:"[^"]*"?|[^\s"])+/g) ?? [];
+}
+
+const unquoted = (text: string): string => text.replace(/"/g, "");
+
+/** The column a name means: the same, or the only one that begins so; -1 none, -2 several. */
+function columnOf(name: string, columns: readonly string[]): number {
+  const plain = (text: string): string => text.toLowerCase().replace(/[\s_]+/g, "_");
+  const asked = plain(name);
+  const exact = columns.findIndex((column) => plain(column) === asked);
+  if (exact >= 0) return exact;
+  const begin = columns.flatMap((column, i) => (plain(column).startsWith(asked) ? [i] : []));
+  return begin.length === 1 ? (begin[0] ?? -1) : begin.length === 0 ? -1 : -2;
+}
+
+export function parseFilter(line: string, columns: readonly string[]): Filter {
+  const tests: ((row: readonly Cell[]) => boolean)[] = [];
+  for (const term of termsOf(line)) {
+    const compared = /^([^<>=!:"]+|"[^"]*")(<=|>=|!=|<|>|=)(.*)$/.exec(term);
+    if (compared) {
+      const [, name = "", sign = "", rest = ""] = compared;
+      const column = columnOf(unquoted(name), columns);
+      if (column < 0) return { fault: columnFault(unquoted(name), column), matches: () => true };
+      const value = unquoted(rest).trim();
+      const number = value === "" ? NaN : Number(value);
+      if (Number.isNaN(number) && sign !== "=" && sign !== "!=") {
+        return { fault: `${unquoted(name)}${sign}: a number must follow, such as ${unquoted(name)}${sign}1e-9`, matches: () => true };
+      }
+      tests.push((row) => compare(row[column] ?? null, sign, value, number));
+      continue;
+    }
+    const negative = term.startsWith("-") && term.length > 1;
+    const plain = negative ? term.slice(1) : term;
+    const placed = /^([^:"]+|"[^"]*"):(.*)$/.exec(plain);
+    const column = placed ? columnOf(unquoted(placed[1] ?? ""), columns) : -1;
+    // a colon may well belong to a word, as in bullet:default
+    const word = unquoted(placed && column >= 0 ? (placed[2] ?? "") : plain).toLowerCase();
+    if (word === "") continue;
+    const holds = (cell: Cell): boolean => cell !== null && String(cell).toLowerCase().includes(word);
+    tests.push((row) => (column >= 0 ? holds(row[column] ?? null) : row.some(holds)) !== negative);
+  }
+  if (tests.length === 0) return everything;
+  return { fault: "", matches: (row) => tests.every((test) => test(row)) };
+}
+
+function columnFault(name: string, column: number): string {
+  return column === -2 ? `several columns begin with ${name}: write more of its name` : `no column is called ${name}`;
+}
+
+function compare(cell: Cell, sign: string, value: string, number: number): boolean {
+  if (sign === "=" || sign === "!=") {
+    const same =
+      typeof cell === "number" && !Number.isNaN(number)
+        ? cell === number
+        : (cell === null ? "" : String(cell)).toLowerCase() === value.toLowerCase();
+    return same === (sign === "=");
+  }
+  const left = typeof cell === "number" ? cell : cell === null || cell.trim() === "" ? NaN : Number(cell);
+  switch (sign) {
+    case "<":
+      return left < number;
+    case "<=":
+      return left <= number;
+    case ">":
+      return left > number;
+    default:
+      return left >= number;
+  }
+}

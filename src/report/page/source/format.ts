@@ -1,0 +1,59 @@
+// Numbers as texts.
+
+const thin = "\u202f"; // narrow no-break space
+const minus = "\u2212";
+
+/** To so many significant digits, without trailing zeros: 3.59, 0.00133, 1.59e-5. ASCII, so that it can be read back. */
+export function significant(value: number | null | undefined, digits = 3): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "";
+  if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";
+  if (value === 0) return "0";
+  const [mantissa = "", exponent = "0"] = value.toExponential(Math.max(0, digits - 1)).split("e");
+  const power = Number(exponent);
+  const trimmed = mantissa.includes(".") ? mantissa.replace(/\.?0+$/, "") : mantissa;
+  if (power >= -3 && power < Math.max(6, digits)) {
+    const text = Number(`${trimmed}e${power}`).toFixed(Math.max(0, digits - 1 - power));
+    return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+  }
+  return `${trimmed}e${power}`;
+}
+
+const prefixes = ["q", "r", "y", "z", "a", "f", "p", "n", "µ", "m", "", "k", "M", "G", "T", "P", "E", "Z", "Y", "R", "Q"];
+const noPrefix = prefixes.indexOf("");
+
+/** With the prefix that leaves one to three digits before the point: 446 ns, 1.5 kN. */
+export function engineering(value: number | null | undefined, unit: string, digits = 3): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "";
+  if (!Number.isFinite(value)) return `${significant(value)} ${unit}`;
+  if (value === 0) return `0 ${unit}`;
+  // rounding may carry into the next thousand, so round first
+  const rounded = Number(value.toPrecision(digits));
+  const third = Math.floor(Math.log10(Math.abs(rounded)) / 3 + 1e-12);
+  const place = Math.min(prefixes.length - 1, Math.max(0, third + noPrefix));
+  const scaled = rounded / 10 ** (3 * (place - noPrefix));
+  return `${significant(scaled, digits)}${thin}${prefixes[place]}${unit}`;
+}
+
+/** Seconds up to a minute by prefix, then in whole seconds. */
+export function duration(seconds: number | null | undefined): string {
+  if (seconds === null || seconds === undefined || Number.isNaN(seconds)) return "";
+  return Math.abs(seconds) >= 1000 ? `${significant(seconds, 4)}${thin}s` : engineering(seconds, "s");
+}
+
+/** 12 345 */
+export function count(value: number | null | undefined): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "";
+  const text = Math.abs(value).toFixed(0).replace(/\B(?=(\d{3})+$)/g, thin);
+  return value < 0 ? `${minus}${text}` : text;
+}
+
+/** How many of something, the noun in its number. */
+export function counted(value: number, one: string, many = `${one}s`): string {
+  return `${count(value)} ${value === 1 ? one : many}`;
+}
+
+/** An error in its unit, as a power of ten where small. */
+export function quantity(value: number | null | undefined, unit: string, digits = 3): string {
+  const text = significant(value, digits);
+  return text === "" ? "" : unit === "" ? text : `${text}${thin}${unit}`;
+}

@@ -1,0 +1,90 @@
+import { element } from "../dom.ts";
+import { duration, significant } from "../format.ts";
+import { TableView } from "../table_view.ts";
+import { chosenScene, methodLabel, named, type Section, type Tools } from "../tools.ts";
+import type { Cell } from "../text.ts";
+import type { Scene } from "../data.ts";
+
+/** The runner-up's time over the fastest's. */
+function factorOf(tools: Tools, entry: Scene["fastest"][number]): number | null {
+  const seconds = tools.data.rows.seconds;
+  const first = entry.row === null ? null : (seconds[entry.row] ?? null);
+  const second = entry.runner_up === null ? null : (seconds[entry.runner_up] ?? null);
+  return first === null || second === null || first <= 0 ? null : second / first;
+}
+
+export const scenes: Section = {
+  name: "scenes",
+  title: "Scenes",
+  present: (data) => data.scenes.length > 0,
+  render(host, tools) {
+    const { data, page } = tools;
+    const errors = [...new Set(data.scenes.flatMap((scene) => scene.fastest.map((one) => one.error)))].sort((a, b) => b - a);
+    const chosen = element("div", { class: "chosen" });
+    const columns = [
+      { name: "scene", numeric: false },
+      { name: "about", numeric: false },
+      { name: "duration (s)", numeric: true },
+      { name: "floor (rad)", numeric: true },
+      ...errors.flatMap((error) => [
+        { name: `fastest to ${significant(error)} rad`, numeric: false },
+        { name: `factor (${significant(error)})`, numeric: true },
+      ]),
+    ];
+    // a hidden last cell tells the scene a row is of, and before it stand the methods
+    const rows = data.scenes.map((scene, s): Cell[] => [
+      scene.name, scene.about, scene.duration, scene.floor,
+      ...errors.flatMap((error): Cell[] => {
+        const entry = scene.fastest.find((one) => one.error === error);
+        if (entry === undefined) return [null, null];
+        const method = entry.row === null ? undefined : data.methods[data.rows.method[entry.row] ?? -1];
+        return [method?.name ?? "none reaches it", method === undefined ? null : factorOf(tools, entry)];
+      }),
+      s,
+    ]);
+    const placeOf = (row: readonly Cell[]): number => Number(row[row.length - 1]);
+    const view = new TableView(page, "scenes", {
+      caption: "Scenes, and the fastest method at each accuracy",
+      columns,
+      rows,
+      render: (column, cell, row) => {
+        const scene = data.scenes[placeOf(row)];
+        if (scene === undefined) return null;
+        if (column === 0) {
+          const is = placeOf(row) === chosenScene(tools);
+          return element("button", { type: "button", class: "pick", "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
+        }
+        if (column === 2) return document.createTextNode(scene.duration === null ? "" : significant(scene.duration, 4));
+        if (column >= 4 && (column - 4) % 2 === 0) {
+          const entry = scene.fastest.find((one) => one.error === errors[(column - 4) / 2]);
+          const method = entry?.row === null || entry === undefined ? -1 : (data.rows.method[entry.row] ?? -1);
+          return method < 0 ? (cell === null ? null : element("span", { class: "faint" }, String(cell))) : methodLabel(tools, method, 26);
+        }
+        if (column >= 4 && typeof cell === "number") return document.createTextNode(`${significant(cell)}×`);
+        return null;
+      },
+    });
+    const show = (): void => {
+      const scene = data.scenes[chosenScene(tools)];
+      chosen.replaceChildren();
+      if (scene === undefined) return;
+      chosen.append(
+        element("h3", {}, named(scene.name, 90)),
+        element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").join(" ").slice(0, 900)),
+        element("p", { class: "faint" }, [
+          scene.duration === null ? "" : `duration ${duration(scene.duration)}`,
+          scene.floor === null ? "" : `floor of binary64 ${significant(scene.floor)} rad (what rounding the start costs)`,
+        ].filter((part) => part !== "").join(" · ")),
+      );
+      for (const button of view.root.querySelectorAll("button.pick")) {
+        button.setAttribute("aria-pressed", String(button.firstElementChild?.textContent === named(scene.name, 44).textContent));
+      }
+    };
+    host.append(
+      element("p", { class: "explain" }, "The chosen scene is the one that all sections below show. The factor is by how much the fastest beats the runner-up; an empty one: nobody else gets there."),
+      view.root, chosen,
+    );
+    page.watch(["scene"], show);
+    show();
+  },
+};

@@ -24,7 +24,7 @@
 namespace polhode {
 namespace {
 
-constexpr double most_revolutions = 25;
+constexpr double most_revolutions = 15;
 // attitudes a radian of turning: the fastest body turns by so much between two samples
 constexpr double turn_per_sample = 0.1;
 constexpr long least_samples = 200, most_samples = 2000;
@@ -33,7 +33,7 @@ constexpr long dear_samples = 400;
 constexpr std::size_t judged_samples = 400, error_points = 100, fewer_error_points = 30;
 // what a picture of a few hundred pixels does not show: a degree is a pixel or two
 constexpr double visible_angle = 1e-2;
-constexpr double truth_limit = 10, run_limit = 0.5;  // s
+constexpr double truth_limit = 5, run_limit = 0.5;  // s
 constexpr long run_steps = 200'000;
 // Of a method's settings that one is drawn which people take: a tolerance near this, a step near so much turning (rad).
 constexpr double drawn_tolerance = 1e-6, turn_per_step = 0.1;
@@ -399,8 +399,6 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
         } catch (const InputError& fault) {
             task.fault = fault.what();
         }
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count(), runs.size(),
-                task.scene->name.c_str(), task.json.dump().size());
     });
 
     Motions motions;

@@ -28,7 +28,7 @@ struct Motions {
     std::vector<std::string> left_out;  ///< scenes without one and why, a sentence each
 };
 
-/// Solves each scene by every method that the folder has rows of it by, over at most some 25 revolutions, and thins
+/// Solves each scene by every method that the folder has rows of it by, over at most some 15 revolutions, and thins
 /// what comes out; of a method's settings at the one nearest to what people take: a tenth of a radian of turning a
 /// step, a tolerance of 1e-6. Scenes that are the same but for their duration share a motion. `jobs` threads.
 Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,

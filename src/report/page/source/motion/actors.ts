@@ -21,7 +21,7 @@ export interface Actor {
 }
 
 export function neutral(dark: boolean): string {
-  return dark ? "#b8bec6" : "#7d858f";
+  return dark ? "#b8bec6" : "#8c949e";
 }
 
 function settingOf(method: MotionMethod): string {

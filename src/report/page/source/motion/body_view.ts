@@ -56,10 +56,16 @@ const vector3 = (v: Vector): Vector3 => new Vector3(v[0], v[1], v[2]);
 const quaternion3 = (q: Quaternion): ThreeQuaternion => new ThreeQuaternion(q[1], q[2], q[3], q[0]);
 const up = new Vector3(0, 0, 1);
 
+/** The length of the longest arrow, m. */
+const arrowReach = (extent: Extent, motion: Motion): number =>
+  1.1 * (motion.pivot !== null ? extent.radius : Math.max(extent.size, 0.4 * extent.radius));
+
 /** What stands in the scene for one actor. */
 interface Figure {
   actor: Actor;
   root: Group;
+  solid: MeshStandardMaterial;
+  opacity: number; // as long as it has samples
   bodies: Group[];
   joints: { mark: Object3D; links: { mesh: Mesh; body: number }[] }[];
   pivotLink: Mesh | null;
@@ -74,9 +80,17 @@ class Arrow {
   private readonly shaft: Mesh;
   private readonly head: Mesh;
 
-  constructor(private readonly thick: number, material: Material, keep: <T extends { dispose(): void }>(one: T) => T) {
+  constructor(private readonly thick: number, color: string, keep: <T extends { dispose(): void }>(one: T) => T) {
+    const material = keep(new MeshStandardMaterial({ color, roughness: 0.5 }));
     this.shaft = new Mesh(keep(new CylinderGeometry(thick, thick, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5)), material);
     this.head = new Mesh(keep(new ConeGeometry(2.6 * thick, 7 * thick, 20).rotateX(Math.PI / 2).translate(0, 0, 3.5 * thick)), material);
+    // within a body it shines through
+    const through = keep(new MeshStandardMaterial({ color, roughness: 0.5, transparent: true, opacity: 0.3, depthTest: false, depthWrite: false }));
+    for (const solid of [this.shaft, this.head]) {
+      const behind = new Mesh(solid.geometry, through);
+      behind.renderOrder = 5;
+      solid.add(behind);
+    }
     this.root.add(this.shaft, this.head);
   }
 
@@ -123,11 +137,11 @@ class Trail {
 export class BodyView {
   /** Why there is no picture; "" where there is one. */
   fault = "";
-  extent: Extent = { size: 1, center: zero, radius: 1, follows: false };
+  extent: Extent = { size: 1, center: zero, radius: 1, azimuth: 0, follows: false };
   private renderer: WebGLRenderer | null = null;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(fieldOfView, 1, 0.01, 100);
-  private readonly lamp = new DirectionalLight(0xffffff, 2.4);
+  private readonly lamp = new DirectionalLight(0xffffff, 2.9);
   private motion: Motion | null = null;
   private figures: Figure[] = [];
   private planes: { mesh: Object3D; normal: Vector; offset: number; spacing: number }[] = [];
@@ -158,7 +172,7 @@ export class BodyView {
     this.camera.up.set(0, 0, 1);
     this.camera.add(this.lamp);
     this.lamp.position.set(-0.6, 0.9, 0.6);
-    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8890a0, 1.5), new AmbientLight(0xffffff, 0.25));
+    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8890a0, 1.7), new AmbientLight(0xffffff, 0.4));
   }
 
   /** Lets go of all that is in the scene. */
@@ -217,12 +231,11 @@ export class BodyView {
 
   private figure(motion: Motion, actor: Actor, surfaces: Surface[][], ghost: boolean): Figure {
     const { keep } = this;
-    const { size, radius } = this.extent;
+    const { size } = this.extent;
     const root = new Group();
-    const faded = actor.endsEarly;
     const solid = keep(new MeshStandardMaterial({
       color: actor.color, vertexColors: true, roughness: 0.62, metalness: 0, side: DoubleSide,
-      transparent: ghost || faded, opacity: ghost ? 0.22 : faded ? 0.55 : 1, depthWrite: !ghost,
+      transparent: ghost || actor.endsEarly, opacity: ghost ? 0.22 : 1, depthWrite: !ghost,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     }));
     const hole = keep(new MeshStandardMaterial({ color: this.palette.muted, transparent: true, opacity: 0.15, depthWrite: false, side: DoubleSide }));
@@ -276,8 +289,10 @@ export class BodyView {
     }
 
     // told apart by their letters, and by their thickness
-    const momentum = new Arrow(0.022 * radius, keep(new MeshStandardMaterial({ color: ghost ? actor.color : this.palette.dark ? "#f0b429" : "#a06400", roughness: 0.5 })), keep);
-    const angularVelocity = new Arrow(0.013 * radius, keep(new MeshStandardMaterial({ color: ghost ? actor.color : this.palette.dark ? "#5cc8b0" : "#00735c", roughness: 0.5 })), keep);
+    const thick = (ghost ? 0.6 : 1) * 0.011 * arrowReach(this.extent, motion);
+    const { dark } = this.palette;
+    const momentum = new Arrow(1.7 * thick, ghost ? actor.color : dark ? "#f0b429" : "#a06400", keep);
+    const angularVelocity = new Arrow(thick, ghost ? actor.color : dark ? "#5cc8b0" : "#00735c", keep);
     root.add(momentum.root, angularVelocity.root);
     const path = this.lines(actor.color, 2, ghost ? actor.place - 1 : 0, size);
     const trails = surfaces.map((list, body) => {
@@ -285,7 +300,7 @@ export class BodyView {
       root.add(trail.line);
       return trail;
     });
-    return { actor, root, bodies, joints, pivotLink, momentum, angularVelocity, trails };
+    return { actor, root, solid, opacity: solid.opacity, bodies, joints, pivotLink, momentum, angularVelocity, trails };
   }
 
   private addPlane(normal: Vector, offset: number): void {
@@ -325,6 +340,7 @@ export class BodyView {
     for (const figure of this.figures) {
       const { keyframes } = figure.actor;
       if (keyframes === null) continue;
+      figure.solid.opacity = figure.actor.endsEarly && t > figure.actor.end ? 0.5 * figure.opacity : figure.opacity;
       const placements = figure.bodies.map((_, body) => keyframes.at(body, t));
       figure.bodies.forEach((group, body) => {
         const placed = placements[body];
@@ -367,9 +383,10 @@ export class BodyView {
       const watched = placements[shown.body];
       const { w, L } = spinAt(keyframes, inertia, shown.body, t);
       const from = subtract(motion.pivot !== null ? zero : watched?.position ?? zero, origin);
-      const reach = 1.15 * Math.max(extent.size, 0.5 * extent.radius);
+      // of unlike lengths, for they are often parallel
+      const reach = arrowReach(extent, motion);
       figure.momentum.set(from, scale(this.largestL > 0 ? reach / this.largestL : 0, L));
-      figure.angularVelocity.set(from, scale(this.largestW > 0 ? reach / this.largestW : 0, w));
+      figure.angularVelocity.set(from, scale(this.largestW > 0 ? (0.8 * reach) / this.largestW : 0, w));
       if (!shown.momentum) figure.momentum.root.visible = false;
       if (!shown.angularVelocity) figure.angularVelocity.root.visible = false;
       for (const trail of figure.trails) {
@@ -423,12 +440,13 @@ export class BodyView {
   }
 
   private aim(aspect: number, orbit: Orbit): void {
-    const { camera, extent } = this;
+    const { camera, extent, motion } = this;
     // the whole sphere is in the picture, however narrow it is
     const half = (fieldOfView * Math.PI) / 360;
     camera.aspect = aspect;
     camera.fov = aspect >= 1 ? fieldOfView : (360 / Math.PI) * Math.atan(Math.tan(half) / aspect);
-    const distance = (1.12 * extent.radius) / Math.sin(half) / orbit.zoom;
+    const reach = motion === null ? 0 : arrowReach(extent, motion);
+    const distance = (1.05 * Math.max(extent.radius, reach)) / Math.sin(half) / orbit.zoom;
     camera.position.copy(vector3(scale(distance, orbit.direction())));
     camera.near = Math.max(distance / 100, distance - 6 * extent.radius);
     camera.far = distance + 8 * extent.radius;
@@ -459,6 +477,13 @@ export class BodyView {
       const tip = figure.trails[shown.body]?.tip;
       if (pane.actors.length > 1 && body !== undefined && tip !== undefined) put(figure.actor.name, vector3(tip).multiplyScalar(1.05).applyMatrix4(body.matrixWorld), figure.actor);
     }
+    // names that would lie over each other are moved apart, downward
+    const names = labels.filter((label) => label.actor !== null).sort((a, b) => a.y - b.y);
+    names.forEach((label, i) => {
+      for (const other of names.slice(0, i)) {
+        if (Math.abs(other.x - label.x) < 110 && label.y < other.y + 16) label.y = other.y + 16;
+      }
+    });
     return labels;
   }
 

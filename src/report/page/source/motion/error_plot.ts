@@ -15,7 +15,7 @@ export function ticks(low: number, high: number, most: number): number[] {
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((one) => one * power).find((one) => span / one <= most) ?? 10 * power;
   const made: number[] = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * span; ++i) made.push(i * step);
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * span; ++i) made.push(i * step + 0); // no negative zero
   return made;
 }
 
@@ -29,7 +29,7 @@ export function decades(errors: readonly (number | null)[]): [number, number] {
   }
   if (!(high >= low)) return [-16, 0];
   const bottom = Math.floor(Math.log10(low) + 1e-9);
-  const top = Math.ceil(Math.log10(high) - 1e-9);
+  const top = Math.ceil(Math.log10(high) - 1e-9) + 0; // no negative zero
   return [bottom, Math.max(top, bottom + 1)];
 }
 
@@ -152,15 +152,23 @@ export class ErrorPlot {
       vector("path", { d: `M${x.toFixed(1)} ${margin.top}V${this.height - margin.bottom}`, class: "cursor" }),
     ];
     const words: string[] = [];
+    const numbers: { y: number; text: string }[] = [];
     for (const actor of this.actors) {
       const error = actor.method === null ? null : errorAt(actor.method, time);
       words.push(`${actor.name} ${error === null ? "has ended" : `${significant(error)} rad`}`);
       if (error === null || !(error > 0)) continue;
       const y = this.y(error);
       made.push(vector("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: "3.5", fill: actor.color }));
-      const left = x > this.width * 0.7;
-      const label = vector("text", { x: (x + (left ? -8 : 8)).toFixed(1), y: (y - 7 < margin.top + 6 ? y + 15 : y - 7).toFixed(1), "text-anchor": left ? "end" : "start", class: "value" });
-      label.textContent = `${significant(error, 2)} rad`;
+      numbers.push({ y: Math.max(margin.top + 10, y - 6), text: `${significant(error, 2)} rad` });
+    }
+    // numbers that would lie over each other are moved apart, downward
+    numbers.sort((a, b) => a.y - b.y);
+    const left = x > this.width * 0.7;
+    let above = -Infinity;
+    for (const number of numbers) {
+      above = Math.max(number.y, above + 14);
+      const label = vector("text", { x: (x + (left ? -8 : 8)).toFixed(1), y: above.toFixed(1), "text-anchor": left ? "end" : "start", class: "value" });
+      label.textContent = number.text;
       made.push(label);
     }
     fill(this.cursor, ...made);

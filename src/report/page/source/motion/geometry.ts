@@ -6,7 +6,7 @@ import {
   LatheGeometry, Quaternion as ThreeQuaternion, SphereGeometry, TorusGeometry, Vector2, Vector3,
 } from "three";
 import type { BodyShape, Part } from "../data.ts";
-import { length, type Quaternion, quaternionAt, rotate, type Vector, vectorAt } from "./algebra.ts";
+import { cross, dot, length, type Quaternion, quaternionAt, rotate, subtract, type Vector, vectorAt } from "./algebra.ts";
 import { circle } from "./ellipsoid.ts";
 
 // what a flat or thin thing is given, of its largest extent
@@ -86,7 +86,10 @@ export function surfaceOf(part: Part): BufferGeometry | null {
     }
     case "tetrahedron": {
       const corners = listOf(part, "vertices");
-      return sided(mesh(corners, [0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]));
+      const [a, b, c, d] = [0, 3, 6, 9].map((at) => vectorAt(corners, at)) as [Vector, Vector, Vector, Vector];
+      // sides look outward, in whichever order the corners come
+      const isRight = dot(subtract(b, a), cross(subtract(c, a), subtract(d, a))) > 0;
+      return sided(mesh(corners, isRight ? [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3] : [0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]));
     }
     default:
       return null;

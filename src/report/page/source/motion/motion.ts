@@ -79,7 +79,7 @@ class MotionView {
     this.polhode = new PolhodeView(element("canvas", { role: "img" }), element("canvas", { role: "img" }));
 
     this.which = new Choice("Motion of", (name) => this.page.set({ motion: name }));
-    this.methodChoices = Array.from({ length: mostMethods }, (_, i) => new Choice(i === 0 ? "Beside the truth" : `and (${i + 1})`, () => this.chooseMethods()));
+    this.methodChoices = Array.from({ length: mostMethods }, (_, i) => new Choice(["Beside the truth", "and a second", "and a third"][i] ?? "", () => this.chooseMethods()));
     this.layout = new Choice("Layout", (value) => this.page.set({ motion_layout: value }));
     this.bodyChoice = new Choice("Arrows and curve of", (value) => this.page.set({ motion_body: value }));
     this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
@@ -160,7 +160,6 @@ class MotionView {
     const time = Number(page.get("motion_time"));
     if (!this.clock.playing) this.clock.go(time);
     this.clock.speed = Number(page.get("motion_speed") || "1") || 1;
-    this.orbit.read(page.get("motion_view"));
     const methods = this.methods();
     const overlaid = page.get("motion_layout") === "overlay";
     const { body } = this.shown();
@@ -169,6 +168,7 @@ class MotionView {
       this.asked = asked;
       this.build(methods, overlaid, body);
     }
+    this.orbit.read(page.get("motion_view"));
     for (const [key, button] of this.toggles) {
       const shown = this.shown();
       button.setAttribute("aria-pressed", String(key === "momentum" ? shown.momentum : key === "trail" ? shown.trail : shown.angularVelocity));
@@ -194,6 +194,7 @@ class MotionView {
     const others = truth.keyframes === null ? [] : methods.map((method, i) => methodActor(data, motion, method, truth.keyframes as NonNullable<Actor["keyframes"]>, i + 1, dark));
     this.actors = [truth, ...others];
     this.bodies.show(motion, this.actors, overlaid, this.palette(), body);
+    this.orbit.setHome(this.bodies.extent.azimuth);
     this.polhode.show(motion, this.actors, body);
     this.errors.show(this.actors, motion.duration);
 

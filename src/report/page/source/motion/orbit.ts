@@ -33,9 +33,16 @@ export class Orbit {
 
   set(azimuth: number, elevation: number, zoom: number): void {
     if (![azimuth, elevation, zoom].every(Number.isFinite)) return;
-    this.azimuth = Math.atan2(Math.sin(azimuth), Math.cos(azimuth));
+    this.azimuth = azimuth;
     this.elevation = Math.max(-steepest, Math.min(steepest, elevation));
     this.zoom = Math.max(nearest, Math.min(furthest, zoom));
+  }
+
+  /** Another direction to begin from, which it is turned to if it was at the one before. */
+  setHome(azimuth: number): void {
+    const isHome = this.text() === "";
+    this.home.azimuth = azimuth;
+    if (isHome) this.azimuth = azimuth;
   }
 
   /** As three numbers, degrees; "" at home. */

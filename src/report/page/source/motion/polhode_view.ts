@@ -156,7 +156,7 @@ export class PolhodeView {
     const { context } = sheet;
     let reach = this.radii[1];
     const flat = this.curves.map((curve) => until(curve, curve.world, t).map((w) => onPlane(plane, w)));
-    for (const curve of this.curves) for (const w of curve.world) reach = Math.max(reach, Math.min(Math.hypot(...onPlane(plane, w)), 2 * this.largest));
+    for (const curve of this.curves) for (const w of curve.world) reach = Math.max(reach, Math.min(Math.hypot(...onPlane(plane, w)), 1.3 * this.radii[1]));
     if (!(reach > 1e-9 * this.largest)) reach = this.largest || 1;
     const factor = (0.44 * Math.min(sheet.width, sheet.height)) / reach;
     const place = ([x, y]: readonly [number, number]): [number, number] => [sheet.width / 2 + factor * x, sheet.height / 2 - factor * y];

@@ -27,7 +27,7 @@ export interface Picture {
   curves: Curve[];
   x: { title: string; log: boolean };
   y: { title: string; log: boolean };
-  bands: { from: number; to: number; label: string }[];
+  bands: { from: number; to: number; label: string; short: string }[];
   guides: { x: number[]; y: number[]; label: string }[];
   standard: number[]; // methods to be lit unless the reader says otherwise, the most important first
   detail?: (method: number) => { text: string; flag: string } | null;
@@ -146,7 +146,7 @@ export class CurvePlot {
             onclick: () => this.toggle(method),
           },
           methodSwatch(this.tools, method, isLit),
-          named(methodName(this.tools, method), 30),
+          named(methodName(this.tools, method), 34),
           detail === null ? null : element("span", { class: detail.flag === "" ? "detail" : "detail flagged", title: detail.flag === "" ? null : detail.flag }, detail.text),
         ),
       );
@@ -200,9 +200,17 @@ export class CurvePlot {
         text.push("");
         method.push(null);
       }
+      const look = { line: { color: theme.grey, width: 1 }, marker: { size: 4, color: theme.grey }, hoverinfo: "text", showlegend: false };
+      // lines do for most; marks are slow to draw, and only a lone point needs one
+      const lone = grey.filter((curve) => curve.x.length === 1);
+      if (lone.length > 0) {
+        traces.push({
+          type: "scatter", mode: "markers", x: lone.map((curve) => curve.x[0] ?? null), y: lone.map((curve) => curve.y[0] ?? null), ...look,
+          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to light`), customdata: lone.map((curve) => curve.method) as never,
+        } as Trace);
+      }
       traces.push({
-        type: "scatter", mode: "lines+markers", x, y, text, customdata: method as never, hoverinfo: "text", showlegend: false, connectgaps: false,
-        line: { color: theme.grey, width: 1 }, marker: { size: 3, color: theme.grey },
+        type: "scatter", mode: "lines", x, y, text, customdata: method as never, ...look, connectgaps: false,
       } as Trace);
     }
     picture.guides.forEach((guide) =>
@@ -250,7 +258,7 @@ export class CurvePlot {
         { type: "line", xref: "paper", x0: 0, x1: 1, yref: "y", y0: band.to, y1: band.to, line: { color: theme.faint, width: 1, dash: "dot" }, layer: "below" },
       ]) as Layout["shapes"],
       annotations: picture.bands.map((band) => ({
-        xref: "paper", x: 0.01, yref: "y", y: picture.y.log ? Math.log10(band.to) : band.to, text: plotText(band.label, 120), showarrow: false, xanchor: "left", yanchor: "top",
+        xref: "paper", x: 0.01, yref: "y", y: picture.y.log ? Math.log10(band.to) : band.to, text: plotText(this.plot.narrow() ? band.short : band.label, 120), showarrow: false, xanchor: "left", yanchor: "top",
         font: { size: 11, color: theme.faint },
       })) as Layout["annotations"],
     };
@@ -261,7 +269,7 @@ export class CurvePlot {
 
   /** Runs that failed: where they have both coordinates there, else at the edge. */
   private failures(traces: Trace[], curve: Curve, nth: number, rank: number, color: string): void {
-    const lane = 0.985 - 0.02 * (rank % 6);
+    const lane = 0.985 - 0.016 * (rank % 6);
     const kinds: [boolean, boolean][] = [[true, true], [true, false], [false, true], [false, false]];
     for (const [hasX, hasY] of kinds) {
       const some = curve.failures.filter((one) => (one.x !== null) === hasX && (one.y !== null) === hasY);

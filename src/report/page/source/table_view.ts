@@ -76,7 +76,7 @@ export class TableView {
       },
     });
     this.state = element("span", { class: "state" });
-    this.scroller = element("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": shorten(oneLine(content.caption), 80) });
+    this.scroller = element("div", { class: "scroller", tabindex: 0, role: "group", "aria-label": shorten(oneLine(content.caption), 80) });
     this.pager = element("p", { class: "pager" });
     this.tools = element("div", { class: "table-tools" });
     this.root = element("div", { class: "table-view" }, this.tools, this.fault, this.scroller, this.pager);
@@ -236,7 +236,7 @@ export class TableView {
         line.append(
           element(
             "td",
-            { class: column.numeric || typeof cell === "number" ? "number" : null, title: own === null && whole !== short ? whole.slice(0, 2000) : null },
+            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 && text.includes(" ") ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
             own ?? short,
           ),
         );
@@ -256,7 +256,7 @@ export class TableView {
     const here = Math.floor(this.at / rowsPerPage);
     const button = (text: string, to: number, label: string): HTMLElement =>
       element("button", {
-        type: "button", "aria-label": label, disabled: to < 0 || to >= pages || to === here,
+        type: "button", title: label, disabled: to < 0 || to >= pages || to === here,
         onclick: () => {
           this.at = to * rowsPerPage;
           this.fillRows();
@@ -266,8 +266,8 @@ export class TableView {
       }, text);
     fill(
       this.pager,
-      button("⏮", 0, "first page"), button("◀", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
-      button("▶", here + 1, "next page"), button("⏭", pages - 1, "last page"),
+      button("First", 0, "first page"), button("Back", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
+      button("Next", here + 1, "next page"), button("Last", pages - 1, "last page"),
     );
   }
 

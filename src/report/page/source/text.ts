@@ -5,10 +5,11 @@ export function oneLine(text: string): string {
   return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029\u202a-\u202e\u2066-\u2069]+/g, " ");
 }
 
-/** At most so many characters: the middle goes, as names differ at their ends. */
+/** At most so many characters: of a name the middle goes, as names differ at their ends, of a sentence the end. */
 export function shorten(text: string, length = 40): string {
   const characters = Array.from(text.length > 4 * length + 64 ? `${text.slice(0, 2 * length)}…${text.slice(-2 * length)}` : text);
   if (characters.length <= length) return characters.join("");
+  if (characters.filter((one) => one === " ").length >= 4) return `${characters.slice(0, length - 1).join("").trimEnd()}…`;
   const head = Math.ceil((length - 1) / 2);
   return `${characters.slice(0, head).join("")}…${characters.slice(characters.length - (length - 1 - head)).join("")}`;
 }

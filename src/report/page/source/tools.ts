@@ -82,6 +82,18 @@ export function otherScenes(tools: Tools, what: string, scenes: readonly number[
   );
 }
 
+/** The scene itself if it is among those that have something, else a variation of it that is: name{/key=value}. */
+export function standIn(tools: Tools, scene: number, having: readonly number[]): number {
+  if (having.includes(scene)) return scene;
+  const base = (one: number): string => sceneName(tools, one).replace(/\{.*$/s, "");
+  return having.find((one) => base(one) === base(scene)) ?? scene;
+}
+
+/** Says which scene is seen where it is not the chosen one. */
+export function standInNote(tools: Tools, chosen: number, seen: number): HTMLElement | null {
+  return chosen === seen ? null : element("p", { class: "note" }, "Shown is ", named(sceneName(tools, seen), 60), ", for there is nothing of the chosen scene itself.");
+}
+
 export function columnPlace(table: Table, name: string): number {
   return table.columns.findIndex((column) => column.name === name);
 }

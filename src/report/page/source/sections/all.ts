@@ -1,10 +1,20 @@
 // The page's sections in their order.
 
 import type { Section } from "../tools.ts";
+import { checks } from "./checks.ts";
+import { comparison } from "./comparison.ts";
+import { convergence } from "./convergence.ts";
+import { drift } from "./drift.ts";
+import { engines, mechanisms } from "./engines.ts";
+import { gains } from "./gains.ts";
+import { inertia } from "./inertia.ts";
 import { motion } from "./motion.ts";
 import { overview } from "./overview.ts";
 import { scenes } from "./scenes.ts";
+import { stability } from "./stability.ts";
 import { tables } from "./tables.ts";
 import { workPrecision } from "./work_precision.ts";
 
-export const sections: Section[] = [overview, scenes, workPrecision, motion, tables];
+export const sections: Section[] = [
+  overview, checks, scenes, workPrecision, comparison, convergence, drift, motion, stability, gains, engines, mechanisms, inertia, tables,
+];

@@ -28,7 +28,7 @@ export const scenes: Section = {
       { name: "floor (rad)", numeric: true },
       ...errors.flatMap((error) => [
         { name: `fastest to ${significant(error)} rad`, numeric: false },
-        { name: `factor at ${significant(error)} rad`, numeric: true },
+        { name: `factor (${significant(error)})`, numeric: true },
       ]),
     ];
     // a hidden last cell tells the scene a row is of, and before it stand the methods

@@ -134,6 +134,7 @@ export const workPrecision: Section = {
     const choices = {
       error: new Choice("Error", set("error")), x: new Choice("Against", set("x")), experiment: new Choice("Experiment", set("experiment")),
       family: new Choice("Family", set("family")), library: new Choice("Library", set("library")), precision: new Choice("Precision", set("precision")),
+      other: new Choice("Other folder", set("other")),
     };
     const chart = new CurvePlot(tools, "work", "Work-precision diagram: error against work", () => `work_precision_${sceneName(tools, chosenScene(tools))}`);
     const message = element("div", {});
@@ -164,6 +165,8 @@ export const workPrecision: Section = {
       choices.family.update([["", "all families"], ...[...new Set(methods.map((method) => method?.family ?? -1))].sort((a, b) => a - b).map((f): [string, string] => [data.families[f]?.name ?? "", shorten(oneLine(data.families[f]?.label ?? ""), 48)])], page.get("work.family"));
       choices.library.update(options(methods.map((method) => method?.library ?? ""), "all libraries"), page.get("work.library"));
       choices.precision.update(options(methods.map((method) => method?.precision ?? ""), "all precisions"), page.get("work.precision"));
+      const canCompare = data.comparison !== null && !byEvaluations && measure.key === "attitude";
+      choices.other.update(canCompare ? [["", "dashed, open marks"], ["hidden", "hidden"]] : [], page.get("work.other"));
       const kept = places.filter((place) => {
         const method = data.methods[rows.method[place] ?? -1];
         const wanted = (key: string, value: string): boolean => page.get(`work.${key}`) === "" || page.get(`work.${key}`) === value;
@@ -176,7 +179,7 @@ export const workPrecision: Section = {
       const y = (place: number): number | null => positive(rows[measure.key][place]);
       const hover = (row: Row): string[] => hoverOf(tools, row, `${measure.title}: ${quantity(rows[measure.key][row.place], measure.unit) || "not known"}`);
       const curves = curvesOf(tools, kept, x, y, hover);
-      if (data.comparison !== null && !byEvaluations) overlay(tools, curves, kept, measure.key);
+      if (canCompare && page.get("work.other") !== "hidden") overlay(tools, curves, kept);
       fill(message);
       if (curves.length === 0) {
         const others = data.scenes.flatMap((_, s) => (tools.index.ofScene(s).length > 0 && s !== scene ? [s] : []));
@@ -188,8 +191,8 @@ export const workPrecision: Section = {
       const floor = attitude ? (kept.map((place) => rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const floor32 = attitude && kept.some((place) => data.methods[rows.method[place] ?? -1]?.precision === "binary32") ? (kept.map((place) => rows.floor32[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const bands = [
-        floor === null ? null : { from: floor / 10, to: floor, label: `floor: below what binary64's rounding of the start allows (${significant(floor)} rad)` },
-        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `floor of binary32 (${significant(floor32)} rad)` },
+        floor === null ? null : { from: floor / 10, to: floor, label: `floor: below what binary64's rounding of the start allows (${significant(floor)} rad)`, short: `floor of binary64 (${significant(floor)} rad)` },
+        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `floor of binary32 (${significant(floor32)} rad)`, short: `floor of binary32 (${significant(floor32)} rad)` },
       ].filter((one) => one !== null);
       if (curves.length > 0) {
         chart.show({
@@ -201,15 +204,15 @@ export const workPrecision: Section = {
       }
       fill(below, unsupportedList(tools, kept));
     };
-    page.watch(["scene", "work.error", "work.x", "work.experiment", "work.family", "work.library", "work.precision"], show);
+    page.watch(["scene", "work.error", "work.x", "work.experiment", "work.family", "work.library", "work.precision", "work.other"], show);
     show();
   },
 };
 
 /** The other folder's times and errors at the same settings. */
-function overlay(tools: Tools, curves: Curve[], kept: readonly number[], measure: Measure): void {
+function overlay(tools: Tools, curves: Curve[], kept: readonly number[]): void {
   const comparison = tools.data.comparison;
-  if (comparison === null || measure !== "attitude") return;
+  if (comparison === null) return;
   const wanted = new Set(kept);
   const points = new Map<string, { x: number; y: number; setting: number; text: string }[]>();
   for (const pair of comparison.pairs) {

@@ -293,7 +293,14 @@ for (const dark of [false, true]) {
       assert.deepEqual(await violations(page), []);
       await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = false)));
       await pause(300);
-      await page.screenshot({ path: join(screenshots, `${dark ? "dark" : "light"}_${width}.png`), fullPage: true });
+      // a section at a time: a browser cannot take the whole page at once
+      await page.addStyleTag({ content: ".bar, nav { position: static !important; }" });
+      await pause(200);
+      for (const section of await page.$$("main > section")) {
+        const name = await section.evaluate((one) => one.id.replace("section-", ""));
+        await section.screenshot({ path: join(screenshots, `${dark ? "dark" : "light"}_${width}_${name}.png`) });
+      }
+      await page.screenshot({ path: join(screenshots, `${dark ? "dark" : "light"}_${width}.png`) });
       assert.deepEqual(faults, []);
       await page.close();
     });

@@ -27,7 +27,7 @@ export interface Picture {
   curves: Curve[];
   x: { title: string; log: boolean };
   y: { title: string; log: boolean };
-  bands: { from: number; to: number; label: string }[];
+  bands: { from: number; to: number; label: string; short: string }[];
   guides: { x: number[]; y: number[]; label: string }[];
   standard: number[]; // methods to be lit unless the reader says otherwise, the most important first
   detail?: (method: number) => { text: string; flag: string } | null;
@@ -258,7 +258,7 @@ export class CurvePlot {
         { type: "line", xref: "paper", x0: 0, x1: 1, yref: "y", y0: band.to, y1: band.to, line: { color: theme.faint, width: 1, dash: "dot" }, layer: "below" },
       ]) as Layout["shapes"],
       annotations: picture.bands.map((band) => ({
-        xref: "paper", x: 0.01, yref: "y", y: picture.y.log ? Math.log10(band.to) : band.to, text: plotText(band.label, 120), showarrow: false, xanchor: "left", yanchor: "top",
+        xref: "paper", x: 0.01, yref: "y", y: picture.y.log ? Math.log10(band.to) : band.to, text: plotText(this.plot.narrow() ? band.short : band.label, 120), showarrow: false, xanchor: "left", yanchor: "top",
         font: { size: 11, color: theme.faint },
       })) as Layout["annotations"],
     };

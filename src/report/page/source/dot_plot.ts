@@ -19,6 +19,14 @@ export interface Dot {
 
 const mostDots = 90;
 
+/** An axis over all values with some room at its ends, as plotly takes it. */
+export function around(values: readonly number[], logarithmic: boolean): [number, number] {
+  const places = values.filter((value) => Number.isFinite(value) && (!logarithmic || value > 0)).map((value) => (logarithmic ? Math.log10(value) : value));
+  const [low, high] = [Math.min(...places), Math.max(...places)];
+  const room = 0.05 * (high - low) || 0.1 * Math.abs(high) || 0.1;
+  return [low - room, high + room];
+}
+
 /** Rows of dots, the first at the top; `one` draws the line at 1. */
 export class DotPlot {
   readonly root: HTMLElement;
@@ -43,6 +51,7 @@ export class DotPlot {
     const values = shown.map((dot) => dot.value);
     const logarithmic = log ?? (values.every((value) => value > 0) && Math.max(...values) > 20 * Math.min(...values));
     const drawn = logarithmic ? shown.filter((dot) => dot.value > 0) : shown;
+    const all = [...drawn.flatMap((dot) => [dot.value, ...[dot.low, dot.high].filter((end) => end !== null)]), ...(one ? [1] : [])];
     this.plot.setHeight(80 + (drawn.length > 40 ? 15 : 19) * drawn.length);
     this.plot.draw((theme) => {
       const color = (dot: Dot): string => (dot.method < 0 ? (theme.dark ? "#7cc0ff" : "#00518a") : methodColor(this.tools.data, this.tools.data.methods[dot.method], theme.dark));
@@ -56,7 +65,7 @@ export class DotPlot {
       } as unknown as Trace;
       const length = this.plot.narrow() ? 20 : 44;
       const layout: Layout = {
-        xaxis: axis(theme, plotText(title), logarithmic, one ? { autorangeoptions: { include: [0.9] } } : {}),
+        xaxis: axis(theme, plotText(title), logarithmic, { range: around(all, logarithmic) }),
         yaxis: {
           ...axis(theme, "", false), range: [drawn.length - 0.5, -0.5], tickmode: "array", tickvals: drawn.map((_, i) => i), ticktext: drawn.map((dot) => plotText(dot.label, length)),
           tickfont: { size: 11 }, ticks: "", fixedrange: true,

@@ -150,11 +150,12 @@ export class Plot {
     const drawing = this.complete(this.make(this.page.dark() ? themes.dark : themes.light), this.page.dark() ? themes.dark : themes.light);
     this.withZoom(drawing.layout);
     await plotly.react(this.host, drawing.traces as Plotly.Data[], drawing.layout, {
-      displayModeBar: false, responsive: true, doubleClick: "reset", showTips: false,
+      displayModeBar: false, responsive: true, doubleClick: false, showTips: false,
     } as Partial<Plotly.Config>);
     if (!this.ready) {
       this.ready = true;
       this.host.on?.("plotly_relayout", (event: Record<string, unknown>) => this.moved(event));
+      this.host.on?.("plotly_doubleclick", () => this.reset());
       this.host.on?.("plotly_click", (event: { points?: { customdata?: unknown }[] }) => {
         const data = event.points?.[0]?.customdata;
         if (data !== undefined && data !== null) this.click?.(data);
@@ -241,10 +242,10 @@ export class Plot {
     void this.relayout([now[0] + x, now[1] + x, now[2] + y, now[3] + y]);
   }
 
+  /** As it is drawn without a zoom. */
   private reset(): void {
-    void loadPlotly().then((plotly) => {
-      if (this.ready) void plotly.relayout(this.host, { "xaxis.autorange": true, "yaxis.autorange": true } as Layout);
-    });
+    if (this.zoomKey !== "" && this.page.get(this.zoomKey) !== "") this.page.set({ [this.zoomKey]: "" });
+    else this.redraw();
   }
 
   private key(event: KeyboardEvent): void {

@@ -191,8 +191,8 @@ export const workPrecision: Section = {
       const floor = attitude ? (kept.map((place) => rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const floor32 = attitude && kept.some((place) => data.methods[rows.method[place] ?? -1]?.precision === "binary32") ? (kept.map((place) => rows.floor32[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const bands = [
-        floor === null ? null : { from: floor / 10, to: floor, label: `floor: below what binary64's rounding of the start allows (${significant(floor)} rad)` },
-        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `floor of binary32 (${significant(floor32)} rad)` },
+        floor === null ? null : { from: floor / 10, to: floor, label: `floor: below what binary64's rounding of the start allows (${significant(floor)} rad)`, short: `floor of binary64 (${significant(floor)} rad)` },
+        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `floor of binary32 (${significant(floor32)} rad)`, short: `floor of binary32 (${significant(floor32)} rad)` },
       ].filter((one) => one !== null);
       if (curves.length > 0) {
         chart.show({

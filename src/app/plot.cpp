@@ -92,6 +92,8 @@ void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>
 Curve curve_named_as(const std::string& label, std::size_t place) {
     Curve curve;
     curve.label = label, curve.points = false;
+    // where files agree each shows through the next
+    curve.dash = static_cast<int>(place % 5);
     set_style(curve, plain_style(static_cast<int>(place)));
     return curve;
 }

@@ -90,7 +90,8 @@ std::vector<Ranked> ranking(const Figure& figure) {
     std::map<std::string, std::size_t> place;
     for (const Panel& panel : figure.panels)
         for (const Curve& curve : panel.curves)
-            if (!curve.label.empty() && !curve.group.empty() && place.emplace(curve.label, all.size()).second)
+            if (!curve.label.empty() && !curve.group.empty() && !points_of(panel, curve).empty() &&
+                place.emplace(curve.label, all.size()).second)
                 all.push_back({curve.label, curve.group});
     std::vector<double> sum(all.size());
     for (const Panel& panel : figure.panels) {
@@ -157,18 +158,20 @@ std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most
         if (!members.contains(one.group)) groups.push_back(one.group);
         members[one.group].push_back(one.label);
     }
+    const std::vector<std::string> best = chosen(all, most);
     std::vector<NamedFigure> parts;
     for (const std::string& group : groups) {
         const std::vector<std::string>& labels = members[group];
+        if (std::ranges::all_of(labels,
+                                [&](const std::string& label) { return std::ranges::find(best, label) != best.end(); }))
+            continue;
         const std::size_t pieces = (labels.size() + most - 1) / most;
-        std::string words = group;
-        std::ranges::replace(words, '_', ' ');
         for (std::size_t piece = 0; piece < pieces; ++piece) {
             const auto edge = [&](std::size_t k) {
                 return labels.begin() + static_cast<std::ptrdiff_t>(labels.size() * k / pieces);
             };
             NamedFigure part{whole.name + "_" + group, with_labels(whole.figure, {edge(piece), edge(piece + 1)})};
-            part.figure.title += ": " + words;
+            part.figure.title += ": " + group;
             if (pieces > 1) {
                 part.name += fmt::format("_{}", piece + 1);
                 part.figure.title += fmt::format(", {} of {}", piece + 1, pieces);
@@ -176,10 +179,10 @@ std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most
             parts.push_back(std::move(part));
         }
     }
-    NamedFigure overview{whole.name, with_labels(whole.figure, chosen(all, most))};
+    NamedFigure overview{whole.name, with_labels(whole.figure, best)};
     std::string note = fmt::format(
         "{} of {} curves: the best of each family, then the next best; best is who is {}, by the mean place over the "
-        "panels. All of them:",
+        "panels. Families with more of them:",
         most, all.size(), criterion(whole.figure.best));
     for (const NamedFigure& part : parts) note += fmt::format(" {}{}", part.name, &part == &parts.back() ? "." : ",");
     overview.figure.note += (overview.figure.note.empty() ? "" : " ") + note;

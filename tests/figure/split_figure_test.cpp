@@ -48,13 +48,22 @@ TEST(SplitFigure, HasEachCurveInThePictureOfItsFamily) {
     ASSERT_EQ(parts.size(), 5U);
     EXPECT_EQ(parts[0].name, "errors");
     EXPECT_EQ(parts[1].name, "errors_family_0");
-    EXPECT_EQ(parts[1].figure.title, "Errors: family 0");
+    EXPECT_EQ(parts[1].figure.title, "Errors: family_0");
     std::vector<std::string> all;
     for (std::size_t i = 1; i < parts.size(); ++i)
         for (const std::string& label : labels(parts[i].figure)) all.push_back(label);
     EXPECT_EQ(all, labels(whole.figure));
     for (std::size_t i = 1; i < parts.size(); ++i)
         EXPECT_NE(parts[0].figure.note.find(parts[i].name), std::string::npos) << parts[0].figure.note;
+}
+
+TEST(SplitFigure, DrawsNoFamilyAgainThatIsThereAlready) {
+    NamedFigure whole = steps_of(1, 14);
+    whole.figure.panels[0].curves.push_back(falling("alone", "small", 1));
+    const std::vector<NamedFigure> parts = split_figure(whole);
+    ASSERT_EQ(parts.size(), 3U);
+    EXPECT_EQ(labels(parts[0].figure).back(), "alone");
+    EXPECT_EQ(parts[0].figure.note.find("small"), std::string::npos);
 }
 
 TEST(SplitFigure, SplitsALargeFamilyEvenly) {
@@ -98,7 +107,7 @@ TEST(SplitFigure, KnowsWhichDirectionIsBetter) {
     whole.figure.best = Best::lowest_end;
     seen = labels(split_figure(whole).front().figure);
     EXPECT_EQ(std::ranges::find(seen, "f0m0"), seen.end()) << "the largest error";
-    // a curve that never gets to the level is behind all that do, one without points behind that
+    // a curve that never gets to the level is behind all that do
     whole.figure.best = Best::greatest_x;
     Curve& last = whole.figure.panels[0].curves[12];
     last.x = {1}, last.y = {0.9};
@@ -107,7 +116,18 @@ TEST(SplitFigure, KnowsWhichDirectionIsBetter) {
     whole.figure.panels[0].curves[0].x.clear(), whole.figure.panels[0].curves[0].y.clear();
     seen = labels(split_figure(whole).front().figure);
     EXPECT_NE(std::ranges::find(seen, "f0m12"), seen.end());
-    EXPECT_EQ(std::ranges::find(seen, "f0m0"), seen.end());
+}
+
+TEST(SplitFigure, LeavesOutCurvesWithoutAPoint) {
+    NamedFigure whole = steps_of(2, 7);
+    for (const std::size_t i : {0, 1, 2}) whole.figure.panels[0].curves[i].y.assign(4, 0);
+    EXPECT_EQ(split_figure(whole).size(), 1U) << "eleven are left";
+    whole = steps_of(2, 8);
+    for (const std::size_t i : {0, 1, 2}) whole.figure.panels[0].curves[i].y.assign(4, 0);
+    const std::vector<NamedFigure> parts = split_figure(whole);
+    ASSERT_EQ(parts.size(), 3U);
+    EXPECT_EQ(labels(parts[1].figure), (std::vector<std::string>{"f0m3", "f0m4", "f0m5", "f0m6", "f0m7"}));
+    EXPECT_NE(parts[0].figure.note.find("12 of 13 curves"), std::string::npos);
 }
 
 TEST(SplitFigure, KeepsCurvesThatBelongToNoFamily) {

@@ -27,12 +27,19 @@ bool offers_a_choice(const std::vector<Result>& results) {
     return timed && methods.size() > 1;
 }
 
+// "1e-6", "3e-6": one digit
+std::string power_of_ten(double value) {
+    std::string text = fmt::format("{:.0e}", value);
+    if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
+    return text;
+}
+
 std::string setting_of(const Result& r) {
     switch (r.setting_kind) {
         case SettingKind::step:
             return fmt::format("h {:.3g} s", r.setting);
         case SettingKind::tolerance:
-            return fmt::format("R {:.0e}", r.setting);
+            return "R " + power_of_ten(r.setting);
         case SettingKind::none:
             break;
     }
@@ -84,7 +91,7 @@ std::string run_table(const std::vector<Result>& results, const RunTable& table)
         bool first = true;
         for (const double wanted : asked_accuracies) {
             const std::vector<const Result*> best = fastest_first(results, scene, wanted);
-            Row row{first ? scene : "", fmt::format("{:.0e}", wanted)};
+            Row row{first ? scene : "", power_of_ten(wanted)};
             first = false;
             if (best.empty()) {
                 row[2] = "none";

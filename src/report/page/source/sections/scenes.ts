@@ -52,7 +52,7 @@ export const scenes: Section = {
         if (scene === undefined) return null;
         if (column === 0) {
           const is = placeOf(row) === chosenScene(tools);
-          return element("button", { type: "button", class: "pick", "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
+          return element("button", { type: "button", class: "pick", "data-scene": placeOf(row), "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
         }
         if (column === 2) return document.createTextNode(scene.duration === null ? "" : significant(scene.duration, 4));
         if (column >= 4 && (column - 4) % 2 === 0) {
@@ -76,8 +76,8 @@ export const scenes: Section = {
           scene.floor === null ? "" : `floor of binary64 ${significant(scene.floor)} rad (what rounding the start costs)`,
         ].filter((part) => part !== "").join(" · ")),
       );
-      for (const button of view.root.querySelectorAll("button.pick")) {
-        button.setAttribute("aria-pressed", String(button.firstElementChild?.textContent === named(scene.name, 44).textContent));
+      for (const button of view.root.querySelectorAll<HTMLElement>("button.pick")) {
+        button.setAttribute("aria-pressed", String(Number(button.dataset.scene) === chosenScene(tools)));
       }
     };
     host.append(

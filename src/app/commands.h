@@ -34,6 +34,8 @@ void add_list(CLI::App& program, int& exit_code);
 void add_export(CLI::App& program, int& exit_code);
 /// A scene for many bodies (ensemble_command.cpp).
 void add_ensemble(CLI::App& program, int& exit_code);
+/// A folder of results as one page (report.cpp).
+void add_report(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.
 class UsageError : public std::runtime_error {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "check/error_picture.h"
 #include "check/foreign_table.h"
@@ -172,6 +173,7 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
             compare_with_floors(scene, limits, checked);
         }
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
+        if (picture) checked.file = std::move(files[i]);
         files[i] = {};
     }
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "experiment/kinds/curves.h"
+#include "figure/curve_style.h"
 #include "integrators/sundials/build.h"
 
 namespace polhode {
@@ -15,7 +16,7 @@ Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, co
                const Y& y) {
     Curve curve;
     curve.label = curve_label(planned);
-    curve.color = planned.color;
+    set_style(curve, planned.style);
     curve.dash = planned.method->control == Control::fixed_step_or_tolerance && planned.kind == SettingKind::step;
     for (const Result* row : rows_of(results, scene, planned)) {
         curve.cut = curve.cut || row->cut;
@@ -95,7 +96,8 @@ Curve& curve_named(std::vector<Curve>& curves, const std::string& label) {
     const auto same = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == label; });
     if (same != curves.end()) return *same;
     Curve begun;
-    begun.label = label, begun.color = static_cast<int>(curves.size());
+    begun.label = label;
+    set_style(begun, plain_style(static_cast<int>(curves.size())));
     return curves.emplace_back(std::move(begun));
 }
 

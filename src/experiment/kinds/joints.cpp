@@ -11,6 +11,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
+#include "figure/curve_style.h"
 #include "measure/observed_order.h"
 #include "measure/statistics.h"
 #include "text/decimal.h"
@@ -157,7 +158,8 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
             for (const PlannedCurve& planned : plan.curves) {
                 if (planned.kind != SettingKind::step) continue;
                 Curve curve;
-                curve.label = curve_label(planned), curve.color = planned.color;
+                curve.label = curve_label(planned);
+                set_style(curve, planned.style);
                 const auto add = [&, measure = measure](double x, const Result* row) {
                     if (!row || row->status != Status::ok || !row->errors[measure].max) return;
                     curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);

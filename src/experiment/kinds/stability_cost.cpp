@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiment/kinds/stability_tables.h"
+#include "figure/curve_style.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -111,7 +112,7 @@ std::vector<NamedFigure> stiffness_figures(const Plan& plan, const std::vector<S
         Curve curve;
         curve.label = cost.method->name;
         for (const PlannedCurve& planned : plan.curves)
-            if (planned.method == cost.method) curve.color = planned.color;
+            if (planned.method == cost.method) set_style(curve, planned.style);
         curve.x = cost.parameter, curve.y = cost.evaluations;
         curve.cut = cost.lost_at.has_value();
         panel->curves.push_back(std::move(curve));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -77,7 +78,12 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
         const std::string fault = draw(named.figure, (folder / file_name(named.name)).string());
         if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
     }
-    record_provenance(directory, experiment, command_line, quick);
+    std::map<std::string, std::string> titles;
+    for (const NamedTable& named : findings.tables)
+        if (!named.is_shared && !named.title.empty())
+            titles[named.name.empty() ? experiment : experiment + "_" + named.name] = named.title;
+    record_scenes(directory, plan);
+    record_provenance(directory, plan.experiment, titles, command_line, quick);
     return remarks;
 }
 

@@ -1,7 +1,399 @@
-import type { PageContext } from "../context.ts";
-import type { ReportData } from "../data.ts";
+// The motion of a scene: the truth and methods beside it, in three dimensions, with their errors and the polhode.
+//
+// State: scene (else motion), motion_methods (labels, a list), motion_layout (side, overlay), motion_time (s), motion_show
+// (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth, elevation in degrees, zoom).
 
-/** Stands in until the viewer is there. */
-export function mountMotion(host: HTMLElement, _data: ReportData, _page: PageContext): void {
-  host.textContent = "the motion view is not there";
+import type { PageContext } from "../context.ts";
+import type { Motion, MotionMethod, ReportData } from "../data.ts";
+import { Choice, element, fill, vector } from "../dom.ts";
+import { quantity, significant } from "../format.ts";
+import { parseList, writeList } from "../fragment.ts";
+import { swatch } from "../marks.ts";
+import { oneLine, shorten } from "../text.ts";
+import { type Actor, chosenMethods, errorAt, firstMethods, methodActor, mostMethods, titleOf, truthActor } from "./actors.ts";
+import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
+import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
+import { Clock, rateOf } from "./clock.ts";
+import { ErrorPlot } from "./error_plot.ts";
+import style from "./motion.css" with { type: "text" };
+import { Orbit } from "./orbit.ts";
+import { PolhodeView } from "./polhode_view.ts";
+import { gravitySentence, methodSentence, thinningSentence, truthSentence, windowSentence } from "./sentences.ts";
+
+const speeds = ["0.1", "0.25", "0.5", "1", "2", "5", "10"];
+const atFirst = "angular_velocity,momentum";
+// between two texts for screen readers, ms
+const quiet = 1500;
+
+/** Puts the view into an empty element. */
+export function mountMotion(host: HTMLElement, data: ReportData, page: PageContext): void {
+  if (data.motions.length === 0) {
+    host.append(element("p", {}, "This folder has no scene whose motion could be drawn."));
+    return;
+  }
+  if (document.getElementById("motion-style") === null) document.head.append(element("style", { id: "motion-style" }, style));
+  new MotionView(host, data, page).start();
+}
+
+class MotionView {
+  private motion: Motion;
+  private actors: Actor[] = [];
+  private panes: (Pane & { figure: HTMLElement; labels: HTMLElement; value: HTMLElement; ended: HTMLElement; axes: SVGElement })[] = [];
+  private readonly clock: Clock;
+  private readonly orbit: Orbit;
+  private readonly polhodeOrbit: Orbit;
+  private readonly bodies: BodyView;
+  private readonly errors: ErrorPlot;
+  private readonly polhode: PolhodeView;
+  private asked = ""; // the state that is shown
+  private frame = 0;
+  private spoken = 0;
+
+  private readonly root = element("div", { class: "motion-view" });
+  private readonly which: Choice;
+  private readonly methodChoices: Choice[];
+  private readonly layout: Choice;
+  private readonly bodyChoice: Choice;
+  private readonly speed: Choice;
+  private readonly toggles: [string, HTMLButtonElement][];
+  private readonly stage = element("div", { class: "motion-panes" });
+  private readonly fault = element("p", { class: "fault", role: "alert", hidden: true });
+  private readonly substitute = element("p", { class: "note", hidden: true });
+  private readonly play = element("button", { type: "button", class: "play" }, "Play");
+  private readonly slider = element("input", { type: "range", min: 0, step: "any", "aria-label": "Time" });
+  private readonly clockText = element("output", {});
+  private readonly now = element("p", { class: "motion-now" });
+  private readonly live = element("p", { class: "unseen", "aria-live": "polite" });
+  private readonly legend = element("ul", { class: "motion-legend" });
+  private readonly remarks = element("ul", { class: "motion-remarks" });
+  private readonly polhodeText = element("figcaption");
+  private readonly worldText = element("figcaption");
+
+  constructor(private readonly host: HTMLElement, private readonly data: ReportData, private readonly page: PageContext) {
+    this.motion = this.chosenMotion();
+    this.clock = new Clock(this.motion.duration, () => this.redraw(), () => this.paused());
+    this.orbit = new Orbit({ azimuth: 0.7, elevation: 0.36 }, () => this.redraw(), () => this.remember({ motion_view: this.orbit.text() }));
+    this.polhodeOrbit = new Orbit({ azimuth: 0.7, elevation: 0.42 }, () => this.redraw());
+    this.bodies = new BodyView(() => this.redraw());
+    this.errors = new ErrorPlot((time, done) => this.scrub(time, done));
+    this.polhode = new PolhodeView(element("canvas", { role: "img" }), element("canvas", { role: "img" }));
+
+    this.which = new Choice("Motion of", (name) => this.page.set({ motion: name }));
+    this.methodChoices = Array.from({ length: mostMethods }, (_, i) => new Choice(["Beside the truth", "and a second", "and a third"][i] ?? "", () => this.chooseMethods()));
+    this.layout = new Choice("Layout", (value) => this.page.set({ motion_layout: value }));
+    this.bodyChoice = new Choice("Arrows and curve of", (value) => this.page.set({ motion_body: value }));
+    this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
+    this.toggles = ([["momentum", "L", "Angular momentum, world axes"], ["angular_velocity", "ω", "Angular velocity, world axes"], ["trail", "Trail", "Path of the body's tip"]] as const)
+      .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
+  }
+
+  start(): void {
+    const { root, clock, page } = this;
+    this.play.addEventListener("click", () => this.playOrPause());
+    this.slider.addEventListener("input", () => this.scrub(Number(this.slider.value), false));
+    this.slider.addEventListener("change", () => this.scrub(Number(this.slider.value), true));
+    const step = (sign: number, text: string, title: string): HTMLElement =>
+      element("button", { type: "button", title, "aria-label": title, onclick: () => this.step(sign) }, text);
+    this.orbit.attach(this.stage);
+    this.polhodeOrbit.attach(this.polhode.polhodeCanvas);
+    root.addEventListener("keydown", (event) => this.key(event));
+    fill(root,
+      element("div", { class: "motion-controls" }, this.which.root, ...this.methodChoices.map((choice) => choice.root), this.layout.root, this.bodyChoice.root,
+        element("div", { class: "motion-toggles", role: "group", "aria-label": "Shown" }, ...this.toggles.map(([, button]) => button))),
+      this.substitute, this.fault,
+      element("div", { class: "motion-stage" }, this.stage, this.orbit.buttons("bodies")),
+      element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step on (key .)"), this.slider, this.clockText, this.speed.root),
+      this.now, this.live, this.legend,
+      element("div", { class: "motion-curves" },
+        element("figure", { class: "errors" }, this.errors.root, element("figcaption", {}, "Attitude error over time; a click sets the time")),
+        element("figure", { class: "polhode" }, element("div", { class: "turned" }, this.polhode.polhodeCanvas, this.polhodeOrbit.buttons("polhode")), this.polhodeText),
+        element("figure", { class: "herpolhode" }, this.polhode.worldCanvas, this.worldText)),
+      this.remarks);
+    this.host.append(root);
+    page.onState(() => this.follow());
+    page.onTheme(() => {
+      this.asked = "";
+      this.follow();
+    });
+    new ResizeObserver(() => this.redraw()).observe(root);
+    // what is out of sight stands still
+    new IntersectionObserver((entries) => {
+      if (entries.every((entry) => !entry.isIntersecting)) clock.pause();
+    }).observe(root);
+    this.follow();
+  }
+
+  private chosenMotion(): Motion {
+    const { scenes, motions } = this.data;
+    const of = (name: string): Motion | undefined => {
+      const scene = scenes.find((one) => one.name === name);
+      return scene?.motion === null || scene === undefined ? undefined : motions[scene.motion];
+    };
+    return of(this.page.get("scene") || (scenes[0]?.name ?? "")) ?? of(this.page.get("motion")) ?? (motions[0] as Motion);
+  }
+
+  private nameOf(motion: Motion): string {
+    return this.data.scenes[motion.scene]?.name ?? "";
+  }
+
+  private methods(): MotionMethod[] {
+    const asked = this.page.get("motion_methods");
+    return asked === "" ? firstMethods(this.motion) : chosenMethods(this.motion, parseList(asked));
+  }
+
+  private shown(): Shown {
+    const keys = (this.page.get("motion_show") || atFirst).split(",");
+    const body = this.motion.bodies.findIndex((one) => one.name === this.page.get("motion_body"));
+    return { momentum: keys.includes("momentum"), angularVelocity: keys.includes("angular_velocity"), trail: keys.includes("trail"), body: Math.max(0, body) };
+  }
+
+  /** Takes over what the state says. What costs is only done where it has changed. */
+  private follow(): void {
+    const { page } = this;
+    const motion = this.chosenMotion();
+    if (motion !== this.motion) {
+      this.clock.pause();
+      this.motion = motion;
+      this.clock.duration = motion.duration;
+      this.clock.go(0);
+    }
+    const time = Number(page.get("motion_time"));
+    if (!this.clock.playing) this.clock.go(time);
+    this.clock.speed = Number(page.get("motion_speed") || "1") || 1;
+    const methods = this.methods();
+    const overlaid = page.get("motion_layout") === "overlay";
+    const { body } = this.shown();
+    const asked = JSON.stringify([motion.scene, methods.map((one) => one.label), overlaid, body, page.dark()]);
+    if (asked !== this.asked) {
+      this.asked = asked;
+      this.build(methods, overlaid, body);
+    }
+    this.orbit.read(page.get("motion_view"));
+    for (const [key, button] of this.toggles) {
+      const shown = this.shown();
+      button.setAttribute("aria-pressed", String(key === "momentum" ? shown.momentum : key === "trail" ? shown.trail : shown.angularVelocity));
+    }
+    this.speed.update(speeds.map((value) => [value, `${value}×`]), String(this.clock.speed));
+    this.redraw();
+  }
+
+  private palette(): Palette {
+    const values = getComputedStyle(document.documentElement);
+    const dark = this.page.dark();
+    const value = (names: string[], otherwise: string): string => names.map((name) => values.getPropertyValue(name).trim()).find((text) => /^#[0-9a-f]{3,8}$/i.test(text)) ?? otherwise;
+    return {
+      ground: value(["--ground"], dark ? "#14171b" : "#ffffff"), ink: value(["--ink"], dark ? "#e6e9ed" : "#1c2127"),
+      muted: value(["--muted", "--faint"], dark ? "#a0a8b2" : "#59616b"), line: value(["--line"], dark ? "#353b43" : "#d9dde2"), dark,
+    };
+  }
+
+  private build(methods: MotionMethod[], overlaid: boolean, body: number): void {
+    const { motion, data, page } = this;
+    const dark = page.dark();
+    const truth = truthActor(motion, dark);
+    const others = truth.keyframes === null ? [] : methods.map((method, i) => methodActor(data, motion, method, truth.keyframes as NonNullable<Actor["keyframes"]>, i + 1, dark));
+    this.actors = [truth, ...others];
+    this.bodies.show(motion, this.actors, overlaid, this.palette(), body);
+    this.orbit.setHome(this.bodies.extent.azimuth);
+    this.polhode.show(motion, this.actors, body);
+    this.errors.show(this.actors, motion.duration);
+
+    const groups = overlaid ? [this.actors] : this.actors.map((actor) => [actor]);
+    this.panes = groups.map((group) => this.pane(group));
+    this.stage.dataset.count = String(this.panes.length);
+    fill(this.stage, ...this.panes.map((pane) => pane.figure));
+
+    const scenes = [...new Set(data.motions)].map((one) => this.nameOf(one));
+    const asked = page.get("scene") || (data.scenes[0]?.name ?? "");
+    const isSubstitute = data.scenes.find((one) => one.name === asked)?.motion === null;
+    this.which.update(scenes.map((name) => [name, shorten(oneLine(name), 44)]), this.nameOf(motion));
+    this.which.root.hidden = !isSubstitute || scenes.length < 2;
+    this.substitute.hidden = !isSubstitute;
+    this.substitute.textContent = isSubstitute ? `There is no motion of ${oneLine(asked)}; this is ${oneLine(this.nameOf(motion))}.` : "";
+    this.methodChoices.forEach((choice, i) => {
+      const value = methods[i]?.label ?? "";
+      choice.update([["", "nothing"], ...motion.methods.map((method): [string, string] => [method.label, shorten(titleOf(method), 60)])], value);
+      choice.root.hidden = motion.methods.length === 0 || i > methods.length;
+    });
+    this.layout.update([["side", "side by side"], ["overlay", "overlaid"]], overlaid ? "overlay" : "side");
+    this.layout.root.hidden = methods.length === 0;
+    this.bodyChoice.update(motion.bodies.map((one) => [one.name, shorten(oneLine(one.name), 40)]), motion.bodies[body]?.name ?? "");
+
+    fill(this.legend, ...this.actors.map((actor) => {
+      const method = actor.method;
+      const setting = method === null ? "" : titleOf(method).slice(actor.name.length);
+      const greatest = method?.difference === null || method === null ? "" : `at most ${quantity(method.difference, "rad")} off`;
+      return element("li", {}, swatch(actor.mark, actor.color, true), element("span", { class: "name", title: actor.name }, `${shorten(actor.name, 44)}${setting}`), element("span", { class: "value" }, greatest));
+    }));
+    const [ellipsoid, world] = this.polhode.captions();
+    this.polhodeText.textContent = ellipsoid;
+    this.worldText.textContent = world;
+    const rate = rateOf(motion.duration);
+    const sentences = [
+      ...others.map(methodSentence), thinningSentence(motion), truthSentence(motion), windowSentence(motion), gravitySentence(motion),
+      rate === 1 ? "" : `At speed 1×, a second on the wall is ${quantity(rate, "s")} of the motion.`,
+      this.bodies.extent.follows ? "The view goes along with the bodies." : "",
+    ];
+    fill(this.remarks, ...sentences.filter((text) => text !== "").map((text) => element("li", {}, text)));
+    this.slider.max = String(motion.duration);
+  }
+
+  private pane(actors: Actor[]): (typeof this.panes)[number] {
+    const canvas = element("canvas", { role: "img" });
+    const labels = element("div", { "aria-hidden": "true" });
+    const value = element("span", { class: "value" });
+    const lead = actors[0];
+    const name = actors.length === 1 && lead !== undefined ? lead.name : `${actors.map((actor) => actor.name).join(", ")}`;
+    const marks = actors.map((actor) => swatch(actor.mark, actor.color, true));
+    const ended = element("span", { class: "motion-ended", hidden: true });
+    const axes = vector("svg", { class: "motion-axes", viewBox: "-36 -36 72 72", "aria-hidden": "true" });
+    const figure = element("figure", { class: "motion-pane" }, element("figcaption", {}, ...marks, element("span", { class: "name", title: name }, name), value), canvas, labels, ended, axes as unknown as HTMLElement);
+    return { canvas, actors, figure, labels, value, ended, axes };
+  }
+
+  private redraw(): void {
+    if (this.frame !== 0) return;
+    this.frame = requestAnimationFrame(() => {
+      this.frame = 0;
+      this.draw();
+    });
+  }
+
+  private draw(): void {
+    const t = this.clock.time;
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    const palette = this.palette();
+    const labels = this.bodies.draw(this.panes, t, this.orbit, this.shown(), ratio);
+    this.fault.hidden = this.bodies.fault === "";
+    if (this.fault.textContent !== this.bodies.fault) this.fault.textContent = this.bodies.fault;
+    const told = this.told(t);
+    this.panes.forEach((pane, i) => {
+      fill(pane.labels, ...(labels[i] ?? []).map((label) => {
+        const made = element("span", { class: "motion-label" }, label.actor === null ? null : (swatch(label.actor.mark, label.actor.color, true) as unknown as HTMLElement), label.actor === null ? label.text : shorten(label.text, 24));
+        made.style.transform = `translate(${(label.x + 4).toFixed(1)}px, ${(label.y + pane.canvas.offsetTop - 8).toFixed(1)}px)`;
+        return made;
+      }));
+      const only = pane.actors.length === 1 ? pane.actors[0] : undefined;
+      pane.value.textContent = only?.method === null || only === undefined ? "" : this.errorText(only, t);
+      const over = pane.actors.filter((actor) => actor.method !== null && actor.endsEarly && t > actor.end);
+      pane.ended.hidden = over.length === 0;
+      pane.ended.textContent = over.map((actor) => (actor.keyframes === null ? `${actor.name}: nothing to draw` : `${pane.actors.length > 1 ? `${actor.name} ` : ""}ended at ${significant(actor.end)} s`)).join("; ");
+      pane.canvas.setAttribute("aria-label", `${this.nameOf(this.motion)}, ${pane.actors.map((actor) => actor.name).join(" and ")}: ${told}`);
+      this.drawAxes(pane.axes);
+    });
+    this.polhode.draw(t, this.polhodeOrbit, palette, ratio);
+    const spin = this.polhode.describe(t);
+    this.polhode.polhodeCanvas.setAttribute("aria-label", `${this.polhodeText.textContent ?? ""}. At ${significant(t)} s: ${spin}`);
+    this.polhode.worldCanvas.setAttribute("aria-label", `${this.worldText.textContent ?? ""}. At ${significant(t)} s: ${spin}`);
+    this.errors.resize(this.errors.root.clientWidth);
+    this.errors.at(t);
+    this.slider.value = String(t);
+    this.slider.setAttribute("aria-valuetext", `${significant(t)} s`);
+    this.clockText.textContent = `${fixed(t, this.motion.duration)} of ${significant(this.motion.duration)} s`;
+    this.play.textContent = this.clock.playing ? "Pause" : "Play";
+    this.now.textContent = told;
+    this.speak(told);
+    // what drives the page from outside waits for this
+    this.root.dataset.drawn = t.toPrecision(6);
+  }
+
+  /** World axes, and the way things fall. */
+  private drawAxes(svg: SVGElement): void {
+    const [right, upward] = this.orbit.axes();
+    const place = (v: Vector): [number, number] => [24 * dot(right, v), -24 * dot(upward, v)];
+    const made: SVGElement[] = [];
+    const axis = (v: Vector, name: string, dash: string): void => {
+      const [x, y] = place(v);
+      made.push(vector("path", { d: `M0 0L${x.toFixed(1)} ${y.toFixed(1)}`, "stroke-dasharray": dash }));
+      const text = vector("text", { x: (1.3 * x).toFixed(1), y: (1.3 * y).toFixed(1) });
+      text.textContent = name;
+      if (Math.hypot(x, y) > 5) made.push(text);
+    };
+    axis([1, 0, 0], "x", "none");
+    axis([0, 1, 0], "y", "none");
+    axis([0, 0, 1], "z", "none");
+    const gravity = this.motion.gravity === null ? null : vectorAt(this.motion.gravity);
+    if (gravity !== null && Math.hypot(...gravity) > 0) axis(scale(0.9, unit(gravity)), "g", "2 2");
+    fill(svg, ...made);
+  }
+
+  private errorText(actor: Actor, t: number): string {
+    if (actor.method === null) return "";
+    const error = errorAt(actor.method, t);
+    return error === null ? (t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
+  }
+
+  private told(t: number): string {
+    const errors = this.actors.filter((actor) => actor.method !== null).map((actor) => `${actor.name} ${this.errorText(actor, t)}`);
+    return `At ${fixed(t, this.motion.duration)}${errors.length > 0 ? `: ${errors.join(", ")}` : ""}`;
+  }
+
+  private speak(text: string): void {
+    // while it plays, nothing is told again and again; the last word comes when it stands
+    window.clearTimeout(this.spoken);
+    if (this.clock.playing) return;
+    this.spoken = window.setTimeout(() => {
+      if (this.live.textContent !== text) this.live.textContent = text;
+    }, quiet);
+  }
+
+  private remember(values: Record<string, string>): void {
+    this.page.set(values);
+  }
+
+  private paused(): void {
+    this.remember({ motion_time: this.timeText() });
+    this.redraw();
+  }
+
+  private timeText(): string {
+    return this.clock.time > 0 ? String(Number(this.clock.time.toPrecision(6))) : "";
+  }
+
+  private playOrPause(): void {
+    if (this.clock.playing) this.clock.pause();
+    else this.clock.play();
+    this.redraw();
+  }
+
+  private scrub(time: number, done: boolean): void {
+    if (this.clock.playing) {
+      this.clock.go(time);
+      this.clock.pause();
+    } else this.clock.go(time);
+    if (done) this.remember({ motion_time: this.timeText() });
+    this.redraw();
+  }
+
+  private step(sign: number): void {
+    this.scrub(this.clock.time + sign * this.clock.step(), true);
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLSelectElement) return;
+    if (event.key === "," || event.key === ".") this.step(event.key === "," ? -1 : 1);
+    else if (event.key === " " && !(event.target instanceof HTMLButtonElement)) this.playOrPause();
+    else return;
+    event.preventDefault();
+  }
+
+  private chooseMethods(): void {
+    const labels = this.methodChoices.filter((choice) => !choice.root.hidden).map((choice) => choice.root.querySelector("select")?.value ?? "");
+    const chosen = [...new Set(labels.filter((label) => label !== ""))];
+    // an empty list is a choice, too
+    this.page.set({ motion_methods: chosen.length > 0 ? writeList(chosen) : "-" });
+  }
+
+  private toggle(key: string): void {
+    const keys = (this.page.get("motion_show") || atFirst).split(",").filter((one) => one !== "" && one !== "none");
+    const after = keys.includes(key) ? keys.filter((one) => one !== key) : [...keys, key];
+    const text = after.sort().join(",");
+    this.page.set({ motion_show: text === atFirst ? "" : text === "" ? "none" : text });
+  }
+}
+
+/** A time with as many decimals as the duration wants, so that it does not jump about. */
+function fixed(t: number, duration: number): string {
+  const decimals = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10(duration || 1))));
+  return duration >= 1e5 || duration < 1e-6 ? quantity(t, "s", 4) : `${t.toFixed(decimals)} s`;
 }

@@ -1,0 +1,96 @@
+// Who is shown: the truth, and methods beside it, each with its colour, mark and keyframes.
+
+import type { Motion, MotionMethod, ReportData } from "../data.ts";
+import { quantity } from "../format.ts";
+import { markOf, methodColor, type Mark } from "../marks.ts";
+import { oneLine } from "../text.ts";
+import { Keyframes } from "./interpolation.ts";
+
+export const mostMethods = 3;
+
+export interface Actor {
+  name: string;
+  method: MotionMethod | null; // null: the truth
+  mark: Mark;
+  color: string; // by theme
+  place: number; // 0 the truth, then 1, 2, 3: chooses the dash of its lines
+  keyframes: Keyframes | null; // null: there is nothing to draw
+  isTruth: boolean; // drawn from the truth's keyframes
+  end: number; // s, where its samples end
+  endsEarly: boolean;
+}
+
+export function neutral(dark: boolean): string {
+  return dark ? "#b8bec6" : "#8c949e";
+}
+
+function settingOf(method: MotionMethod): string {
+  if (method.setting === null) return "";
+  if (method.setting_kind === 1) return `step ${quantity(method.setting, "s")}`;
+  return method.setting_kind === 2 ? `tolerance ${quantity(method.setting, "")}` : "";
+}
+
+/** As it is told from the others: name and setting. */
+export function titleOf(method: MotionMethod): string {
+  const setting = settingOf(method);
+  const name = oneLine(method.label);
+  return setting === "" ? name : `${name}, ${setting}`;
+}
+
+export function truthActor(motion: Motion, dark: boolean): Actor {
+  const keyframes = new Keyframes(motion.truth);
+  return {
+    name: "truth", method: null, mark: { symbol: "circle", dash: "solid" }, color: neutral(dark), place: 0, keyframes, isTruth: true,
+    end: keyframes.end, endsEarly: false,
+  };
+}
+
+export function methodActor(data: ReportData, motion: Motion, method: MotionMethod, truth: Keyframes, place: number, dark: boolean): Actor {
+  const known = data.methods[method.method];
+  const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track) : null;
+  // no track: not told from the truth by eye, if it went to the end
+  const isTruth = own === null && method.status === 0 && method.t.length > 0;
+  const end = own?.end ?? (isTruth ? truth.end : 0);
+  return {
+    name: oneLine(method.label), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
+    color: known === undefined ? (dark ? "#7cc0ff" : "#00518a") : methodColor(data, known, dark),
+    place, keyframes: own ?? (isTruth ? truth : null), isTruth, end,
+    endsEarly: end < motion.duration * (1 - 1e-6),
+  };
+}
+
+/** Which methods of a motion, by their labels; unknown ones are left out. */
+export function chosenMethods(motion: Motion, labels: readonly string[]): MotionMethod[] {
+  const found: MotionMethod[] = [];
+  for (const label of labels) {
+    const method = motion.methods.find((one) => one.label === label);
+    if (method !== undefined && !found.includes(method) && found.length < mostMethods) found.push(method);
+  }
+  return found;
+}
+
+/** Before the reader chooses: a trajectory of the user's, else the method that strays the furthest, and the nearest of
+ * those whose difference is seen. */
+export function firstMethods(motion: Motion): MotionMethod[] {
+  const seen = motion.methods.filter((one) => one.track !== null);
+  const own = seen.filter((one) => one.method < 0);
+  const others = seen.filter((one) => one.method >= 0).sort((a, b) => (b.difference ?? 0) - (a.difference ?? 0));
+  const first = own[0] ?? others[0] ?? motion.methods[0];
+  const second = [...others].reverse().find((one) => one !== first);
+  return [first, second].filter((one) => one !== undefined);
+}
+
+/** The error at a time, between the two nearest samples on a logarithmic scale; null beyond the last. */
+export function errorAt(method: MotionMethod, t: number): number | null {
+  const { t: times, attitude } = method;
+  const last = times.length - 1;
+  if (last < 0 || t > (times[last] ?? 0) * (1 + 1e-9)) return null;
+  let high = times.findIndex((one) => one >= t);
+  if (high < 0) high = last;
+  const low = Math.max(0, high - 1);
+  const [a, b] = [attitude[low] ?? null, attitude[high] ?? null];
+  if (a === null || b === null || low === high) return b ?? a;
+  const span = (times[high] ?? 0) - (times[low] ?? 0);
+  const part = span > 0 ? (t - (times[low] ?? 0)) / span : 1;
+  return a > 0 && b > 0 ? Math.exp((1 - part) * Math.log(a) + part * Math.log(b)) : (1 - part) * a + part * b;
+}

@@ -1,0 +1,157 @@
+// The motion between keyframes, as data.ts lays it down. What is drawn, and what the thinning's bound holds for, is this.
+
+import type { Track } from "../data.ts";
+import { identity, normalized, type Quaternion, scale, type Vector, vectorAt, zero } from "./algebra.ts";
+
+const quaternionScale = 1 / 32767;
+
+export interface Placement {
+  attitude: Quaternion; // body to world
+  angularVelocity: Vector; // rad/s, body axes
+  position: Vector; // m, of the centre of mass, world
+}
+
+/** The interval [t_k, t_k+1] that holds t, by halving: k from 0 to n - 2. */
+export function findInterval(times: readonly number[], t: number): number {
+  let low = 0;
+  let high = Math.max(0, times.length - 2);
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if ((times[middle] ?? 0) <= t) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+/** The weights of (value, h slope) at both ends of the cubic Hermite polynomial, at s in 0..1. */
+export function hermite(s: number): [number, number, number, number] {
+  const r = 1 - s;
+  return [r * r * (1 + 2 * s), s * r * r, s * s * (1 + 2 * r), -s * s * r];
+}
+
+/** Likewise of its derivative by s. */
+export function hermiteSlope(s: number): [number, number, number, number] {
+  const r = 1 - s;
+  return [-6 * s * r, r * (1 - 3 * s), 6 * s * r, s * (3 * s - 2)];
+}
+
+/** q' = q (0, w) / 2, w in body axes. */
+export function attitudeRate(q: Quaternion, w: Vector): Quaternion {
+  return [
+    0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
+    0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]),
+    0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]),
+    0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]),
+  ];
+}
+
+/** Attitude and angular velocity a part s (0..1) of an interval h on. The attitude is the cubic r(s) through both ends
+ * with their rates, normalised; the angular velocity is that of what is drawn, 2 vec(r* r') / |r|^2: at the keyframes it
+ * is theirs. */
+export function attitudeBetween(
+  from: Quaternion, fromW: Vector, to: Quaternion, toW: Vector, h: number, s: number,
+): { attitude: Quaternion; angularVelocity: Vector } {
+  const a = attitudeRate(from, fromW);
+  const b = attitudeRate(to, toW);
+  const weights = hermite(s);
+  const slopes = hermiteSlope(s);
+  const combine = (c: [number, number, number, number], i: 0 | 1 | 2 | 3): number =>
+    c[0] * from[i] + c[1] * h * a[i] + c[2] * to[i] + c[3] * h * b[i];
+  const r: Quaternion = [combine(weights, 0), combine(weights, 1), combine(weights, 2), combine(weights, 3)];
+  const d: Quaternion = [combine(slopes, 0), combine(slopes, 1), combine(slopes, 2), combine(slopes, 3)];
+  const square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3];
+  const factor = square > 0 && h > 0 ? 2 / (square * h) : 0;
+  // vec(r* d)
+  const angularVelocity = scale(factor, [
+    r[0] * d[1] - r[1] * d[0] - r[2] * d[3] + r[3] * d[2],
+    r[0] * d[2] - r[2] * d[0] - r[3] * d[1] + r[1] * d[3],
+    r[0] * d[3] - r[3] * d[0] - r[1] * d[2] + r[2] * d[1],
+  ]);
+  return { attitude: normalized(r), angularVelocity };
+}
+
+export function positionBetween(from: Vector, fromV: Vector, to: Vector, toV: Vector, h: number, s: number): Vector {
+  const c = hermite(s);
+  const at = (i: 0 | 1 | 2): number => c[0] * from[i] + c[1] * h * fromV[i] + c[2] * to[i] + c[3] * h * toV[i];
+  return [at(0), at(1), at(2)];
+}
+
+/** A track's keyframes as numbers. */
+export class Keyframes {
+  readonly times: readonly number[];
+  readonly end: number; // s, of the last keyframe
+  private readonly track: Track;
+
+  constructor(track: Track) {
+    this.track = track;
+    this.times = track.t;
+    this.end = track.t[track.t.length - 1] ?? 0;
+  }
+
+  attitude(body: number, k: number): Quaternion {
+    const q = this.track.bodies[body]?.q ?? [];
+    const at = (i: number): number => (q[4 * k + i] ?? 0) * quaternionScale;
+    return [at(0), at(1), at(2), at(3)];
+  }
+
+  angularVelocity(body: number, k: number): Vector {
+    const one = this.track.bodies[body];
+    return one === undefined ? zero : scale(one.w_scale, vectorAt(one.w, 3 * k));
+  }
+
+  position(body: number, k: number): Vector {
+    const one = this.track.bodies[body];
+    if (one === undefined) return zero;
+    const [x, y, z] = scale(one.p_scale, vectorAt(one.p, 3 * k));
+    return [(one.p_start[0] ?? 0) + x, (one.p_start[1] ?? 0) + y, (one.p_start[2] ?? 0) + z];
+  }
+
+  velocity(body: number, k: number): Vector {
+    const one = this.track.bodies[body];
+    return one === undefined ? zero : scale(one.v_scale, vectorAt(one.v, 3 * k));
+  }
+
+  /** Where a body is at a time; before the first keyframe at the first, beyond the last at the last. */
+  at(body: number, t: number): Placement {
+    const { times } = this;
+    const last = times.length - 1;
+    if (last < 0) return { attitude: identity, angularVelocity: zero, position: zero };
+    const single = last === 0 || t <= (times[0] ?? 0) ? 0 : t >= this.end ? last : -1;
+    if (single >= 0) {
+      return {
+        attitude: normalized(this.attitude(body, single)),
+        angularVelocity: this.angularVelocity(body, single),
+        position: this.position(body, single),
+      };
+    }
+    const k = findInterval(times, t);
+    const begin = times[k] ?? 0;
+    const h = (times[k + 1] ?? 0) - begin;
+    const s = h > 0 ? (t - begin) / h : 0;
+    const turned = attitudeBetween(
+      normalized(this.attitude(body, k)), this.angularVelocity(body, k),
+      normalized(this.attitude(body, k + 1)), this.angularVelocity(body, k + 1), h, s,
+    );
+    const moves = (this.track.bodies[body]?.p.length ?? 0) > 0;
+    const position = moves
+      ? positionBetween(this.position(body, k), this.velocity(body, k), this.position(body, k + 1), this.velocity(body, k + 1), h, s)
+      : this.position(body, 0);
+    return { ...turned, position };
+  }
+
+  /** Times to draw a curve through: each interval in so many parts, up to a time. */
+  dense(parts: number, until = this.end): number[] {
+    const made: number[] = [];
+    for (let k = 0; k + 1 < this.times.length; ++k) {
+      const begin = this.times[k] ?? 0;
+      const h = (this.times[k + 1] ?? 0) - begin;
+      for (let i = 0; i < parts; ++i) {
+        const t = begin + (i / parts) * h;
+        if (t >= until) return [...made, until];
+        made.push(t);
+      }
+    }
+    made.push(Math.min(until, this.end));
+    return made;
+  }
+}

@@ -1,0 +1,29 @@
+// Angular velocity and momentum of a body that is looked at.
+
+import type { Motion } from "../data.ts";
+import { type Quaternion, quaternionAt, rotate, type Vector, vectorAt } from "./algebra.ts";
+import { worldMomentum } from "./ellipsoid.ts";
+import type { Keyframes } from "./interpolation.ts";
+
+/** Moments and principal axes about the point that the body's rotation is told about: the pivot, else the centre of
+ * mass. */
+export interface Inertia {
+  moments: Vector;
+  principal: Quaternion; // principal to body axes
+}
+
+export function inertiaOf(motion: Motion, body: number): Inertia {
+  const shape = motion.bodies[body];
+  const about = (motion as Motion & { about?: { moments: number[]; principal: number[] } | null }).about ?? shape;
+  if (about === undefined) return { moments: [1, 1, 1], principal: [1, 0, 0, 0] };
+  return { moments: vectorAt(about.moments), principal: quaternionAt(about.principal) };
+}
+
+/** World axes. */
+export function spinAt(keyframes: Keyframes, inertia: Inertia, body: number, t: number): { w: Vector; L: Vector } {
+  const placed = keyframes.at(body, t);
+  return {
+    w: rotate(placed.attitude, placed.angularVelocity),
+    L: worldMomentum(placed.attitude, inertia.principal, inertia.moments, placed.angularVelocity),
+  };
+}

@@ -24,7 +24,13 @@ export interface Section {
 export function chosenScene(tools: Tools): number {
   const name = tools.page.get("scene");
   const found = tools.data.scenes.findIndex((scene) => scene.name === name);
-  return found >= 0 ? found : tools.data.scenes.length > 0 ? 0 : -1;
+  return found >= 0 ? found : firstScene(tools);
+}
+
+/** The scene to begin with: the one that most is known of, -1 where there is none. */
+export function firstScene(tools: Tools): number {
+  const known = tools.data.scenes.map((_, scene) => tools.index.ofScene(scene).length);
+  return known.length === 0 ? -1 : known.indexOf(Math.max(...known));
 }
 
 export function sceneName(tools: Tools, scene: number): string {

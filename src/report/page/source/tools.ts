@@ -27,10 +27,21 @@ export function chosenScene(tools: Tools): number {
   return found >= 0 ? found : firstScene(tools);
 }
 
-/** The scene to begin with: the one that most is known of, -1 where there is none. */
+/** Experiments that are made for a work-precision diagram. */
+export function isSweep(data: ReportData, experiment: number): boolean {
+  return /^(sweep|speed)$/.test(data.experiments[experiment]?.kind ?? "");
+}
+
+/** The scene to begin with: the one with the largest sweep, or else with most rows; -1 where there is none. */
 export function firstScene(tools: Tools): number {
-  const known = tools.data.scenes.map((_, scene) => tools.index.ofScene(scene).length);
-  return known.length === 0 ? -1 : known.indexOf(Math.max(...known));
+  const { data, index } = tools;
+  const known = data.scenes.map((_, scene) => {
+    const places = index.ofScene(scene);
+    let swept = 0;
+    for (const place of places) if (isSweep(data, data.rows.experiment[place] ?? -1)) swept += 1;
+    return 1000 * swept + places.length;
+  });
+  return known.reduce((best, value, scene) => (best < 0 || value > (known[best] ?? 0) ? scene : best), -1);
 }
 
 export function sceneName(tools: Tools, scene: number): string {

@@ -86,5 +86,11 @@ export const scenes: Section = {
     );
     page.watch(["scene"], show);
     show();
+    // the chosen one is in view, without moving the page
+    window.setTimeout(() => {
+      const row = view.root.querySelector<HTMLElement>('button.pick[aria-pressed="true"]')?.closest("tr");
+      const scroller = view.root.querySelector(".scroller");
+      if (row && scroller) scroller.scrollTop = Math.max(0, row.offsetTop - 90);
+    }, 0);
   },
 };

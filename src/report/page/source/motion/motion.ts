@@ -353,6 +353,7 @@ class MotionView {
   private playOrPause(): void {
     if (this.clock.playing) this.clock.pause();
     else this.clock.play();
+    this.play.textContent = this.clock.playing ? "Pause" : "Play";
     this.redraw();
   }
 

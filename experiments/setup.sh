@@ -18,6 +18,8 @@ python_test_packages=(python3-scipy python3-pytest python3-hypothesis mypy)
 package_packages=(file lintian python3-pip python3-setuptools python3-wheel)
 # the engines that `experiments/run engines` compares; those under Node come by npm
 engine_packages=(pkgconf libbullet-dev libode-dev libmujoco-dev libsimbody-dev libdart-dev nodejs npm)
+# what the report's page is tested in
+browser_packages=(chromium firefox-esr)
 # for tests/run --all
 check_packages=(libbenchmark-dev clang libclang-rt-14-dev clang-format clang-tidy)
 

@@ -3,8 +3,6 @@
 import type { Track } from "../data.ts";
 import { identity, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 
-const quaternionScale = 1 / 32767;
-
 export interface Placement {
   attitude: Quaternion; // body to world
   angularVelocity: Vector; // rad/s, body axes
@@ -106,8 +104,8 @@ export class Keyframes {
 
   attitude(body: number, k: number): Quaternion {
     const q = this.track.bodies[body]?.q ?? [];
-    const at = (i: number): number => (q[4 * k + i] ?? 0) * quaternionScale;
-    return [at(0), at(1), at(2), at(3)];
+    const at = (i: number): number => q[4 * k + i] ?? 0;
+    return normalized([at(0), at(1), at(2), at(3)]);
   }
 
   angularVelocity(body: number, k: number): Vector {

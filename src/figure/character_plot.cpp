@@ -111,8 +111,11 @@ class Canvas {
         int bits = 0, pen = no_pen;
         char letter = 0;
     };
-    Cell& at(int column, int row) { return cells_[static_cast<std::size_t>(row * columns_ + column)]; }
-    const Cell& at(int column, int row) const { return cells_[static_cast<std::size_t>(row * columns_ + column)]; }
+    std::size_t place(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    }
+    Cell& at(int column, int row) { return cells_[place(column, row)]; }
+    const Cell& at(int column, int row) const { return cells_[place(column, row)]; }
 
     int columns_, rows_;
     std::vector<Cell> cells_;
@@ -275,7 +278,8 @@ class Plotter {
             if (used > 0 && used + 3 + length > width()) text += line + "\n", line.clear(), used = 0;
             if (used > 0) line += "   ", used += 3;
             const std::string sample = lettered() ? fmt::format("⠤{}⠤", sign_of(pen)) : repeated("⠤", 3);
-            line += plot_.color ? Canvas::escape(pen) + sample + "\x1b[0m " + words : sample + " " + words;
+            line += plot_.color ? fmt::format("{}{}\x1b[0m {}", Canvas::escape(pen), sample, words)
+                                : fmt::format("{} {}", sample, words);
             used += length;
         }
         return line.empty() ? text : text + line + "\n";

@@ -13,7 +13,7 @@ struct Curve {
     int color = 0;       ///< which colour (figure/curve_style.h): one a family of methods, the same in every picture
     int mark = 0;        ///< which mark: one a member of the family
     int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one a setting
-    bool points = true;  ///< with marks (at every n-th point where there are more than 40) or a line only
+    bool points = true;  ///< with marks (at a dozen points where there are more than 40) or a line only
     bool cut = false;    ///< the curve was cut short: a ring about its last point and an arrow onward, explained in the
                          ///< legend
     std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and

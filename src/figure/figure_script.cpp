@@ -340,6 +340,7 @@ class Script {
         return elements;
     }
 
+    static constexpr std::size_t most_marked = 40, marks_of_long_curves = 12;
     // a curve of one point is to be seen as well
     static constexpr double lone = 2;
 
@@ -365,9 +366,13 @@ class Script {
             }
             if (curve.points || !curve.line) {
                 // the line does not show through an open mark
-                const std::string every = fmt::format("$curve{} using 1:2 every {}::0::{} with points pointsize {}", i,
-                                                      curve.line ? (points.size() + 39) / 40 : 1, points.size() - 1,
-                                                      (points.size() == 1 && curve.line ? lone : 1) * point_size(type));
+                // of long curves a few, those of neighbours beside each other
+                const std::size_t apart =
+                    curve.line && points.size() > most_marked ? points.size() / marks_of_long_curves : 1;
+                const std::size_t first = static_cast<std::size_t>(std::max(0, curve.mark)) * apart / 5 % apart;
+                const std::string every =
+                    fmt::format("$curve{} using 1:2 every {}::{}::{} with points pointsize {}", i, apart, first,
+                                points.size() - 1, (points.size() == 1 && curve.line ? lone : 1) * point_size(type));
                 if (is_open(type)) element(fmt::format("{} pointtype {} linecolor \"#ffffff\"", every, type + 1));
                 element(fmt::format("{} pointtype {} linewidth {:g} linecolor \"{}\"", every, type,
                                     line_width(mark_line_width), color));

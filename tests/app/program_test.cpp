@@ -209,7 +209,7 @@ TEST_F(Program, ShowsASceneAsItIsWritten) {
 
 TEST_F(Program, HelpsOnEveryCommand) {
     EXPECT_EQ(run({"--help"}).exit_code, 0);
-    for (const char* command : {"solve", "truth", "check", "describe", "show", "list", "run"}) {
+    for (const char* command : {"solve", "truth", "check", "plot", "describe", "show", "list", "run"}) {
         const Outcome help = run({command, "--help"});
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("--help"), std::string::npos) << command;

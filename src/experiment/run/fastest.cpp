@@ -134,10 +134,11 @@ std::string run_table(const std::vector<Result>& results, const RunTable& table)
             const bool number = i == 1 || i == 4 || i == 6;
             std::string cell =
                 number ? fmt::format("{:>{}}", row[i], width[i]) : fmt::format("{:<{}}", row[i], width[i]);
-            if (table.color && heading) cell = "\x1b[1m" + cell + "\x1b[0m";
+            if (table.color && heading) cell = fmt::format("\x1b[1m{}\x1b[0m", cell);
             if (table.color && !heading && i == 2)
-                cell = (row[2] == "none" ? "\x1b[2m" : "\x1b[32m") + cell + "\x1b[0m";
-            text += (i > 0 ? "  " : "") + cell;
+                cell = fmt::format("{}{}\x1b[0m", row[2] == "none" ? "\x1b[2m" : "\x1b[32m", cell);
+            if (i > 0) text += "  ";
+            text += cell;
         }
         if (!table.color) text.erase(text.find_last_not_of(' ') + 1);
         return text + "\n";

@@ -13,8 +13,8 @@ struct Color {
 };
 /// In the order of Family. Found by annealing from colours of one hue each: the least difference (CIEDE2000) of any two
 /// from closed_form to engine_update is 10.7 to those who see no red (protanopia) or no green (deuteranopia), and 14 to
-/// others; tests/figure/curve_style_test.cpp measures it. The first, for what is of no family, and that of the truth
-/// are without hue.
+/// others, and 7 of any two families; tests/figure/curve_style_test.cpp measures it. The first, for what is of no
+/// family, is grey.
 constexpr std::array<Color, color_count> palette = {{{"#7a7a7a", "#9a9a9a"},
                                                      {"#1a1a1a", "#e8e8e8"},
                                                      {"#046cc7", "#68b1ed"},
@@ -26,7 +26,7 @@ constexpr std::array<Color, color_count> palette = {{{"#7a7a7a", "#9a9a9a"},
                                                      {"#835d43", "#bf8d5f"},
                                                      {"#c10016", "#c15155"},
                                                      {"#0090a8", "#60c8d8"},
-                                                     {"#000000", "#ffffff"},
+                                                     {"#145555", "#73647d"},
                                                      {"#5d8e23", "#90bf4f"}}};
 
 struct Mark {

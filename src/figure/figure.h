@@ -18,7 +18,8 @@ struct Curve {
                          ///< legend
     std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and
                                ///< so are magnitudes beyond 1e300, which no axis can show)
-    bool line = true;          ///< false: markers only, at every point
+    bool line = true;          ///< false: marks only, at every point
+    std::string group{};       ///< "runge_kutta": what a picture of too many curves is split by (figure/split_figure.h)
 };
 
 /// A line to read the curves by, thin, grey and dashed, with its name beside it where the curves leave room. It does
@@ -57,6 +58,13 @@ struct Panel {
     std::optional<Limits> x_limits{}, y_limits{};
 };
 
+/// Which of two curves is the better one.
+enum class Best {
+    lowest_end,  ///< whose last point is lower
+    least_x,     ///< who reaches a y at a smaller x: errors against time
+    greatest_x,  ///< who reaches a y at a larger x: errors against steps
+};
+
 /// All text shows literally.
 struct Figure {
     std::string title;
@@ -66,6 +74,8 @@ struct Figure {
     /// All panels have the same axes, over what any of them shows: they stand close, and only those at the left and at
     /// the bottom have labels.
     bool shared_axes = false;
+    std::string note_of_cut{};     ///< behind the note where a curve is cut: why
+    Best best = Best::lowest_end;  ///< by which a choice of its curves is made where they are too many
 };
 
 /// The gnuplot script that draws the figure to `path` (to standard output if empty) by `terminal` ("svg" or "pdf"; else

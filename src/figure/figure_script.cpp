@@ -128,6 +128,8 @@ class Script {
         : figure_(figure), layout_(layout_of(figure)), terminal_(terminal) {
         text = terminal_.opening(layout_.width, layout_.height, text_size, path);
         line("set multiplot");
+        // what a name among curves cannot help covering does not run through it
+        line("set style textbox opaque noborder fillcolor \"#ffffff\" margins 0.3,0.3");
         line("unset key");
         std::optional<Extent> all;
         if (figure.shared_axes)
@@ -146,14 +148,16 @@ class Script {
     std::string font(double points) const { return terminal_.font(points); }
     double line_width(double points) const { return terminal_.line_width(points); }
     /// The terminals draw circles and squares smaller than the other markers, by shares of their own.
-    double point_size(int marker) const {
-        const bool small = marker <= 7;
-        return terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
+    double point_size(int type) const {
+        const bool small = type <= 7;
+        const double size = terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
+        // shapes of lines need more room to be told apart
+        return type < 4 || is_open(type) ? 1.25 * size : size;
     }
     static constexpr double mark_line_width = 0.8;
     /// The sign of a cut curve, about its last mark.
     static constexpr int ring = 6;
-    static constexpr double ring_size = 1.9;
+    static constexpr double ring_size = 1.6;
     /// gnuplot's point types from 4 on: open, filled, open, ..
     static bool is_open(int type) { return type >= 4 && type % 2 == 0; }
 
@@ -328,9 +332,10 @@ class Script {
                             line_width(0.6), guide_color);
 
             if (const auto label = guide_label(guide.label, size, seen, drawn, plot))
-                line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}",
+                line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}{}",
                                  gnuplot_quoted_line(guide.label), on_page(label->x, label->y),
-                                 label->ends_there ? "right" : "left", guide_color, font(size)));
+                                 label->ends_there ? "right" : "left", guide_color, font(size),
+                                 label->covered > 0 ? " boxed" : ""));
         }
         return elements;
     }

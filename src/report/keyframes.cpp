@@ -10,6 +10,8 @@ namespace {
 
 // 12 bits and a sign: half a milliradian, which no picture shows
 constexpr double grid_steps = 4095;
+// a path may be much longer than the body
+constexpr double path_steps = 1e6, speed_steps = 32767;
 
 struct Grid {
     double w = 0, p = 0, v = 0;  // one step of each; 0: all zero
@@ -39,8 +41,8 @@ Grid grid_of(const SampledMotion& motion, int body) {
     for (std::size_t k = 0; k < motion.t.size(); ++k) {
         const Sample& s = motion.at(k, body);
         grid.w = std::max(grid.w, largest(s.angular_velocity_B) / grid_steps);
-        grid.p = std::max(grid.p, largest(s.position_W - grid.start) / grid_steps);
-        grid.v = std::max(grid.v, largest(s.velocity_W) / grid_steps);
+        grid.p = std::max(grid.p, largest(s.position_W - grid.start) / path_steps);
+        grid.v = std::max(grid.v, largest(s.velocity_W) / speed_steps);
     }
     return grid;
 }
@@ -117,8 +119,8 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
     if (motion.t.empty()) return keyframes;
     std::vector<Grid> grids;
     for (int b = 0; b < motion.bodies; ++b) grids.push_back(grid_of(motion, b));
-    // how far the samples between two keyframes are from what is drawn there
-    const auto off = [&](std::size_t from, std::size_t to) {
+    // how far the samples between two keyframes are from what is drawn there; beyond the tolerance no matter how far
+    const auto off = [&](std::size_t from, std::size_t to, bool to_the_end = false) {
         Tolerance worst;
         for (int b = 0; b < motion.bodies; ++b) {
             const Grid& grid = grids[static_cast<std::size_t>(b)];
@@ -129,7 +131,7 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
                 worst.angle = std::max(worst.angle, angle_between(sample.q, attitude_between(begin, end, part)));
                 worst.length = std::max(
                     worst.length, std::sqrt(square_length(sample.position_W - position_between(begin, end, part))));
-                if (worst.angle > tolerance.angle || worst.length > tolerance.length) return worst;
+                if (!to_the_end && (worst.angle > tolerance.angle || worst.length > tolerance.length)) return worst;
             }
         }
         return worst;
@@ -140,7 +142,7 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
     keyframes.at.push_back(0);
     while (from < last) {
         std::size_t to = std::min(from + stride, last), reach = stride;
-        Tolerance kept = off(from, to);
+        Tolerance kept = off(from, to, true);
         // twice as far as long as that holds, then half-way between what held and what did not
         while (to < last) {
             const std::size_t further = std::min(from + 2 * reach, last);

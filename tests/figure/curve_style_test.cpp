@@ -96,16 +96,19 @@ double contrast(const std::string& one, const std::string& other) {
     return (std::max(a, b) + 0.05) / (std::min(a, b) + 0.05);
 }
 
-// closed_form to engine_update share pictures; 10.7 is what was reached, 2.3 is just noticed side by side
+// closed_form to engine_update share pictures: 10.7 is what was reached, where 2.3 is just noticed side by side. The
+// bodies made of points, the truth and engines are seldom beside them.
 TEST(CurveStyle, FamiliesDifferToThoseWithoutRedOrGreen) {
-    constexpr int first = 1, last = 9;
+    constexpr int first = 1, last_together = 9;
     for (std::string (*const color)(int) : {color_of, dark_color_of})
-        for (const auto& [matrix, least] : {std::pair(&unchanged, 14.0), {&protanopia, 10.5}, {&deuteranopia, 10.5}})
-            for (int i = first; i <= last; ++i)
-                for (int j = first; j < i; ++j)
+        for (const auto& [matrix, together] : {std::pair(&unchanged, 14.0), {&protanopia, 10.5}, {&deuteranopia, 10.5}})
+            for (int i = first; i < color_count; ++i)
+                for (int j = first; j < i; ++j) {
+                    const double least = i > last_together ? 7 : together;
                     EXPECT_GT(difference(lab(times(*matrix, linear(color(i)))), lab(times(*matrix, linear(color(j))))),
                               least)
                         << color(i) << " and " << color(j);
+                }
 }
 
 // WCAG 2.2, 1.4.11: 3:1 for what must be seen to understand a picture

@@ -115,6 +115,21 @@ test("cubic positions are exact for cubics", () => {
   }
 });
 
+test("a method's angular velocities are gone through, whatever its attitudes do", () => {
+  const error = (h: number): number => {
+    const times = Array.from({ length: Math.round(4 / h) + 1 }, (_, i) => i * h);
+    // attitudes that turn twice as fast as they say
+    const keyframes = new Keyframes(track(times, (t) => ({ q: top(2 * t).q, w: top(t).w })), false);
+    let worst = 0;
+    for (let t = 1; t < 3; t += 0.017) worst = Math.max(worst, length(subtract(keyframes.at(0, t).angularVelocity, top(t).w)));
+    assert.ok(length(subtract(keyframes.at(0, times[3]!).angularVelocity, top(times[3]!).w)) < 1e-4);
+    return worst;
+  };
+  // slopes by parabolas are of order 2, values then of order 3
+  assert.ok(Math.abs(Math.log2(error(0.8) / error(0.4)) - 3) < 0.4, `${error(0.8)} to ${error(0.4)}`);
+  assert.ok(error(0.2) < 2e-3);
+});
+
 test("the interval of a time, also of times that stand twice", () => {
   const times = [0, 1, 1, 2, 5];
   assert.deepEqual([-1, 0, 0.5, 1, 1.5, 2, 4.9, 5, 9].map((t) => findInterval(times, t)), [0, 0, 0, 2, 2, 3, 3, 3, 3]);

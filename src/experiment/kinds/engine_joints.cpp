@@ -210,6 +210,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
                 Curve curve;
                 curve.label = std::string(planned.method->name), curve.points = false;
                 set_style(curve, style);
+                curve.group = name_of(planned.method->family);
                 const std::vector<double>& energy = row->series["energy"];
                 const std::size_t count = std::min(energy.size(), row->series.t.size());
                 curve.x.assign(row->series.t.begin(), row->series.t.begin() + static_cast<long>(count));
@@ -220,7 +221,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
         if (!panel.curves.empty()) figure.panels.push_back(std::move(panel));
     }
     if (figure.panels.empty()) return {};
-    figure.note = figure_note(plan, false);
+    tell(figure, plan);
     return {{plan.experiment.name + "_energy", std::move(figure)}};
 }
 

@@ -11,7 +11,6 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
-#include "figure/curve_style.h"
 #include "measure/observed_order.h"
 #include "measure/statistics.h"
 #include "text/decimal.h"
@@ -159,7 +158,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
                 if (planned.kind != SettingKind::step) continue;
                 Curve curve;
                 curve.label = curve_label(planned);
-                set_style(curve, planned.style);
+                look_as(curve, planned);
                 const auto add = [&, measure = measure](double x, const Result* row) {
                     if (!row || row->status != Status::ok || !row->errors[measure].max) return;
                     curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);
@@ -175,7 +174,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
             }
             figure.panels.push_back(std::move(panel));
         }
-    figure.note = figure_note(plan, false);
+    tell(figure, plan);
     return {{plan.experiment.name, std::move(figure)}};
 }
 

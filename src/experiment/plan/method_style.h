@@ -11,6 +11,9 @@ struct MethodStyle {
     int mark = 0;
 };
 
+/// The word of a family: "runge_kutta"; those of no family are "others".
+const char* name_of(Family family);
+
 /// The same for a method in each picture, whatever else is in it.
 MethodStyle method_style(const Method& method);
 

@@ -47,7 +47,7 @@ export function truthActor(motion: Motion, dark: boolean): Actor {
 
 export function methodActor(data: ReportData, motion: Motion, method: MotionMethod, truth: Keyframes, place: number, dark: boolean): Actor {
   const known = data.methods[method.method];
-  const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track) : null;
+  const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track, false) : null;
   // no track: not told from the truth by eye, if it went to the end
   const isTruth = own === null && method.status === 0 && method.t.length > 0;
   const end = own?.end ?? (isTruth ? truth.end : 0);

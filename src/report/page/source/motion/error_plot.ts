@@ -113,15 +113,15 @@ export class ErrorPlot {
     const every = Math.max(1, Math.ceil((high - low) / 6));
     for (let power = low; power <= high; power += every) {
       const y = this.y(10 ** power);
-      line(margin.left, y, width - margin.right, y, "grid");
+      line(margin.left, y, width - margin.right, y, "motion-grid");
       text(power === 0 ? "1" : `1e${power}`, margin.left - 6, y + 4, "end");
     }
     for (const t of ticks(0, this.duration, Math.max(2, Math.floor(this.inner() / 80)))) {
-      line(this.x(t), bottom, this.x(t), bottom + 4, "axis");
+      line(this.x(t), bottom, this.x(t), bottom + 4, "motion-axis");
       text(significant(t), this.x(t), bottom + 17, "middle");
     }
-    line(margin.left, bottom, width - margin.right, bottom, "axis");
-    line(margin.left, margin.top, margin.left, bottom, "axis");
+    line(margin.left, bottom, width - margin.right, bottom, "motion-axis");
+    line(margin.left, margin.top, margin.left, bottom, "motion-axis");
     text("time (s)", margin.left + this.inner() / 2, height - 3, "middle");
     for (const actor of this.actors) {
       const { method } = actor;
@@ -136,10 +136,10 @@ export class ErrorPlot {
           pen = true;
         }
       });
-      made.push(vector("path", { d: path, class: "curve", stroke: actor.color, "stroke-dasharray": dashOf(actor.place).join(" ") || "none" }));
+      made.push(vector("path", { d: path, class: "motion-curve", stroke: actor.color, "stroke-dasharray": dashOf(actor.place).join(" ") || "none" }));
       if (actor.endsEarly && actor.end > 0) {
         const [x, y] = [this.x(actor.end), this.y(errorAt(method, actor.end) ?? 10 ** low)];
-        made.push(vector("path", { d: `M${x - 4} ${y - 4}L${x + 4} ${y + 4}M${x - 4} ${y + 4}L${x + 4} ${y - 4}`, class: "curve", stroke: actor.color }));
+        made.push(vector("path", { d: `M${x - 4} ${y - 4}L${x + 4} ${y + 4}M${x - 4} ${y + 4}L${x + 4} ${y - 4}`, class: "motion-curve", stroke: actor.color }));
       }
     }
     if (this.actors.length === 0) text("no method with errors over time is chosen", margin.left + this.inner() / 2, height / 2, "middle");
@@ -149,7 +149,7 @@ export class ErrorPlot {
   at(time: number): void {
     const x = this.x(time);
     const made: SVGElement[] = [
-      vector("path", { d: `M${x.toFixed(1)} ${margin.top}V${this.height - margin.bottom}`, class: "cursor" }),
+      vector("path", { d: `M${x.toFixed(1)} ${margin.top}V${this.height - margin.bottom}`, class: "motion-cursor" }),
     ];
     const words: string[] = [];
     const numbers: { y: number; text: string }[] = [];
@@ -167,7 +167,7 @@ export class ErrorPlot {
     let above = -Infinity;
     for (const number of numbers) {
       above = Math.max(number.y, above + 14);
-      const label = vector("text", { x: (x + (left ? -8 : 8)).toFixed(1), y: above.toFixed(1), "text-anchor": left ? "end" : "start", class: "value" });
+      const label = vector("text", { x: (x + (left ? -8 : 8)).toFixed(1), y: above.toFixed(1), "text-anchor": left ? "end" : "start", class: "motion-value" });
       label.textContent = number.text;
       made.push(label);
     }

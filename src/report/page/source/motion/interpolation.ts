@@ -1,7 +1,7 @@
 // The motion between keyframes, as data.ts lays it down. What is drawn, and what the thinning's bound holds for, is this.
 
 import type { Track } from "../data.ts";
-import { identity, normalized, type Quaternion, scale, type Vector, vectorAt, zero } from "./algebra.ts";
+import { identity, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 
 const quaternionScale = 1 / 32767;
 
@@ -76,16 +76,32 @@ export function positionBetween(from: Vector, fromV: Vector, to: Vector, toV: Ve
   return [at(0), at(1), at(2)];
 }
 
-/** A track's keyframes as numbers. */
+/** The slope at b of the parabola through three values, h before and k after it. */
+export function middleSlope(a: Vector, b: Vector, c: Vector, h: number, k: number): Vector {
+  const at = (i: 0 | 1 | 2): number => ((b[i] - a[i]) / h) * (k / (h + k)) + ((c[i] - b[i]) / k) * (h / (h + k));
+  return [at(0), at(1), at(2)];
+}
+
+/** A track's keyframes as numbers. Of the truth, attitudes and angular velocities belong together, and between keyframes
+ * the angular velocity is that of the attitude that is drawn. A method's need not: there it is a cubic through its own. */
 export class Keyframes {
   readonly times: readonly number[];
   readonly end: number; // s, of the last keyframe
-  private readonly track: Track;
 
-  constructor(track: Track) {
-    this.track = track;
+  constructor(private readonly track: Track, private readonly consistent = true) {
     this.times = track.t;
     this.end = track.t[track.t.length - 1] ?? 0;
+  }
+
+  /** By three neighbouring keyframes; at the ends and at a jump by two. */
+  private angularAcceleration(body: number, k: number): Vector {
+    const t = (i: number): number => this.times[i] ?? 0;
+    const w = (i: number): Vector => this.angularVelocity(body, i);
+    const last = this.times.length - 1;
+    const [before, after] = [k > 0 ? t(k) - t(k - 1) : 0, k < last ? t(k + 1) - t(k) : 0];
+    if (before > 0 && after > 0) return middleSlope(w(k - 1), w(k), w(k + 1), before, after);
+    if (before > 0) return scale(1 / before, subtract(w(k), w(k - 1)));
+    return after > 0 ? scale(1 / after, subtract(w(k + 1), w(k))) : zero;
   }
 
   attitude(body: number, k: number): Quaternion {
@@ -136,7 +152,11 @@ export class Keyframes {
     const position = moves
       ? positionBetween(this.position(body, k), this.velocity(body, k), this.position(body, k + 1), this.velocity(body, k + 1), h, s)
       : this.position(body, 0);
-    return { ...turned, position };
+    if (this.consistent) return { ...turned, position };
+    const angularVelocity = positionBetween(
+      this.angularVelocity(body, k), this.angularAcceleration(body, k), this.angularVelocity(body, k + 1), this.angularAcceleration(body, k + 1), h, s,
+    );
+    return { attitude: turned.attitude, angularVelocity, position };
   }
 
   /** Times to draw a curve through: each interval in so many parts, up to a time. */

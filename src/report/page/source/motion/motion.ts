@@ -83,7 +83,7 @@ class MotionView {
     this.layout = new Choice("Layout", (value) => this.page.set({ motion_layout: value }));
     this.bodyChoice = new Choice("Arrows and curve of", (value) => this.page.set({ motion_body: value }));
     this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
-    this.toggles = ([["momentum", "L", "Angular momentum, world axes"], ["angular_velocity", "ω", "Angular velocity, world axes"], ["trail", "Trail", "Path of the body's tip"]] as const)
+    this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["trail", "Trail", "Trail of the body's tip"]] as const)
       .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
   }
 
@@ -353,6 +353,7 @@ class MotionView {
   private playOrPause(): void {
     if (this.clock.playing) this.clock.pause();
     else this.clock.play();
+    this.play.textContent = this.clock.playing ? "Pause" : "Play";
     this.redraw();
   }
 

@@ -128,7 +128,7 @@ export class Orbit {
       button("↓", "Look from below", () => this.turn(0, -step)),
       button("+", "Nearer", () => this.turn(0, 0, 1.2)),
       button("−", "Further away", () => this.turn(0, 0, 1 / 1.2)),
-      button("Reset", "As at first", () => this.reset()),
+      button("Reset", "Reset to what it was at first", () => this.reset()),
     );
   }
 }

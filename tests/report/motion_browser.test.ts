@@ -1,0 +1,339 @@
+// The motion view in Chromium, from file://: what is drawn, controls by pointer and keyboard, its state in the address, what
+// is said of methods that are not drawn as they are, no WebGL, a lost context, and that nothing runs or grows by itself.
+
+import assert from "node:assert/strict";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import test, { after, before } from "node:test";
+import puppeteer, { type Browser, type Page } from "puppeteer-core";
+import { embed } from "./embed.ts";
+import { motionDocument } from "./motion_sample.ts";
+
+const work = process.env.POLHODE_REPORT_WORK ?? "build/report";
+const template = readFileSync(join(work, "page.html"), "utf8");
+const axe = readFileSync(join(work, "node_modules/axe-core/axe.min.js"), "utf8");
+const screenshots = join(work, "screenshots");
+const folder = mkdtempSync(join(tmpdir(), "polhode-motion-"));
+const file = join(folder, "motions.html");
+const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+const software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+let browser: Browser;
+const launch = (more: string[]): Promise<Browser> => {
+  assert.ok(chromium, "no Chromium: install it (Debian: chromium)");
+  return puppeteer.launch({ executablePath: chromium, headless: true, args: ["--no-sandbox", "--disable-dev-shm-usage", ...more] });
+};
+
+before(async () => {
+  mkdirSync(screenshots, { recursive: true });
+  writeFileSync(file, embed(template, motionDocument()));
+  browser = await launch(software);
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
+
+async function open(fragment: string, options: { width?: number; dark?: boolean; reduced?: boolean; in?: Browser } = {}): Promise<{ page: Page; faults: string[] }> {
+  const page = await (options.in ?? browser).newPage();
+  const faults: string[] = [];
+  page.on("console", (message) => {
+    if (message.type() === "error") faults.push(`console: ${message.text()}`);
+  });
+  page.on("pageerror", (fault) => faults.push(`thrown: ${fault instanceof Error ? fault.message : String(fault)}`));
+  await page.setViewport({ width: options.width ?? 1280, height: 900 });
+  await page.emulateMediaFeatures([
+    { name: "prefers-color-scheme", value: options.dark === true ? "dark" : "light" }, { name: "prefers-reduced-motion", value: options.reduced === true ? "reduce" : "no-preference" },
+  ]);
+  await page.goto(`file://${file}#section=motion&${fragment}`);
+  await page.waitForSelector(".motion-view[data-drawn]", { timeout: 60000 });
+  await pause(300);
+  return { page, faults };
+}
+
+const drawn = (page: Page): Promise<number> => page.$eval(".motion-view", (view) => Number((view as HTMLElement).dataset.drawn));
+const textOf = (page: Page, selector: string): Promise<string> => page.$$eval(selector, (all) => all.map((one) => one.textContent ?? "").join("\n"));
+
+/** Waits until it plays, or stands. */
+const playing = async (page: Page, wanted: boolean): Promise<void> => {
+  await page.waitForFunction((text) => document.querySelector(".motion-time .play")?.textContent === text, { timeout: 60000 }, wanted ? "Pause" : "Play");
+};
+
+/** Of a pane's pixels, the share that is not its ground. */
+const filled = (page: Page, pane: number): Promise<number> => page.evaluate((at) => {
+  const canvas = document.querySelectorAll<HTMLCanvasElement>(".motion-pane canvas")[at];
+  const context = canvas?.getContext("2d");
+  if (canvas === undefined || context === null || context === undefined) return -1;
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    if (Math.abs((data[i] ?? 0) - (data[0] ?? 0)) + Math.abs((data[i + 1] ?? 0) - (data[1] ?? 0)) + Math.abs((data[i + 2] ?? 0) - (data[2] ?? 0)) > 24) ++count;
+  }
+  return count / (data.length / 4);
+}, pane);
+
+async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(axe);
+  return page.evaluate(async () => {
+    const { axe: runner } = window as unknown as { axe: { run(context: object, options: object): Promise<{ violations: { id: string; help: string; nodes: { html: string; failureSummary?: string }[] }[] }> } };
+    const result = await runner.run({ include: [[".motion-view"]] }, { resultTypes: ["violations"] });
+    return result.violations.map((one) => `${one.id}: ${one.help}: ${one.nodes.slice(0, 3).map((node) => `${node.html.slice(0, 160)} ${(node.failureSummary ?? "").slice(0, 300)}`).join(" | ")}`);
+  });
+}
+
+test("every motion is drawn, in both layouts and themes, wide and narrow, and nothing is wider than the screen", async () => {
+  for (const [width, dark] of [[1440, false], [400, true]] as const) {
+    for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far"]) {
+      for (const layout of ["side", "overlay"]) {
+        const { page, faults } = await open(`scene=${scene}&motion_layout=${layout}&motion_show=angular_velocity,momentum,trail`, { width, dark });
+        // to a time within the motion
+        await page.$eval(".motion-time input", (one) => {
+          const slider = one as HTMLInputElement;
+          slider.value = String(0.3 * Number(slider.max));
+          slider.dispatchEvent(new Event("input"));
+          slider.dispatchEvent(new Event("change"));
+        });
+        await pause(400);
+        const panes = await page.$$eval(".motion-pane", (all) => all.length);
+        assert.ok(panes >= 1);
+        for (let pane = 0; pane < panes; ++pane) {
+          const share = await filled(page, pane);
+          assert.ok(share > 0.008 && share < 0.7, `${scene}, ${layout}, ${width}: ${share} of pane ${pane} is drawn upon`);
+        }
+        assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth)) <= 0, `${scene} at ${width}`);
+        const view = await page.$(".motion-view");
+        await view?.screenshot({ path: join(screenshots, `motion_${scene}_${layout}_${width}.png`) as `${string}.png` });
+        assert.deepEqual(faults, []);
+        await page.close();
+      }
+    }
+  }
+});
+
+test("accessible, in both themes", async () => {
+  for (const dark of [false, true]) {
+    for (const scene of ["t_handle", "double_pendulum", "unknown"]) {
+      const { page, faults } = await open(`scene=${scene}`, { dark });
+      assert.deepEqual(await violations(page), []);
+      assert.deepEqual(faults, []);
+      await page.close();
+    }
+  }
+});
+
+test("plays when asked, at its speed, to the end, and not before; pauses where it is out of sight", async () => {
+  const { page, faults } = await open("scene=t_handle", { reduced: true });
+  await pause(700);
+  assert.equal(await drawn(page), 0);
+  // nothing is drawn where nothing changes
+  const frames = await page.evaluate(async () => {
+    let count = 0;
+    const observer = new MutationObserver(() => ++count);
+    observer.observe(document.querySelector(".motion-view") as Element, { attributes: true, childList: true, subtree: true });
+    await new Promise((resolve) => setTimeout(resolve, 2500));
+    observer.disconnect();
+    return count;
+  });
+  // the text for screen readers at the most
+  assert.ok(frames <= 2, `${frames} changes while nothing happens`);
+  await page.click(".motion-time .play");
+  await pause(1500);
+  assert.equal(await textOf(page, ".motion-time .play"), "Pause");
+  await page.click(".motion-time .play");
+  await pause(300);
+  const reached = await drawn(page);
+  // a slow machine's long frames count 0.1 s each
+  assert.ok(reached > 0.2 && reached < 2.2, `${reached} s after 1.5 s`);
+  assert.match(page.url(), /motion_time=/);
+  await page.click(".motion-time .play");
+  await playing(page, true);
+  await page.evaluate(() => {
+    const gap = document.createElement("div");
+    gap.style.height = "4000px";
+    document.body.prepend(gap);
+    window.scrollTo(0, 0);
+  });
+  await playing(page, false);
+  await page.evaluate(() => (document.body.firstElementChild as HTMLElement).remove());
+  await page.select(".motion-time select", "10");
+  await page.$eval(".motion-view", (view) => view.scrollIntoView());
+  await page.click(".motion-time .play");
+  await playing(page, true);
+  await playing(page, false);
+  assert.equal(await drawn(page), 10.47);
+  assert.deepEqual(faults, []);
+  await page.close();
+});
+
+test("keys: the slider's own, one step, play", async () => {
+  const { page } = await open("scene=t_handle&motion_time=2");
+  assert.equal(await drawn(page), 2);
+  await page.focus(".motion-time input");
+  await page.keyboard.press(".");
+  await pause(200);
+  assert.ok(Math.abs((await drawn(page)) - (2 + 1 / 30)) < 1e-4);
+  await page.keyboard.press(",");
+  await page.keyboard.press(",");
+  await pause(200);
+  assert.ok(Math.abs((await drawn(page)) - (2 - 1 / 30)) < 1e-4);
+  await page.keyboard.press("End");
+  await pause(300);
+  assert.ok(Math.abs((await drawn(page)) - 10.47) < 1e-3);
+  await page.keyboard.press("Home");
+  await page.keyboard.press(" ");
+  await playing(page, true);
+  await page.keyboard.press(" ");
+  await playing(page, false);
+  await page.close();
+});
+
+test("the view is turned by dragging and by buttons, and the address has it", async () => {
+  const { page } = await open("scene=t_handle");
+  const picture = (): Promise<string> => page.$eval(".motion-pane canvas", (canvas) => (canvas as HTMLCanvasElement).toDataURL());
+  const first = await picture();
+  const box = await (await page.$(".motion-pane canvas"))?.boundingBox();
+  assert.ok(box);
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 80, box.y + box.height / 2 - 30, { steps: 4 });
+  await page.mouse.up();
+  await pause(500);
+  const dragged = await picture();
+  assert.notEqual(dragged, first);
+  assert.match(decodeURIComponent(page.url()), /motion_view=-?[\d.]+,-?[\d.]+,1\.00/);
+  await page.click('.motion-turn button[title="Nearer"]');
+  await pause(400);
+  assert.notEqual(await picture(), dragged);
+  await page.click('.motion-turn button[title="Reset to what it was at first"]');
+  await pause(400);
+  assert.equal(await picture(), first);
+  assert.doesNotMatch(page.url(), /motion_view/);
+  await page.close();
+});
+
+test("the address brings scene, methods, layout, time and arrows back", async () => {
+  const { page } = await open("scene=t_handle&motion_methods=rk4,cvode_adams&motion_layout=overlay&motion_time=1.25&motion_show=trail");
+  assert.equal(await drawn(page), 1.25);
+  assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 1);
+  const names = await textOf(page, ".motion-legend .name");
+  assert.match(names, /^truth\nrk4, step .*\ncvode_adams, tolerance 1e-10$/);
+  assert.deepEqual(await page.$$eval('.motion-toggles button[aria-pressed="true"]', (all) => all.map((one) => one.textContent)), ["Trail"]);
+  // and the page's own changes go there
+  await page.select(".motion-controls .choice:not([hidden]) select", "article_as_written");
+  await pause(500);
+  assert.match(page.url(), /motion_methods=article_as_written,cvode_adams/);
+  await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_time=3"));
+  await page.waitForFunction(() => (document.querySelector(".motion-view") as HTMLElement).dataset.drawn === "3.00000");
+  assert.match(await textOf(page, ".motion-remarks"), /Gravity: 9\.81 m\/s² along −z/);
+  // methods that there are not are passed over
+  await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_methods=no_such,rk4&motion_time=nonsense&motion_view=a,b,c&motion_body=none"));
+  await pause(500);
+  assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 2);
+  assert.equal(await drawn(page), 0);
+  await page.close();
+});
+
+test("it is said what is not drawn as it is", async () => {
+  const { page } = await open("scene=t_handle&motion_methods=cvode_adams,odeint_fehlberg78,radau&motion_time=9");
+  const said = await textOf(page, ".motion-remarks");
+  assert.match(said, /cvode_adams: no further than [\d.e-]+\srad from the truth: drawn as the truth\./);
+  assert.match(said, /odeint_fehlberg78 diverged after 6\.28 s and stands still from there: the energy is beyond all bounds\./);
+  assert.match(said, /radau failed: only motion under loads; there is nothing to draw\./);
+  assert.match(said, /Drawn from keyframes: off by at most 1\.9\s*mrad\./);
+  assert.match(said, /The truth: Jacobi's elliptic functions; within 1\.0e-17\./);
+  assert.match(said, /Shown are the first 10\.5\s*s of the scene's 20\s*s\./);
+  assert.match(await textOf(page, ".motion-ended:not([hidden])"), /ended at 6\.28 s\n.*nothing to draw/);
+  assert.match(await textOf(page, ".motion-now"), /odeint_fehlberg78 ended/);
+  assert.match((await page.$eval(".motion-pane canvas", (one) => one.getAttribute("aria-label"))) ?? "", /t_handle, truth: At 9\.00 s/);
+  const other = await open("scene=unknown");
+  assert.match(await textOf(other.page, ".motion-view .note"), /There is no motion of unknown; this is t_handle\./);
+  await other.page.close();
+  await page.close();
+});
+
+test("a click on the errors sets the time", async () => {
+  const { page } = await open("scene=t_handle");
+  const plot = await page.$(".motion-errors");
+  await plot?.scrollIntoView();
+  const box = await plot?.boundingBox();
+  assert.ok(box);
+  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.4);
+  await pause(400);
+  const at = await drawn(page);
+  assert.ok(at > 3.5 && at < 6, `${at}`);
+  assert.match((await page.$eval(".motion-errors", (one) => one.getAttribute("aria-label"))) ?? "", /article_as_written [\d.]+ rad/);
+  await page.close();
+});
+
+test("without WebGL the bodies are wires, it is said, and the rest is there", async () => {
+  const bare = await launch(["--disable-gpu", "--disable-3d-apis"]);
+  try {
+    const { page } = await open("scene=double_pendulum&motion_time=2", { in: bare });
+    assert.match(await textOf(page, ".motion-view .fault:not([hidden])"), /no WebGL/);
+    const share = await filled(page, 0);
+    assert.ok(share > 0.002, `${share} of the pane`);
+    assert.equal(await page.$$eval(".motion-errors .motion-curve", (all) => all.length), 2);
+    await page.focus(".motion-time input");
+    await page.keyboard.press(".");
+    await pause(200);
+    assert.ok((await drawn(page)) > 2);
+    assert.match(await textOf(page, ".motion-now"), /rk4 [\d.]+\srad off/);
+  } finally {
+    await bare.close();
+  }
+});
+
+test("a lost context is told, and its return brings the picture back; scenes come and go without growth", async () => {
+  const { page, faults } = await open("scene=t_handle&motion_time=1");
+  // three.js asks for its context once: it is kept from there on
+  await page.close();
+  const kept = await browser.newPage();
+  kept.on("pageerror", (fault) => faults.push(String(fault)));
+  await kept.evaluateOnNewDocument(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string, ...rest: unknown[]) {
+      const context = (original as (...all: unknown[]) => unknown).call(this, kind, ...rest);
+      if (kind === "webgl2" && context !== null) Object.assign(window, { keptContext: context });
+      return context;
+    } as typeof original;
+  });
+  await kept.setViewport({ width: 1280, height: 900 });
+  await kept.goto(`file://${file}#section=motion&scene=t_handle&motion_time=1`);
+  await kept.waitForSelector(".motion-view[data-drawn]");
+  await kept.evaluate(() => {
+    const { keptContext } = window as unknown as { keptContext: WebGL2RenderingContext };
+    const lose = keptContext.getExtension("WEBGL_lose_context");
+    Object.assign(window, { lose });
+    lose?.loseContext();
+  });
+  await pause(500);
+  assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /took the graphics context away/);
+  await kept.evaluate(() => (window as unknown as { lose: WEBGL_lose_context }).lose.restoreContext());
+  await pause(1000);
+  assert.equal(await textOf(kept, ".motion-view .fault:not([hidden])"), "");
+  assert.ok((await filled(kept, 0)) > 0.01);
+  // buffers that are made and let go, over many changes of scene
+  await kept.evaluate(() => {
+    const { keptContext: gl } = window as unknown as { keptContext: WebGL2RenderingContext };
+    const count = { buffers: 0 };
+    const [make, release] = [gl.createBuffer.bind(gl), gl.deleteBuffer.bind(gl)];
+    gl.createBuffer = () => (++count.buffers, make());
+    gl.deleteBuffer = (buffer) => (buffer !== null && --count.buffers, release(buffer));
+    Object.assign(window, { count });
+  });
+  const buffers = async (): Promise<number> => {
+    for (const scene of ["lagrange_top", "double_pendulum", "t_handle"]) {
+      await kept.evaluate((name) => (location.hash = `#section=motion&scene=${name}&motion_show=trail&motion_time=1`), scene);
+      await pause(350);
+    }
+    return kept.evaluate(() => (window as unknown as { count: { buffers: number } }).count.buffers);
+  };
+  const after = [await buffers(), await buffers(), await buffers()];
+  assert.equal(after[1], after[2], `buffers alive: ${after.join(", ")}`);
+  assert.deepEqual(faults, []);
+  await kept.close();
+});

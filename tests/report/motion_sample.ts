@@ -103,7 +103,7 @@ const body = (name: string, more: Partial<BodyShape>): BodyShape => ({ name, mas
 const part = (type: string, sizes: Part["sizes"], position: Vector = [0, 0, 0], orientation: Quaternion = [1, 0, 0, 0], hole = false): Part =>
   ({ type, sizes, position: [...position], orientation: [...orientation], hole });
 const motion = (more: Partial<Motion> & Pick<Motion, "bodies" | "truth" | "duration">): Motion => ({
-  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, planes: [], gravity: null, moving: false,
+  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false,
   free: false, energy: 0, how: "Jacobi's elliptic functions; within 1.0e-17", methods: [], ...more,
 });
 

@@ -103,6 +103,8 @@ test("the filter's grammar", () => {
   assert.deepEqual(kept("attitude_error>1e-9"), [0, 1]);
   assert.deepEqual(kept("att<=1e-8"), [0]);
   assert.deepEqual(kept('"attitude error">=1e-3'), [1]);
+  assert.deepEqual(kept("1e-8"), [0]); // a number's digits are a word, too
+  assert.deepEqual(kept("0.001"), [1]);
   assert.deepEqual(kept("status=ok"), [0, 2]);
   assert.deepEqual(kept("status!=ok"), [1]);
   assert.deepEqual(kept("attitude_error=0.001"), [1]);

@@ -57,7 +57,9 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
     // a colon may well belong to a word, as in bullet:default
     const word = unquoted(placed && column >= 0 ? (placed[2] ?? "") : plain).toLowerCase();
     if (word === "") continue;
-    const holds = (cell: Cell): boolean => cell !== null && String(cell).toLowerCase().includes(word);
+    // most words cannot stand in a number, and to write numbers out is slow
+    const numeric = /^[-+.\de]+$/.test(word);
+    const holds = (cell: Cell): boolean => (typeof cell === "string" ? cell.toLowerCase().includes(word) : numeric && cell !== null && String(cell).includes(word));
     tests.push((row) => (column >= 0 ? holds(row[column] ?? null) : row.some(holds)) !== negative);
   }
   if (tests.length === 0) return everything;

@@ -18,7 +18,7 @@ function blockTable(check: Check): HTMLElement | null {
     "table", { class: "blocks" },
     element("thead", {}, element("tr", {}, ...head)),
     element("tbody", {}, ...check.blocks.map((block) =>
-      element("tr", {}, element("th", { scope: "row", class: "plain" }, shorten(oneLine(block.name), 60)), element("td", { class: "number" }, quantity(block.error, shorten(oneLine(block.unit), 20))),
+      element("tr", {}, element("th", { scope: "row", class: "plain" }, shorten(oneLine(block.name), 60)), element("td", { class: "number" }, quantity(block.error, shorten(oneLine(block.unit), 20)) || "–"),
         element("td", { class: "number" }, block.limit === null ? "none" : quantity(block.limit, shorten(oneLine(block.unit), 20))), element("td", { class: "number" }, significant(block.at, 4)),
         element("td", { class: block.passed === false ? "bad" : null }, block.passed === null ? "" : block.passed ? "within" : "beyond")))),
   );

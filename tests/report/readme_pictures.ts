@@ -135,7 +135,7 @@ async function motionPicture(browser: Browser, page: string, data: ReportData, s
   const { name, motion } = shownBy(data, scene, method);
   const [first, second] = flips(motion);
   const [begin, end] = first === undefined || second === undefined ? [0, motion.duration] : [0, Math.min(motion.duration, second + (second - first) / 2)];
-  const state = (t: number): string => `section=motion&scene=${encodeURIComponent(name)}&motion_methods=${encodeURIComponent(method)}&motion_layout=side&motion_show=momentum&motion_view=35,20,1.15&motion_time=${t}`;
+  const state = (t: number): string => `section=motion&scene=${encodeURIComponent(name)}&motion_methods=${encodeURIComponent(method)}&motion_layout=side&motion_show=momentum&motion_view=35,20,1.05&motion_time=${t}`;
   const tab = await open(browser, page, state(begin), 600, 620);
   await tab.waitForSelector(".motion-view[data-drawn]", { timeout: 120000 });
   await tab.addStyleTag({ content: ".bar, nav, .motion-turn, main > section:not(#section-motion) { display: none !important }" });

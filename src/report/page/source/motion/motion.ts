@@ -274,7 +274,7 @@ class MotionView {
         return made;
       }));
       const only = pane.actors.length === 1 ? pane.actors[0] : undefined;
-      pane.value.textContent = only?.method === null || only === undefined ? "" : this.errorText(only, t);
+      pane.value.textContent = only === undefined ? "" : only.method === null ? fixed(t, this.motion.duration) : this.errorText(only, t);
       const over = pane.actors.filter((actor) => actor.method !== null && actor.endsEarly && t > actor.end);
       pane.ended.hidden = over.length === 0;
       pane.ended.textContent = over.map((actor) => (actor.keyframes === null ? `${actor.name}: nothing to draw` : `${pane.actors.length > 1 ? `${actor.name} ` : ""}ended at ${significant(actor.end)} s`)).join("; ");

@@ -36,7 +36,8 @@ export class PolhodeView {
   show(motion: Motion, actors: readonly Actor[], body: number): void {
     this.body = body;
     this.inertia = inertiaOf(motion, body);
-    this.free = motion.free && motion.bodies.length === 1;
+    // between impacts it is free, but each impact leads to another polhode
+    this.free = motion.free && motion.bodies.length === 1 && motion.planes.length === 0;
     this.curves = [];
     this.largest = 0;
     for (const actor of actors) {

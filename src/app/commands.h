@@ -26,6 +26,8 @@ void add_run(CLI::App& program, int& exit_code);
 void add_truth(CLI::App& program, int& exit_code);
 /// Trajectories of anyone's making against the truth (check.cpp).
 void add_check(CLI::App& program, int& exit_code);
+/// Pictures of trajectories (plot.cpp).
+void add_plot(CLI::App& program, int& exit_code);
 /// A scene as it is written (show.cpp).
 void add_show(CLI::App& program, int& exit_code);
 /// What there is (list.cpp).
@@ -34,6 +36,8 @@ void add_list(CLI::App& program, int& exit_code);
 void add_export(CLI::App& program, int& exit_code);
 /// A scene for many bodies (ensemble_command.cpp).
 void add_ensemble(CLI::App& program, int& exit_code);
+/// A folder of results as one page (report.cpp).
+void add_report(CLI::App& program, int& exit_code);
 
 /// Bad usage: one line on stderr, exit code 2.
 class UsageError : public std::runtime_error {

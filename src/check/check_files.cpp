@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "check/error_picture.h"
 #include "check/foreign_table.h"
+#include "check/gaps.h"
 #include "check/sample_clock.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/truth/dense.h"
@@ -21,33 +23,6 @@
 
 namespace polhode {
 namespace {
-
-// A file in our conventions, with what had to be done to it.
-TrajectoryFile prepared(const Scene& scene, const Convention& convention, const ColumnNames& columns, std::string text,
-                        CheckedFile& checked) {
-    ForeignTable table = own_columns(std::move(text), checked.path, columns, is_mechanism(scene));
-    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion, body_names(scene));
-    if (!is_mechanism(scene) && !file.bodies.empty())
-        throw InputError(checked.path, "column body", "is there, and the scene is of one body",
-                         "give a scene of several bodies, or a file without it");
-    checked.remarks = std::move(table.remarks);
-    if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
-    convert(file, convention);
-    if (const std::optional<double> dt = restore_clock(file, scene.duration))
-        checked.remarks.push_back(fmt::format(
-            "the times are those of a binary32 clock: taken for the multiples of {} s that they are rounded from",
-            shortest_decimal(*dt)));
-    const double last = file.rows.back().t;
-    // a clock that adds up steps ends beside the duration by rounding
-    if (last > scene.duration * (1 + 1e-9))
-        throw InputError(checked.path, "column t",
-                         fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
-                                     shortest_decimal(scene.duration)),
-                         "give times in s within the scene's duration, or a scene that lasts longer");
-    checked.samples = file.rows.size() / file.bodies_at_once(), checked.from = file.rows.front().t,
-    checked.until = last;
-    return file;
-}
 
 // What a file of this scene could have and has not.
 std::string lacking(const Scene& scene, const TrajectoryFile& file) {
@@ -172,22 +147,57 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
             compare_with_floors(scene, limits, checked);
         }
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
+        if (picture) checked.file = std::move(files[i]);
         files[i] = {};
     }
 }
 
 }  // namespace
 
+TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
+                             std::string text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
+    ForeignTable table = own_columns(std::move(text), checked.path, columns, scene == nullptr || is_mechanism(*scene));
+    if (gaps != nullptr) {
+        GappedTable gapped = without_nan(table.text, checked.path);
+        table.text = std::move(gapped.text), *gaps = std::move(gapped.gaps);
+    }
+    const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
+    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion, bodies);
+    checked.remarks = std::move(table.remarks);
+    if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
+    if (scene == nullptr) {
+        convert(file, convention);
+        return file;
+    }
+    if (!is_mechanism(*scene) && !file.bodies.empty())
+        throw InputError(checked.path, "column body", "is there, and the scene is of one body",
+                         "give a scene of several bodies, or a file without it");
+    convert(file, convention);
+    if (const std::optional<double> dt = restore_clock(file, scene->duration))
+        checked.remarks.push_back(fmt::format(
+            "the times are those of a binary32 clock: taken for the multiples of {} s that they are rounded from",
+            shortest_decimal(*dt)));
+    const double last = file.rows.back().t;
+    // a clock that adds up steps ends beside the duration by rounding
+    if (last > scene->duration * (1 + 1e-9))
+        throw InputError(checked.path, "column t",
+                         fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
+                                     shortest_decimal(scene->duration)),
+                         "give times in s within the scene's duration, or a scene that lasts longer");
+    checked.samples = file.rows.size() / file.bodies_at_once(), checked.from = file.rows.front().t,
+    checked.until = last;
+    return file;
+}
+
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
                                      const Convention& convention, const ColumnNames& columns,
                                      const ErrorLimits& limits, bool explain, bool picture) {
-    constexpr std::size_t largest_file = std::size_t{1} << 30;
     std::vector<CheckedFile> all;
     std::vector<TrajectoryFile> files;
     for (const std::string& path : paths) {
         all.emplace_back().path = path;
-        files.push_back(
-            prepared(scene, convention, columns, read_text(path, largest_file, "a readable CSV file"), all.back()));
+        files.push_back(prepared_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
+                                      all.back()));
     }
     judge_all(scene, limits, explain, picture, files, all);
     return all;
@@ -200,7 +210,7 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<Named
     std::vector<TrajectoryFile> files;
     for (const NamedText& one : texts) {
         all.emplace_back().path = one.name;
-        files.push_back(prepared(scene, convention, columns, one.text, all.back()));
+        files.push_back(prepared_file(&scene, convention, columns, one.text, all.back()));
     }
     judge_all(scene, limits, explain, picture, files, all);
     return all;

@@ -1,6 +1,7 @@
 // What `polhode check` does with trajectory files: reads, judges, diagnoses and compares them with the floors.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "check/convention.h"
 #include "check/foreign_table.h"
 #include "check/report.h"
+#include "motion/trajectory_csv.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -22,6 +24,15 @@ struct NamedText {
     std::string name;  ///< what messages call it
     std::string text;  ///< CSV
 };
+
+/// A file of more bytes is not read.
+inline constexpr std::size_t largest_file = std::size_t{1} << 30;
+
+/// The file of this text in our conventions; what had to be done to it is added to `checked`, whose path messages name.
+/// Without a scene (nullptr) it may be of any length and of any bodies. `gaps`: times at which a cell is NaN are left
+/// out, and those that come after some are told (GappedTable); without it they are refused. Throws InputError.
+TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
+                             std::string text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
 
 /// Judges the files at these paths against the scene's truth. All are read before any is judged: a slip in the last
 /// must not cost the time of the first. `columns`: which of theirs hold ours, if they are not told by their names.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "experiment/plan/method_style.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
 #include "integrators/truth/reference.h"
@@ -16,9 +17,12 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t most_points = 400;
+// blue: of the known updates beside it none has it
+constexpr int file_color = static_cast<int>(Family::series);
 
 // The known update to set beside the file, with its errors at the file's times; empty where there is none.
 struct Companion {
+    const Method* method = nullptr;
     std::string label;
     ErrorSeries errors;
 };
@@ -43,7 +47,7 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
         picked.back().t = truth.samples[i].t;
     }
     run.samples = std::move(picked);
-    return {fmt::format("{} at {:.4g} Hz", method->name, 1 / *settings.step), error_series(scene, run, truth)};
+    return {method, fmt::format("{} at {:.4g} Hz", method->name, 1 / *settings.step), error_series(scene, run, truth)};
 }
 
 }  // namespace
@@ -85,12 +89,18 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         panel.title = std::string(verdict.block->title);
         panel.x_label = "time (s)", panel.log_x = false;
         panel.y_label = fmt::format("error ({})", measure.unit);
-        const auto add = [&](std::string label, int style, const std::vector<double>& y) {
-            panel.curves.push_back(
-                {.label = std::move(label), .color = style, .dash = style, .points = false, .x = own.t, .y = y});
+        const auto add = [&](std::string label, const MethodStyle& style, int dash, const std::vector<double>& y) {
+            panel.curves.push_back({.label = std::move(label),
+                                    .color = style.color,
+                                    .mark = style.mark,
+                                    .dash = dash,
+                                    .points = false,
+                                    .x = own.t,
+                                    .y = y});
         };
-        add("the file", 0, own[verdict.block->measure]);
-        if (!beside.label.empty()) add(beside.label, 1, beside.errors[verdict.block->measure]);
+        add("the file", {file_color, 0}, 0, own[verdict.block->measure]);
+        if (!beside.label.empty())
+            add(beside.label, method_style(*beside.method), 1, beside.errors[verdict.block->measure]);
         const double size = checked.judgement.size[measure_index(verdict.block->measure)];
         // the limit in the unit that the measure has
         const double of_size = measure.scale || !verdict.limit.relative ? 1 : size;
@@ -108,7 +118,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
                 for (const auto& [label, y, dash] :
                      {std::tuple{"float32 floor", &float32, 1}, {"float64 floor", &float64, 2}})
                     panel.curves.push_back(
-                        {.label = label, .color = 7, .dash = dash, .points = false, .x = kappa.times, .y = *y});
+                        {.label = label, .color = 0, .dash = dash, .points = false, .x = kappa.times, .y = *y});
             }
         }
         figure.panels.push_back(std::move(panel));

@@ -49,6 +49,8 @@ struct Judge::State {
     PerMeasure<double> scales = {};
     PerMeasure<double> sizes = {};  // of what is not relative
     std::array<double, most_spans> until{};
+    std::optional<std::size_t> kept_measure{};
+    std::vector<double> kept{};
     std::size_t place = measure_index("position"), speed = measure_index("velocity");
 
     // where the centre of mass starts
@@ -88,7 +90,9 @@ struct Judge::State {
         const std::span<const Measure> all = measures();
         for (std::size_t m = 0; m < all.size(); ++m) {
             if (!knows(all[m])) continue;
-            tallies[m].note(double(all[m].error(c)), row.t, k);
+            const auto error = static_cast<double>(all[m].error(c));
+            tallies[m].note(error, row.t, k);
+            if (kept_measure == m) kept.push_back(error);
             if (all[m].scale) scales[m] = std::max(scales[m], double(all[m].scale(c.truth)));
         }
         sizes[place] = std::max(sizes[place], double(length(c.truth.position_W - own_start(own))));
@@ -113,8 +117,18 @@ void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
         state_->body);
 }
 
+void Judge::keep(std::size_t measure) { state_->kept_measure = measure; }
+
+std::vector<double> Judge::kept() const {
+    std::vector<double> errors = state_->kept;
+    if (const double scale = state_->scales[*state_->kept_measure]; scale > 0)
+        for (double& error : errors) error /= scale;
+    return errors;
+}
+
 void Judge::append(const Judge& later) {
     const State& other = *later.state_;
+    state_->kept.insert(state_->kept.end(), other.kept.begin(), other.kept.end());
     for (std::size_t m = 0; m < measures().size(); ++m) {
         state_->tallies[m].append(other.tallies[m]);
         state_->scales[m] = std::max(state_->scales[m], other.scales[m]);

@@ -70,9 +70,13 @@ class Judge {
     /// Judges rows first, first + 1, .. by these samples; each row once, in order within one Judge. Throws
     /// std::invalid_argument where a time is not the row's.
     void add(std::size_t first, std::span<const ReferenceSample> truth);
+    /// Keeps the error of each row in this measure as well; before any is judged.
+    void keep(std::size_t measure);
     /// Takes over what another has judged, of later rows.
     void append(const Judge& later);
     Judgement result() const;
+    /// The errors kept, row by row, as the measure has them.
+    std::vector<double> kept() const;
 
     struct State;
     struct Tally;

@@ -9,6 +9,7 @@
 #include "check/judge.h"
 #include "check/limits.h"
 #include "figure/figure.h"
+#include "motion/trajectory_csv.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -32,7 +33,8 @@ struct CheckedFile {
     std::vector<std::string> remarks;            ///< whole sentences
     std::string lacks;                           ///< the columns that the file does not have: "w", "p and v", ..
     Diagnosed diagnosed;
-    std::optional<Figure> picture;  ///< its errors over time, where they were asked for
+    std::optional<Figure> picture;       ///< its errors over time, where they were asked for
+    std::optional<TrajectoryFile> file;  ///< its rows in our conventions, likewise
 };
 
 std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>& all);

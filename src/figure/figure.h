@@ -8,20 +8,18 @@
 
 namespace polhode {
 
-/// So many indices differ in colour; beyond it the colours come again with other markers.
-constexpr int palette_size = 16;
-
 struct Curve {
     std::string label;   ///< in the legend; curves of one label share one entry over all panels; none if empty
-    int color = 0;       ///< index into a fixed palette of colour and marker: one a method, the same in every picture.
-                         ///< 0 to 47 are told apart, the first 8 by colour alone
+    int color = 0;       ///< which colour (figure/curve_style.h): one a family of methods, the same in every picture
+    int mark = 0;        ///< which mark: one a member of the family
     int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one a setting
-    bool points = true;  ///< with markers (at every n-th point where there are more than 40) or a line only
-    bool cut = false;    ///< the curve was cut short: an open marker and an arrow onward at its last point, explained
-                         ///< in the legend
+    bool points = true;  ///< with marks (at every n-th point where there are more than 40) or a line only
+    bool cut = false;    ///< the curve was cut short: a ring about its last point and an arrow onward, explained in the
+                         ///< legend
     std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and
                                ///< so are magnitudes beyond 1e300, which no axis can show)
-    bool line = true;          ///< false: markers only, at every point
+    bool line = true;          ///< false: marks only, at every point
+    std::string group{};       ///< "runge_kutta": what a picture of too many curves is split by (figure/split_figure.h)
 };
 
 /// A line to read the curves by, thin, grey and dashed, with its name beside it where the curves leave room. It does
@@ -60,6 +58,13 @@ struct Panel {
     std::optional<Limits> x_limits{}, y_limits{};
 };
 
+/// Which of two curves is the better one.
+enum class Best {
+    lowest_end,  ///< whose last point is lower
+    least_x,     ///< who reaches a y at a smaller x: errors against time
+    greatest_x,  ///< who reaches a y at a larger x: errors against steps
+};
+
 /// All text shows literally.
 struct Figure {
     std::string title;
@@ -69,6 +74,8 @@ struct Figure {
     /// All panels have the same axes, over what any of them shows: they stand close, and only those at the left and at
     /// the bottom have labels.
     bool shared_axes = false;
+    std::string note_of_cut{};     ///< behind the note where a curve is cut: why
+    Best best = Best::lowest_end;  ///< by which a choice of its curves is made where they are too many
 };
 
 /// The gnuplot script that draws the figure to `path` (to standard output if empty) by `terminal` ("svg" or "pdf"; else

@@ -42,6 +42,13 @@ std::vector<LegendEntry> legend_entries(const Figure& figure) {
     return entries;
 }
 
+std::string whole_note(const Figure& figure) {
+    for (const Panel& panel : figure.panels)
+        for (const Curve& curve : panel.curves)
+            if (curve.cut) return figure.note + ' ' + figure.note_of_cut;
+    return figure.note;
+}
+
 /// Places the entries in columns as wide as the longest, and returns the height they take.
 double place_legend(std::vector<LegendEntry>& entries, double top, double width) {
     if (entries.empty()) return 0;
@@ -102,7 +109,7 @@ FigureLayout layout_of(const Figure& figure) {
     double bottom = top + static_cast<double>(rows) * (plot_height + down) + (shared ? room_below : 0) + 4;
     layout.legend = legend_entries(figure);
     bottom += place_legend(layout.legend, bottom, layout.width);
-    layout.note_lines = wrapped(figure.note, layout.width - 16, text_size);
+    layout.note_lines = wrapped(whole_note(figure), layout.width - 16, text_size);
     layout.first_note_line = bottom + line_height / 2;
     layout.height = std::ceil(bottom + line_height * static_cast<double>(layout.note_lines.size()) + 4);
     return layout;

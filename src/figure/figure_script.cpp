@@ -128,6 +128,8 @@ class Script {
         : figure_(figure), layout_(layout_of(figure)), terminal_(terminal) {
         text = terminal_.opening(layout_.width, layout_.height, text_size, path);
         line("set multiplot");
+        // what a name among curves cannot help covering does not run through it
+        line("set style textbox opaque noborder fillcolor \"#ffffff\" margins 0.3,0.3");
         line("unset key");
         std::optional<Extent> all;
         if (figure.shared_axes)
@@ -146,10 +148,18 @@ class Script {
     std::string font(double points) const { return terminal_.font(points); }
     double line_width(double points) const { return terminal_.line_width(points); }
     /// The terminals draw circles and squares smaller than the other markers, by shares of their own.
-    double point_size(int marker) const {
-        const bool small = marker <= 7;
-        return terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
+    double point_size(int type) const {
+        const bool small = type <= 7;
+        const double size = terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
+        // shapes of lines need more room to be told apart
+        return type < 4 || is_open(type) ? 1.25 * size : size;
     }
+    static constexpr double mark_line_width = 0.8;
+    /// The sign of a cut curve, about its last mark.
+    static constexpr int ring = 6;
+    static constexpr double ring_size = 1.6;
+    /// gnuplot's point types from 4 on: open, filled, open, ..
+    static bool is_open(int type) { return type >= 4 && type % 2 == 0; }
 
     std::string on_page(double x, double y) const {
         return fmt::format("screen {:.5f},{:.5f}", x / layout_.width, 1 - y / layout_.height);
@@ -308,7 +318,7 @@ class Script {
             if (guide.x.empty() && guide.y.size() == 1) {
                 if (drawable(guide.y[0], panel.log_y)) points = {{x.low, guide.y[0]}, {x.high, guide.y[0]}};
             } else {
-                points = drawable_points(panel, {{}, 0, 0, false, false, guide.x, guide.y});
+                points = drawable_points(panel, {.label = {}, .x = guide.x, .y = guide.y});
             }
             std::vector<Point> seen;
             for (const Point& point : points)
@@ -322,9 +332,10 @@ class Script {
                             line_width(0.6), guide_color);
 
             if (const auto label = guide_label(guide.label, size, seen, drawn, plot))
-                line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}",
+                line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}{}",
                                  gnuplot_quoted_line(guide.label), on_page(label->x, label->y),
-                                 label->ends_there ? "right" : "left", guide_color, font(size)));
+                                 label->ends_there ? "right" : "left", guide_color, font(size),
+                                 label->covered > 0 ? " boxed" : ""));
         }
         return elements;
     }
@@ -342,29 +353,31 @@ class Script {
             const std::vector<Point>& points = curves[i];
             if (points.empty()) continue;
             data(i, points);
-            const std::size_t marked = points.size() - (curve.cut ? 1 : 0);
+            const int type = point_type_of(curve.mark);
+            const std::string color = color_of(curve.color);
             if (curve.line) {
                 // cells may be as dark as the curve
                 if (panel.map)
                     element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} linecolor \"#ffffff\"", i,
                                         line_width(2.2)));
                 element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} dashtype {} linecolor \"{}\"", i,
-                                    line_width(0.9), dash_of(curve), color_of(curve)));
+                                    line_width(0.9), dash_of(curve), color));
             }
-            if ((curve.points || !curve.line) && marked > 0) {
-                element(fmt::format(
-                    "$curve{} using 1:2 every {}::0::{} with points pointtype {} pointsize {} "
-                    "linecolor \"{}\"",
-                    i, curve.line ? (points.size() + 39) / 40 : 1, marked - 1, marker_of(curve),
-                    (marked == 1 && curve.line ? lone : 1) * point_size(marker_of(curve)), color_of(curve)));
+            if (curve.points || !curve.line) {
+                // the line does not show through an open mark
+                const std::string every = fmt::format("$curve{} using 1:2 every {}::0::{} with points pointsize {}", i,
+                                                      curve.line ? (points.size() + 39) / 40 : 1, points.size() - 1,
+                                                      (points.size() == 1 && curve.line ? lone : 1) * point_size(type));
+                if (is_open(type)) element(fmt::format("{} pointtype {} linecolor \"#ffffff\"", every, type + 1));
+                element(fmt::format("{} pointtype {} linewidth {:g} linecolor \"{}\"", every, type,
+                                    line_width(mark_line_width), color));
             }
             if (!curve.cut) continue;
-            const std::string last = fmt::format("$curve{} using 1:2 every ::{} with points", i, points.size() - 1);
-            element(fmt::format("{} pointtype {} pointsize {} linecolor \"#ffffff\"", last, marker_of(curve),
-                                point_size(marker_of(curve))));
-            element(fmt::format("{} pointtype {} pointsize {} linewidth {:g} linecolor \"{}\"", last,
-                                marker_of(curve) - 1, point_size(marker_of(curve)), line_width(0.8), color_of(curve)));
-            onward_arrow(points, plot, x, y, color_of(curve));
+            element(
+                fmt::format("$curve{} using 1:2 every ::{} with points pointtype {} pointsize {} linewidth {:g} "
+                            "linecolor \"{}\"",
+                            i, points.size() - 1, ring, ring_size * point_size(ring), line_width(0.8), color));
+            onward_arrow(points, plot, x, y, color);
         }
         if (elements.empty()) elements = "NaN notitle";
         line("plot " + beneath + elements);
@@ -379,7 +392,7 @@ class Script {
             const double length = std::hypot(last.x - before.x, last.y - before.y);
             if (length < 1) continue;
             const Point direction{(last.x - before.x) / length, (last.y - before.y) / length};
-            const double begin = 2.5, end = 11;
+            const double begin = 4, end = 12;
             const Point tip{std::clamp(last.x + end * direction.x, plot.left, plot.right),
                             std::clamp(last.y + end * direction.y, plot.top, plot.bottom)};
             arrow(on_page(last.x + begin * direction.x, last.y + begin * direction.y), on_page(tip.x, tip.y), color);
@@ -429,7 +442,7 @@ class Script {
         line(fmt::format("{:.5f} {:.5f}", (entry.x + legend_sample) / layout_.width, y));
         line("END");
         return fmt::format("$legend{} using 1:2 with lines linewidth {:g} dashtype {} linecolor \"{}\" notitle", index,
-                           line_width(0.9), dash_of(*entry.curve), color_of(*entry.curve));
+                           line_width(0.9), dash_of(*entry.curve), color_of(entry.curve->color));
     }
 
     /// The same of a class: a filled cell with a thin frame, for the lightest is nearly white.
@@ -449,17 +462,21 @@ class Script {
     void legend_sign(const LegendEntry& entry) {
         if (!entry.fill.empty()) return;
         const double middle = entry.x + legend_sample / 2;
-        const auto marker = [&](int type, const std::string& color) {
+        const auto sign = [&](int type, double size, const std::string& color) {
             line(fmt::format("set label \"\" at {} point pointtype {} pointsize {} linewidth {:g} linecolor \"{}\"",
-                             on_page(middle, entry.y), type, point_size(type), line_width(0.8), color));
+                             on_page(middle, entry.y), type, size * point_size(type), line_width(mark_line_width),
+                             color));
         };
         if (entry.curve == nullptr) {
             const std::string grey = "#404040";
-            marker(6, grey);  // an open circle
-            arrow(on_page(middle + 2.5, entry.y), on_page(entry.x + legend_sample, entry.y), grey);
+            sign(ring, ring_size, grey);
+            arrow(on_page(middle + 4, entry.y), on_page(entry.x + legend_sample, entry.y), grey);
             return;
         }
-        if (entry.curve->points || !entry.curve->line) marker(marker_of(*entry.curve), color_of(*entry.curve));
+        if (!entry.curve->points && entry.curve->line) return;
+        const int type = point_type_of(entry.curve->mark);
+        if (is_open(type)) sign(type + 1, 1, "#ffffff");
+        sign(type, 1, color_of(entry.curve->color));
     }
 
     const Figure& figure_;

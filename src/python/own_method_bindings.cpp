@@ -6,6 +6,8 @@
 #include <map>
 #include <span>
 
+#include "experiment/plan/method_style.h"
+#include "figure/curve_style.h"
 #include "integrators/own_methods.h"
 #include "integrators/run/march.h"
 #include "motion/numbers.h"
@@ -188,6 +190,8 @@ py::dict entry_of(const Method& method) {
     entry["control"] = control_of(method);
     entry["library"] = method.library.empty() ? "polhode" : std::string(method.library);
     entry["planes"] = method.planes;
+    const MethodStyle style = method_style(method);
+    entry["color"] = color_of(style.color), entry["mark"] = mark_name(style.mark);
     // its samples lie beside its steps, which do not know of them
     entry["dense"] = method.control != Control::fixed_step && method.family != Family::engine;
     return entry;
@@ -204,6 +208,11 @@ void bind_own_methods(py::module_& module) {
     module.def("add_method", &add_own_method, py::arg("name"), py::arg("documentation"), py::arg("source"),
                py::arg("order"), py::arg("conserves"), py::arg("control"), py::arg("identity"), py::kw_only(),
                py::arg("step"), py::arg("solve"));
+    module.def("plain_colors", [] {
+        py::list all;
+        for (int place = 0; place < color_count - 1; ++place) all.append(color_of(plain_style(place).color));
+        return all;
+    });
     module.def("methods", [] {
         py::list all;
         for (const Method* method : methods()) all.append(entry_of(*method));

@@ -161,21 +161,32 @@ std::string csv(const Table& table) {
     return out;
 }
 
-Table parse_csv(std::string_view text) {
+void read_csv(std::string_view text, const std::function<void(std::vector<std::string>&)>& take) {
     CsvReader reader(text);
     if (reader.at_end()) CsvReader::fault(1, "there is no header");
-    Table table;
-    table.columns = reader.record();
-    if (const auto name = repeated_name(table.columns)) {
+    std::vector<std::string> fields = reader.record();
+    const std::size_t columns = fields.size();
+    if (const auto name = repeated_name(fields)) {
         CsvReader::fault(1, fmt::format("two columns are named '{}'", shown(*name)));
     }
+    take(fields);
     while (!reader.at_end()) {
         const int line = reader.line();
-        std::vector<std::string> fields = reader.record();
-        if (fields.size() != table.columns.size()) {
-            CsvReader::fault(line,
-                             fmt::format("{} field{} under {} column{}", fields.size(), fields.size() == 1 ? "" : "s",
-                                         table.columns.size(), table.columns.size() == 1 ? "" : "s"));
+        fields = reader.record();
+        if (fields.size() != columns) {
+            CsvReader::fault(line, fmt::format("{} field{} under {} column{}", fields.size(),
+                                               fields.size() == 1 ? "" : "s", columns, columns == 1 ? "" : "s"));
+        }
+        take(fields);
+    }
+}
+
+Table parse_csv(std::string_view text) {
+    Table table;
+    read_csv(text, [&](std::vector<std::string>& fields) {
+        if (table.columns.empty()) {
+            table.columns = std::move(fields);
+            return;
         }
         std::vector<Cell>& row = table.rows.emplace_back();
         for (std::string& field : fields) {
@@ -185,7 +196,7 @@ Table parse_csv(std::string_view text) {
                 row.emplace_back(std::move(field));
             }
         }
-    }
+    });
     return table;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,10 @@ std::string csv(const Table& table);
 /// the last one in nothing. Throws std::invalid_argument with line and fault: no header, two columns of one name, a row
 /// of another length than the header, a quote inside a field or never closed, text behind a closing quote.
 Table parse_csv(std::string_view text);
+
+/// The same a record at a time, the header first: for texts too long to stand in memory as tables. `take` may keep what
+/// it is given.
+void read_csv(std::string_view text, const std::function<void(std::vector<std::string>&)>& take);
 
 /// For people: real numbers to three significant digits, scientific outside [1e-3, 1e3), counts in full, empty cells
 /// as they are, columns of numbers aligned to the right. Text shows literally: what the format would take as markup is

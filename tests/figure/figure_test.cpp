@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 const double infinity = std::numeric_limits<double>::infinity();
 
 Curve curve(const std::string& label, int color) {
-    return {label, color, 0, true, false, {1e-3, 1e-2, 1e-1}, {1e-2, 1e-5, 1e-8}};
+    return {.label = label, .color = color, .x = {1e-3, 1e-2, 1e-1}, .y = {1e-2, 1e-5, 1e-8}};
 }
 
 Figure small_figure() {
@@ -95,10 +95,11 @@ class Draw : public ::testing::Test {
 TEST(GnuplotScript, HasNoNumberThatIsNotFinite) {
     Figure figure = small_figure();
     figure.panels[0].curves[0].y = {std::nan(""), -infinity, infinity};
-    figure.panels[1].curves[0] = {"bad", 2, 0, true, true, {0, -1, 1e-3, 5e-324}, {1, 1, 1e-3, 1}};
+    figure.panels[1].curves[0] = {
+        .label = "bad", .color = 2, .cut = true, .x = {0, -1, 1e-3, 5e-324}, .y = {1, 1, 1e-3, 1}};
     figure.panels[2].curves.clear();
     figure.panels[2].log_y = false;
-    figure.panels[2].curves = {{"huge", 1, 0, true, false, {1, 2}, {-1.7e308, 1.7e308}}};
+    figure.panels[2].curves = {{.label = "huge", .x = {1, 2}, .y = {-1.7e308, 1.7e308}}};
     for (const char* terminal : {"svg", "pdf"}) {
         const std::string script = gnuplot_script(figure, terminal, "out");
         EXPECT_FALSE(std::regex_search(script, std::regex("[^a-z](nan|inf)[^a-z]", std::regex::icase))) << script;
@@ -270,38 +271,6 @@ TEST(GnuplotScript, KeepsToTheLimitsOfAPanel) {
     EXPECT_EQ(count(script, "$legend1"), 0u);
 }
 
-// CIE 1976 L*
-double lightness(const std::string& color) {
-    const auto linear = [&](std::size_t at) {
-        const double c = std::stoi(color.substr(at, 2), nullptr, 16) / 255.0;
-        return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-    };
-    return 116 * std::cbrt(0.2126 * linear(1) + 0.7152 * linear(3) + 0.0722 * linear(5)) - 16;
-}
-
-TEST(CurveStyle, ShadesDarkenByASteadyStep) {
-    for (int i = 1; i < shade_count; ++i)
-        EXPECT_GT(lightness(color_of_shade(i - 1)) - lightness(color_of_shade(i)), 8) << i;
-    EXPECT_EQ(color_of_shade(-1), color_of_shade(0));
-    EXPECT_EQ(color_of_shade(shade_count), color_of_shade(shade_count - 1));
-}
-
-TEST(CurveStyle, TellsFortyEightCurvesApart) {
-    std::set<std::pair<std::string, int>> styles;
-    std::set<std::string> colors;
-    for (int i = 0; i < 48; ++i) {
-        Curve c;
-        c.color = i;
-        styles.insert({color_of(c), marker_of(c)});
-        if (i < 8) colors.insert(color_of(c));
-    }
-    EXPECT_EQ(styles.size(), 48u);
-    EXPECT_EQ(colors.size(), 8u);
-    Curve negative;
-    negative.color = -1;
-    EXPECT_FALSE(color_of(negative).empty());
-}
-
 TEST(FigureLayout, KeepsEverythingApart) {
     for (const int panels : {1, 3, 8}) {
         for (const int columns : {1, 2, 3, -4}) {
@@ -370,7 +339,7 @@ TEST_F(Draw, ShowsTextLiterally) {
 TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
     const Panel empty{"empty", "x (s)", "y (1)", true, true, {}};
     Panel zero = empty;
-    zero.curves = {{"exact", 0, 0, true, true, {1, 2}, {0, 0}}};
+    zero.curves = {{.label = "exact", .cut = true, .x = {1, 2}, .y = {0, 0}}};
     for (const Figure& figure : {Figure{"none", 1, {}, ""}, Figure{"", 2, {empty, zero}, ""}}) {
         ASSERT_EQ(draw(figure, path("a")), "");
         EXPECT_EQ(count(shown_text(content(path("a.svg"))), "no point to draw"), figure.panels.size());
@@ -379,12 +348,18 @@ TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
 
 TEST_F(Draw, DrawsExtremeData) {
     Figure figure = small_figure();
-    figure.panels[0].curves[0] = {"one point", 0, 0, true, true, {1}, {1}};
-    figure.panels[0].curves[1] = {"range", 1, 3, false, true, {1e-300, 1e300}, {1e300, 1e-300}};
+    figure.panels[0].curves[0] = {.label = "one point", .cut = true, .x = {1}, .y = {1}};
+    figure.panels[0].curves[1] = {.label = "range",
+                                  .color = 1,
+                                  .dash = 3,
+                                  .points = false,
+                                  .cut = true,
+                                  .x = {1e-300, 1e300},
+                                  .y = {1e300, 1e-300}};
     figure.panels[1].log_x = figure.panels[1].log_y = false;
-    figure.panels[1].curves = {{"linear", 2, 1, true, true, {-1e300, 1e300}, {1e300, -1e300}}};
+    figure.panels[1].curves = {{.label = "linear", .dash = 1, .cut = true, .x = {-1e300, 1e300}, .y = {1e300, -1e300}}};
     figure.panels[2].log_x = false;
-    figure.panels[2].curves = {{"still", 2, 1, true, true, {1, 1, 1}, {2, 2, 2}}};
+    figure.panels[2].curves = {{.label = "still", .dash = 1, .cut = true, .x = {1, 1, 1}, .y = {2, 2, 2}}};
     EXPECT_EQ(draw(figure, path("a")), "");
 }
 

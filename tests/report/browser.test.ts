@@ -255,6 +255,36 @@ test("a link brings the view back in another tab", async () => {
   await other.page.close();
 });
 
+test("a double click and the button show the whole again", async () => {
+  const { page, faults } = await open(browser, `${rich}#section=work-precision`);
+  await page.waitForSelector("#section-work-precision .main-svg");
+  await pause(500);
+  const ranges = (): Promise<number[]> => page.$eval("#section-work-precision .plot", (plot) => {
+    const { layout } = plot as unknown as { layout: { xaxis: { range: number[] }; yaxis: { range: number[] } } };
+    return [...layout.xaxis.range, ...layout.yaxis.range];
+  });
+  const whole = await ranges();
+  const box = await (await page.$("#section-work-precision .plot"))!.boundingBox();
+  assert.ok(box);
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  for (const reset of ["double click", "button"]) {
+    await page.mouse.move(x - 80, y - 60);
+    await page.mouse.down();
+    await page.mouse.move(x + 80, y + 60, { steps: 5 });
+    await page.mouse.up();
+    await pause(700);
+    assert.notDeepEqual(await ranges(), whole, "dragging zooms in");
+    assert.match(await page.evaluate(() => location.hash), /work\.zoom=/);
+    if (reset === "button") await page.evaluate(() => [...document.querySelectorAll<HTMLButtonElement>("#section-work-precision .plot-tools button")].find((one) => one.textContent === "Reset")?.click());
+    else await page.mouse.click(x + 150, y - 100, { count: 2 });
+    await pause(900);
+    assert.deepEqual(await ranges(), whole, reset);
+    assert.doesNotMatch(await page.evaluate(() => location.hash), /zoom/);
+  }
+  assert.deepEqual(faults, []);
+  await page.close();
+});
+
 test("pictures are saved as SVG and PNG, with a legend", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision`);
   await page.waitForSelector("#section-work-precision .main-svg");

@@ -7,6 +7,7 @@
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
+#include "figure/curve_style.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 
@@ -46,7 +47,8 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
         Panel panel{planned.label, "evaluations", "error (s)", true, true, {}};
         for (const PlannedCurve& planned_curve : plan.curves) {
             Curve curve;
-            curve.label = planned_curve.method->name, curve.color = planned_curve.color;
+            curve.label = planned_curve.method->name;
+            set_style(curve, planned_curve.style);
             for (const double setting : planned_curve.settings) {
                 Settings settings;
                 settings.samples = samples;

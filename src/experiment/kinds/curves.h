@@ -28,8 +28,11 @@ inline constexpr const char *float64_floor_label = "float64 floor", *float32_flo
 std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
                                 std::optional<double> Floors::*float64, std::optional<double> Floors::*float32);
 
-/// What the reader of a picture must know: why a curve was cut, a SUNDIALS compiled without optimisation.
-std::string figure_note(const Plan& plan, bool cut);
+/// Gives a curve the look of its method, and its family for a group.
+void look_as(Curve& curve, const PlannedCurve& planned);
+
+/// Notes what the reader of a picture must know: why a curve was cut, a SUNDIALS compiled without optimisation.
+void tell(Figure& figure, const Plan& plan);
 
 /// Error against run time, a panel a scene, a curve a method and kind of setting.
 std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results);

@@ -11,6 +11,7 @@
 #include "experiment/kinds/cells.h"
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
+#include "figure/curve_style.h"
 #include "measure/observed_order.h"
 #include "text/message.h"
 
@@ -191,7 +192,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
         Panel panel;
         panel.title = scene.scene.name, panel.x_label = "time (s)", panel.y_label = "|E - E_ref| / max E";
         panel.log_x = false;
-        int color = 0;
+        int place = 0;
         for (const PlannedCurve& planned : plan.curves) {
             const EngineMethod* engine = engine_of(*planned.method);
             if (!engine) continue;
@@ -202,12 +203,14 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
                      return one && one->engine == engine->engine && one->setting == "best";
                  }));
             if (!is_chosen) continue;
-            const int own_color = color++;
+            // all engines are of one family: what tells them apart here is a colour each
+            const PlainStyle style = plain_style(place++);
             for (const Result* row : rows_of(rows, scene, planned)) {
                 if (!is_step(*row, usual_step) || row->series.t.empty()) continue;
                 Curve curve;
-                curve.label = std::string(planned.method->name), curve.color = own_color;
-                curve.points = own_color >= palette_size;
+                curve.label = std::string(planned.method->name), curve.points = false;
+                set_style(curve, style);
+                curve.group = name_of(planned.method->family);
                 const std::vector<double>& energy = row->series["energy"];
                 const std::size_t count = std::min(energy.size(), row->series.t.size());
                 curve.x.assign(row->series.t.begin(), row->series.t.begin() + static_cast<long>(count));
@@ -218,7 +221,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
         if (!panel.curves.empty()) figure.panels.push_back(std::move(panel));
     }
     if (figure.panels.empty()) return {};
-    figure.note = figure_note(plan, false);
+    tell(figure, plan);
     return {{plan.experiment.name + "_energy", std::move(figure)}};
 }
 

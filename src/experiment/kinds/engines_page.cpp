@@ -6,6 +6,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
+#include "figure/curve_style.h"
 
 namespace polhode {
 namespace {
@@ -101,16 +102,15 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
                 if (one->setting == setting) return engine->setting != setting;
         return engine->setting != "default";
     });
-    // one colour and marker each: by their places among all settings of all engines they come round again. The
-    // methods of high accuracy come first, whose colours engines far above them in the picture take again.
-    int color = -1;
-    for (const bool engines : {false, true}) {
-        const Method* before = nullptr;
-        for (PlannedCurve& curve : part.curves) {
-            if ((engine_of(*curve.method) != nullptr) != engines) continue;
-            if (curve.method != before) ++color;
-            curve.color = color, before = curve.method;
-        }
+    // all engines are of one family: what tells them apart here is a colour each. The methods beside them, far below,
+    // keep their own.
+    int place = -1;
+    const Method* before = nullptr;
+    for (PlannedCurve& curve : part.curves) {
+        if (!engine_of(*curve.method)) continue;
+        if (curve.method != before) ++place;
+        const PlainStyle plain = plain_style(place);
+        curve.style = {plain.color, plain.mark}, before = curve.method;
     }
     return part;
 }

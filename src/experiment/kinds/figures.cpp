@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "experiment/kinds/curves.h"
+#include "figure/curve_style.h"
 #include "integrators/sundials/build.h"
 
 namespace polhode {
@@ -15,7 +16,7 @@ Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, co
                const Y& y) {
     Curve curve;
     curve.label = curve_label(planned);
-    curve.color = planned.color;
+    look_as(curve, planned);
     curve.dash = planned.method->control == Control::fixed_step_or_tolerance && planned.kind == SettingKind::step;
     for (const Result* row : rows_of(results, scene, planned)) {
         curve.cut = curve.cut || row->cut;
@@ -24,13 +25,6 @@ Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, co
         curve.x.push_back(*at), curve.y.push_back(*value);
     }
     return curve;
-}
-
-bool any_cut(const Figure& figure) {
-    for (const Panel& panel : figure.panels)
-        for (const Curve& curve : panel.curves)
-            if (curve.cut) return true;
-    return false;
 }
 
 // A picture of more panels than a page holds becomes several: NAME_1, NAME_2, ..
@@ -42,7 +36,7 @@ std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const 
         Figure figure = whole;
         figure.panels.assign(whole.panels.begin() + static_cast<long>(begin),
                              whole.panels.begin() + static_cast<long>(end));
-        figure.note = figure_note(plan, any_cut(figure));
+        tell(figure, plan);
         const bool single = whole.panels.size() <= page;
         pages.push_back({single ? name : fmt::format("{}_{}", name, begin / page + 1), std::move(figure)});
     }
@@ -54,6 +48,8 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
     std::optional<double> ErrorOfRun::*const error = at_end ? &ErrorOfRun::final : &ErrorOfRun::max;
     Figure figure;
     figure.title = fmt::format("{}: attitude error against {}", plan.experiment.name, step ? "step" : "tolerance");
+    // at one tolerance the more accurate is the better: it has kept its promise
+    figure.best = step ? Best::greatest_x : Best::lowest_end;
     figure.columns = 2;
     for (const PlannedScene& scene : plan.scenes) {
         Panel panel;
@@ -95,7 +91,8 @@ Curve& curve_named(std::vector<Curve>& curves, const std::string& label) {
     const auto same = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == label; });
     if (same != curves.end()) return *same;
     Curve begun;
-    begun.label = label, begun.color = static_cast<int>(curves.size());
+    begun.label = label;
+    set_style(begun, plain_style(static_cast<int>(curves.size())));
     return curves.emplace_back(std::move(begun));
 }
 
@@ -108,23 +105,26 @@ std::vector<Guide> floor_guides(const std::vector<Result>& results, const Planne
     return {};
 }
 
-std::string figure_note(const Plan& plan, bool cut) {
-    std::string note;
-    if (cut)
-        note =
-            fmt::format("Arrow: the curve was cut, a run takes more than {} s{}.", plan.experiment.seconds_per_run,
-                        plan.experiment.max_evaluations < std::numeric_limits<long>::max()
-                            ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))
-                            : "");
+void look_as(Curve& curve, const PlannedCurve& planned) {
+    set_style(curve, planned.style);
+    curve.group = name_of(planned.method->family);
+}
+
+void tell(Figure& figure, const Plan& plan) {
+    figure.note_of_cut =
+        fmt::format("Arrow: the curve was cut, a run takes more than {} s{}.", plan.experiment.seconds_per_run,
+                    plan.experiment.max_evaluations < std::numeric_limits<long>::max()
+                        ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))
+                        : "");
     const bool sundials = std::any_of(plan.curves.begin(), plan.curves.end(),
                                       [](const PlannedCurve& c) { return c.method->library == sundials_library; });
-    if (sundials && sundials_unoptimised()) note += " SUNDIALS unoptimised.";
-    return note;
+    if (sundials && sundials_unoptimised()) figure.note += " SUNDIALS unoptimised.";
 }
 
 std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results) {
     Figure figure;
     figure.title = plan.experiment.name + ": attitude error against run time";
+    figure.best = Best::least_x;
     figure.columns = 2;
     for (const PlannedScene& scene : plan.scenes) {
         Panel panel;

@@ -76,9 +76,12 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                                                     planned.kind == SettingKind::step ? "h" : "tolerance",
                                                     row->step_taken.value_or(row->setting),
                                                     planned.kind == SettingKind::step ? " s" : "");
-                    curve.color = planned.color, curve.dash = dashes[planned.method]++;
-                    // beyond the palette colours come again, told apart by their markers
-                    curve.points = planned.color >= palette_size;
+                    look_as(curve, planned);
+                    curve.dash = dashes[planned.method]++;
+                    // lines that cross often: marks only where colours do not tell them apart
+                    curve.points = std::ranges::any_of(plan.curves, [&](const PlannedCurve& other) {
+                        return other.method != planned.method && other.style.color == planned.style.color;
+                    });
                     const std::vector<double>& y = quantity.of(row->series);
                     curve.x.assign(row->series.t.begin(),
                                    row->series.t.begin() + static_cast<long>(std::min(y.size(), row->series.t.size())));
@@ -88,7 +91,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
             }
             figure.panels.push_back(std::move(panel));
         }
-        figure.note = figure_note(plan, false);
+        tell(figure, plan);
         figures.push_back({figure_name(plan, scene), std::move(figure)});
     }
     return figures;
@@ -118,13 +121,14 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
                         Envelope envelope = error_envelope(row->series.t, quantity.of(row->series));
                         Curve curve;
                         curve.label = curve_label(planned);
-                        curve.color = planned.color, curve.dash = planned.kind == SettingKind::step;
+                        look_as(curve, planned);
+                        curve.dash = planned.kind == SettingKind::step;
                         curve.x = std::move(envelope.t), curve.y = std::move(envelope.error);
                         panel.curves.push_back(std::move(curve));
                     }
                 figure.panels.push_back(std::move(panel));
             }
-            figure.note = figure_note(plan, false);
+            tell(figure, plan);
             figures.push_back({fmt::format("{}_{:g}", figure_name(plan, scene), cost), std::move(figure)});
         }
     return figures;

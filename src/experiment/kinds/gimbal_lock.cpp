@@ -12,6 +12,7 @@
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
+#include "figure/curve_style.h"
 #include "integrators/game/euler_angles.h"
 
 namespace polhode {
@@ -48,7 +49,7 @@ struct Entry {
     Trajectory (*solve)(const Problem&, const Settings&, LockPassage*);
     bool by_step;
     double setting;
-    int color;
+    int place;
 };
 
 Trajectory solve_fleck_quaternion(const Problem& problem, const Settings& settings, LockPassage* passage) {
@@ -97,8 +98,8 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
     for (const Entry& entry : entries) {
         Curve error_curve, cost_curve;
         error_curve.label = std::string(entry.method) + (entry.by_step ? ", h = " : ", R = ") + text_of(entry.setting);
-        error_curve.color = entry.color;
-        cost_curve.label = error_curve.label, cost_curve.color = entry.color;
+        cost_curve.label = error_curve.label;
+        for (Curve* curve : {&error_curve, &cost_curve}) set_style(*curve, plain_style(entry.place));
         for (int decade = 0; decade <= 8; decade += options.quick ? 2 : 1) {
             const double distance = std::pow(10.0, -decade);
             const Scene scene = passing_at(distance);

@@ -11,6 +11,7 @@
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
+#include "figure/curve_style.h"
 #include "measure/statistics.h"
 
 namespace polhode {
@@ -109,10 +110,11 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     NamedFigure figure{"inertia", {"Inertia summed over pieces of a body", 2, {}, ""}};
     for (const auto& [name, shape] : shapes) {
         Panel panel{name, "time (s)", "relative error of the tensor", true, true, {}};
-        int color = 0;
+        int place = 0;
         for (const char* way : {"closed_form", "grid", "monte_carlo", "mesh"}) {
             Curve curve;
-            curve.label = way, curve.color = color++;
+            curve.label = way;
+            set_style(curve, plain_style(place++));
             for (const auto& row : table.table.rows)
                 if (text_of(row[0]) == name && text_of(row[1]) == way) {
                     curve.x.push_back(std::get<double>(row[4]));

@@ -11,6 +11,7 @@
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
+#include "figure/curve_style.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
 #include "motion/problem.h"
@@ -62,7 +63,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         scene.duration = turned.back() / rate;
         const Reference truth = reference(scene, samples);
         Panel panel{planned.label, "turned (rad)", "attitude error (rad)", true, true, {}};
-        int color = 0;
+        int place = 0;
         for (const Shortcut& shortcut : shortcuts) {
             Scene simplified = scene;
             simplified.body.source = nullptr;
@@ -118,7 +119,8 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
                 table.table.rows.push_back(std::move(one));
             }
             Curve curve;
-            curve.label = shortcut.name, curve.color = color, curve.points = false;
+            curve.label = shortcut.name, curve.points = false;
+            set_style(curve, plain_style(place));
             // the largest so far, thinned evenly over the logarithm
             double most = 0, next = 0;
             for (std::size_t k = 1; k < angle.size(); ++k) {
@@ -128,7 +130,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
                 curve.x.push_back(angle[k]), curve.y.push_back(most);
             }
             panel.curves.push_back(std::move(curve));
-            ++color;
+            ++place;
         }
         if (!panel.curves.empty()) figure.figure.panels.push_back(std::move(panel));
     }

@@ -157,7 +157,8 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
             for (const PlannedCurve& planned : plan.curves) {
                 if (planned.kind != SettingKind::step) continue;
                 Curve curve;
-                curve.label = curve_label(planned), curve.color = planned.color;
+                curve.label = curve_label(planned);
+                look_as(curve, planned);
                 const auto add = [&, measure = measure](double x, const Result* row) {
                     if (!row || row->status != Status::ok || !row->errors[measure].max) return;
                     curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);
@@ -173,7 +174,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
             }
             figure.panels.push_back(std::move(panel));
         }
-    figure.note = figure_note(plan, false);
+    tell(figure, plan);
     return {{plan.experiment.name, std::move(figure)}};
 }
 

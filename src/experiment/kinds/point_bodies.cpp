@@ -10,6 +10,7 @@
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"
+#include "figure/curve_style.h"
 #include "integrators/points/point_runs.h"
 #include "integrators/points/stiffness.h"
 #include "integrators/truth/reference.h"
@@ -252,7 +253,8 @@ Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
         figure.panels.push_back(
             {planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true, true, by_stiffness});
         // colours go on where those of the other panel end: curves of one label share one entry
-        for (Curve& curve : by_time) curve.color += static_cast<int>(by_stiffness.size());
+        for (std::size_t i = 0; i < by_time.size(); ++i)
+            set_style(by_time[i], plain_style(static_cast<int>(by_stiffness.size() + i)));
         figure.panels.push_back(
             {planned.label + ": hard distances", "run time (s)", "largest attitude error (rad)", true, true, by_time});
     }

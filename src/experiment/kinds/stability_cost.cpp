@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiment/kinds/curves.h"
 #include "experiment/kinds/stability_tables.h"
 #include "measure/statistics.h"
 
@@ -111,7 +112,7 @@ std::vector<NamedFigure> stiffness_figures(const Plan& plan, const std::vector<S
         Curve curve;
         curve.label = cost.method->name;
         for (const PlannedCurve& planned : plan.curves)
-            if (planned.method == cost.method) curve.color = planned.color;
+            if (planned.method == cost.method) look_as(curve, planned);
         curve.x = cost.parameter, curve.y = cost.evaluations;
         curve.cut = cost.lost_at.has_value();
         panel->curves.push_back(std::move(curve));

@@ -240,7 +240,7 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
                 map.name == "stiffness" ? real_interval(method) : std::optional<double>();
             if (interval && *interval > 0 && std::isfinite(*interval)) {
                 Curve limit;
-                limit.label = "linear theory's limit", limit.color = 3, limit.points = false;
+                limit.label = "linear theory's limit", limit.color = 1, limit.points = false;
                 for (const double x : decades(std::log10(outcomes.x.front()), std::log10(outcomes.x.back()), 4))
                     if (const double h = *interval / x; h >= outcomes.y.front() && h <= outcomes.y.back())
                         limit.x.push_back(x), limit.y.push_back(h);

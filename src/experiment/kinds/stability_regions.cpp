@@ -8,7 +8,9 @@
 #include <string>
 
 #include "experiment/kinds/stability.h"
+#include "experiment/plan/method_style.h"
 #include "figure/contour.h"
+#include "figure/curve_style.h"
 #include "integrators/analysis/linear_stability.h"
 #include "integrators/run/eigenvalues.h"
 
@@ -65,7 +67,7 @@ std::vector<Alike> members(Region region) {
 }
 
 template <class Growth>
-void add_boundary(Panel& panel, const Alike& alike, int color, const Growth& growth) {
+void add_boundary(Panel& panel, const Alike& alike, const Growth& growth) {
     // along the axes of a symmetric method growth is 1 but for rounding
     constexpr double allowed = 1 + 1e-9;
     const auto excess = [&](double x, double y) { return growth(x, y) - allowed; };
@@ -74,7 +76,8 @@ void add_boundary(Panel& panel, const Alike& alike, int color, const Growth& gro
     std::erase_if(lines, [](const ContourLine& line) { return line.x.size() < 8; });
     for (ContourLine& line : lines) {
         Curve curve;
-        curve.label = alike.label(), curve.color = color, curve.points = false;
+        curve.label = alike.label();
+        set_style(curve, method_style(*alike.method));
         curve.x = std::move(line.x), curve.y = std::move(line.y);
         panel.curves.push_back(std::move(curve));
     }
@@ -140,16 +143,15 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
         {Region::multistep, panel_of("Adams, predicted and corrected once", -1.6, 0.6)},
         {Region::implicit, panel_of("implicit: stable outside the line", -12, 36)},
     };
-    int color = 0;
     for (const auto& [family, empty] : panels) {
         Panel panel = empty;
         for (const Alike& alike : members(family))
-            add_boundary(panel, alike, color++, [&](double x, double y) { return alike.method->growth({x, y}); });
+            add_boundary(panel, alike, [&](double x, double y) { return alike.method->growth({x, y}); });
         int marker = 0;
         for (const Spectrum& spectrum : spectra) {
             Curve points;
             points.label = fmt::format("{}, h = {:g} s", spectrum.label, spectrum.step);
-            points.color = palette_size + 3 + palette_size * marker++;
+            points.color = 1, points.mark = first_stroke_mark + marker++;
             points.line = false;
             for (const Complex& lambda : spectrum.lambda)
                 if (lambda.imag() >= 0)
@@ -167,10 +169,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     NamedFigure pendulum{"stability_pendulum", {"A damped pendulum: stable below the line", 1, {}, ""}};
     Panel panel{"", "h γ", "h ω", false, false, {}};
     panel.x_limits = Limits{0, 5}, panel.y_limits = Limits{0, 3.6};
-    color = 0;
     for (const Alike& alike : members(Region::second_order))
-        add_boundary(panel, alike, color++,
-                     [&](double x, double y) { return alike.method->pendulum_growth(x, y * y); });
+        add_boundary(panel, alike, [&](double x, double y) { return alike.method->pendulum_growth(x, y * y); });
     pendulum.figure.panels.push_back(std::move(panel));
     pendulum.figure.note = "θ'' = −γ θ' − ω² θ. Methods with the same growth share a line.";
     return {std::move(plane), std::move(pendulum)};

@@ -111,7 +111,7 @@ class StepSearch {
 
   private:
     const StabilityRun& try_setting(double setting) {
-        const PlannedCurve one{curve_.method, curve_.color, curve_.kind, {setting}, curve_.formulation, false};
+        const PlannedCurve one{curve_.method, curve_.style, curve_.kind, {setting}, curve_.formulation, false};
         Case c{&planned_, &one, 0, {}};
         Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c, scene_.kappa);
         Result& result = *c.result;

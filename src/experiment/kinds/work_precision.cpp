@@ -4,6 +4,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/kinds/sweep_tables.h"
+#include "experiment/run/fastest.h"
 
 namespace polhode {
 
@@ -12,21 +13,8 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
                  "runner_up", "ratio"},
                 {}};
     for (const PlannedScene& scene : plan.scenes)
-        for (const double wanted : {1e-3, 1e-6, 1e-9, 1e-12}) {
-            // the fastest run of each method, then the fastest of these
-            std::vector<const Result*> best;
-            for (const Result& r : results) {
-                if (r.scene != scene.label || r.status != Status::ok || !r.seconds_median) continue;
-                if (!r.errors["attitude"].max || *r.errors["attitude"].max > wanted) continue;
-                const auto same = std::find_if(best.begin(), best.end(),
-                                               [&](const Result* other) { return other->method == r.method; });
-                if (same == best.end())
-                    best.push_back(&r);
-                else if (*r.seconds_median < *(*same)->seconds_median)
-                    *same = &r;
-            }
-            std::sort(best.begin(), best.end(),
-                      [](const Result* a, const Result* b) { return *a->seconds_median < *b->seconds_median; });
+        for (const double wanted : asked_accuracies) {
+            const std::vector<const Result*> best = fastest_first(results, scene.label, wanted);
             if (best.empty()) {
                 table.rows.push_back({scene.label, wanted, std::string("none reaches it"), {}, {}, {}, {}, {}, {}});
                 continue;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiment/plan/kind.h"
+#include "experiment/plan/method_style.h"
 #include "integrators/method.h"
 #include "scene/scene.h"
 
@@ -54,7 +55,7 @@ const char* name_of(SettingKind kind);
 /// One method by one kind of setting: a curve of the picture.
 struct PlannedCurve {
     const Method* method;
-    int color;  ///< the method's in pictures: its place in methods(), unless another of the plan has that colour
+    MethodStyle style;  ///< what it looks like in pictures
     SettingKind kind;
     std::vector<double> settings;  ///< one entry, not a number, where the kind is `none`
     Formulation formulation = Formulation::reduced;

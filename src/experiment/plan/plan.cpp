@@ -5,14 +5,12 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/experiment_keys.h"
 #include "experiment/plan/pattern.h"
-#include "figure/figure.h"
 #include "integrators/engines/engine_methods.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
@@ -136,18 +134,6 @@ std::vector<const Method*> planned_methods(const std::vector<std::string>& entri
     return planned;
 }
 
-// In methods(), and for engines in engines() behind them.
-int place_of(const Method* method) {
-    const auto found = std::find(methods().begin(), methods().end(), method);
-    std::ptrdiff_t place = found - methods().begin();
-    if (found == methods().end())
-        for (const EngineMethod& engine : engines()) {
-            if (engine.method.get() == method) break;
-            ++place;
-        }
-    return static_cast<int>(place);
-}
-
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
                     const std::string& file) {
     if (changes.empty()) return base;
@@ -187,22 +173,6 @@ std::vector<double> thinned(const std::vector<double>& values) {
     std::vector<double> kept;
     for (std::size_t i = 0; i < values.size(); i += 3) kept.push_back(values[i]);
     return kept;
-}
-
-// A method keeps the colour of its place in methods() where no other of the plan has it; of more methods than colours
-// some share one and differ in their markers.
-void tell_colors_apart(std::vector<PlannedCurve>& curves) {
-    std::map<const Method*, int> chosen;
-    std::set<int> taken;
-    for (PlannedCurve& curve : curves) {
-        const auto [place, is_new] = chosen.try_emplace(curve.method, curve.color % palette_size);
-        if (!is_new) continue;
-        int& color = place->second;
-        while (taken.contains(color) && taken.size() < palette_size) color = (color + 1) % palette_size;
-        taken.insert(color);
-    }
-    if (chosen.size() > static_cast<std::size_t>(palette_size)) return;
-    for (PlannedCurve& curve : curves) curve.color = chosen.at(curve.method);
 }
 
 }  // namespace
@@ -307,15 +277,15 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     for (const Method* method : planned_methods(e.methods, file)) {
         const std::string name(method->name);
-        const int color = place_of(method);
+        const MethodStyle style = method_style(*method);
         const std::size_t before = plan.curves.size();
         const bool calibrated = e.kind->calibrated;
         const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
             if (settings.empty()) return;
-            plan.curves.push_back({method, color, kind, settings, Formulation::reduced, calibrated});
+            plan.curves.push_back({method, style, kind, settings, Formulation::reduced, calibrated});
             if (!e.kind->all_formulations) return;
             for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
-                plan.curves.push_back({method, color, kind, settings, formulation, false});
+                plan.curves.push_back({method, style, kind, settings, formulation, false});
         };
         if (takes_step(*method))
             add(SettingKind::step, calibrated              ? e.evaluations_per_revolution
@@ -331,7 +301,6 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
                              : takes_step(*method) ? "give steps"
                                                    : "give tolerances");
     }
-    tell_colors_apart(plan.curves);
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
     cases *= static_cast<double>(bases.size()) * variants;

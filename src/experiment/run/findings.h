@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "figure/figure.h"
+#include "figure/split_figure.h"
 #include "table/table.h"
 
 namespace polhode {
@@ -27,12 +27,6 @@ NamedTable headed_table(std::string name, std::string title, const std::vector<C
 
 /// The table as a page shows it.
 Table page_of(const NamedTable& named);
-
-/// A picture and the name of its file, without extension.
-struct NamedFigure {
-    std::string name;
-    Figure figure;
-};
 
 struct Findings {
     std::vector<NamedTable> tables{};

@@ -34,6 +34,12 @@ std::string cpu() {
     return "unknown";
 }
 
+// what is torn counts as nothing
+ordered_json read_object(const std::filesystem::path& path) {
+    ordered_json all = ordered_json::parse(read(path), nullptr, false);
+    return all.is_object() ? all : ordered_json::object();
+}
+
 // The build writes the commit beside the program, so that a commit alone does not make another program of it.
 std::string commit() {
     std::error_code error;
@@ -46,26 +52,41 @@ std::string commit() {
 
 }  // namespace
 
-void record_provenance(const std::string& directory, const std::string& experiment, const std::string& command_line,
-                       bool quick) {
+void record_provenance(const std::string& directory, const Experiment& experiment,
+                       const std::map<std::string, std::string>& titles, const std::string& command_line, bool quick) {
     const std::filesystem::path path = std::filesystem::path(directory) / "provenance.json";
-    ordered_json all = ordered_json::parse(read(path), nullptr, false);
-    if (!all.is_object()) all = ordered_json::object();
+    ordered_json all = read_object(path);
     ordered_json versions = ordered_json::object();
     for (const auto& [name, version] : library_versions()) versions[name] = version;
     const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-    all[experiment] = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
-                       {"command_line", command_line},
-                       {"quick", quick},
-                       {"commit", commit()},
-                       {"program_key", program_key()},
-                       {"compiler", POLHODE_COMPILER},
-                       {"flags", POLHODE_FLAGS},
-                       {"sundials", sundials_build()},
-                       {"versions", versions},
-                       {"cpu", cpu()},
-                       {"cores", std::thread::hardware_concurrency()}};
-    write_atomically(path.string(), all.dump(2) + "\n");
+    all[experiment.name] = {{"about", experiment.about},
+                            {"kind", experiment.kind->name},
+                            {"titles", titles},
+                            {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
+                            {"command_line", command_line},
+                            {"quick", quick},
+                            {"commit", commit()},
+                            {"program_key", program_key()},
+                            {"compiler", POLHODE_COMPILER},
+                            {"flags", POLHODE_FLAGS},
+                            {"sundials", sundials_build()},
+                            {"versions", versions},
+                            {"cpu", cpu()},
+                            {"cores", std::thread::hardware_concurrency()}};
+    write_atomically(path.string(), all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
+void record_scenes(const std::string& directory, const Plan& plan) {
+    const std::filesystem::path path = std::filesystem::path(directory) / "scenes.json";
+    // sorted by name, so that the order of runs does not show
+    nlohmann::json all = nlohmann::json::parse(read(path), nullptr, false);
+    if (!all.is_object()) all = nlohmann::json::object();
+    for (const PlannedScene& scene : plan.scenes) {
+        const nlohmann::json canonical = nlohmann::json::parse(scene.canonical, nullptr, false, true);
+        if (!canonical.is_object()) continue;
+        all[scene.label] = scene.canonical;
+    }
+    write_atomically(path.string(), all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace polhode

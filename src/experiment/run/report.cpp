@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -73,11 +74,17 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
     }
     if (!findings.page.empty()) write_atomically((folder / (experiment + ".md")).string(), findings.page);
     std::vector<std::string> remarks;
-    for (const NamedFigure& named : findings.figures) {
-        const std::string fault = draw(named.figure, (folder / file_name(named.name)).string());
-        if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
-    }
-    record_provenance(directory, experiment, command_line, quick);
+    for (const NamedFigure& whole : findings.figures)
+        for (const NamedFigure& named : split_figure({file_name(whole.name), whole.figure})) {
+            const std::string fault = draw(named.figure, (folder / named.name).string());
+            if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
+        }
+    std::map<std::string, std::string> titles;
+    for (const NamedTable& named : findings.tables)
+        if (!named.is_shared && !named.title.empty())
+            titles[named.name.empty() ? experiment : experiment + "_" + named.name] = named.title;
+    record_scenes(directory, plan);
+    record_provenance(directory, plan.experiment, titles, command_line, quick);
     return remarks;
 }
 

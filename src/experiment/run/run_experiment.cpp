@@ -9,6 +9,7 @@
 
 #include "experiment/plan/kind.h"
 #include "experiment/run/case_store.h"
+#include "experiment/run/fastest.h"
 #include "experiment/run/locks.h"
 #include "experiment/run/report.h"
 #include "integrators/run/march.h"
@@ -16,6 +17,7 @@
 #include "text/content_hash.h"
 #include "text/interruption.h"
 #include "text/message.h"
+#include "text/terminal.h"
 
 namespace polhode {
 namespace {
@@ -137,6 +139,9 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
     write_and_tell(plan, findings, options, command_line,
                    fmt::format("{} rows in {}, {} run now", findings.tables.front().table.rows.size(),
                                options.directory, count.run));
+    if (!options.quiet)
+        fmt::print(stderr, "{}",
+                   run_table(finished_results(plan, options.directory), {terminal_width(2, 100), wants_color(2)}));
     return true;
 }
 

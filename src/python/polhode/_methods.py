@@ -42,6 +42,10 @@ class Method:
         Whether it follows impacts on planes.
     dense : bool
         Whether it gives values between its steps, as `Trajectory.at` asks for.
+    color : str
+        That of its family in pictures, "#rrggbb".
+    mark : str
+        Its own within the family: "circle", "square-open", ..
     """
 
     name: str
@@ -53,6 +57,8 @@ class Method:
     library: str
     planes: bool
     dense: bool
+    color: str
+    mark: str
 
 
 class Methods(list[Method]):

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from polhode import _polhode
+from polhode._methods import methods
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -14,10 +17,13 @@ if TYPE_CHECKING:
     from polhode._errors import Errors
     from polhode._solving import Trajectory
 
-#: As in the program's own pictures; told apart by those who see no red or green.
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7", "#e69f00", "#56b4e9", "#7f4f24",
-          "#c1121f", "#8a8a8a", "#6a3d9a", "#808000", "#17becf", "#ff8fab", "#1b4d3e", "#9acd32")
-_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+#: Of what is no method: those of the program's own pictures, in the order in which they take them. Told apart by those
+#: who see no red or green.
+COLORS = tuple(_polhode.plain_colors())
+
+#: matplotlib's markers by the names of `Method.mark`; an open one has the fill style none.
+_MARKS = {"circle": "o", "square": "s", "triangle-up": "^", "diamond": "D", "triangle-down": "v", "pentagon": "p",
+          "cross-thin": "+", "x-thin": "x", "asterisk": (6, 2, 0)}
 
 #: Headings of axes for columns of tables.
 _HEADINGS = {
@@ -104,6 +110,7 @@ def plot_table(table: DataFrame, x: str, y: str, **options: Any) -> Figure:
     figure, frames = _frames(len(scenes), options)
     curves = list(dict.fromkeys(zip(table["method"], table["setting_kind"])))
     both = {method for method, _ in curves if sum(one == method for one, _ in curves) > 1}
+    known = {one.name: one for one in methods()}
     entries: dict[str, Any] = {}
     for frame, scene in zip(frames, scenes):
         for i, (method, kind) in enumerate(curves):
@@ -113,9 +120,13 @@ def plot_table(table: DataFrame, x: str, y: str, **options: Any) -> Figure:
             if ended.empty:
                 continue
             label = f"{method} ({kind})" if method in both else method
+            style = known.get(method)
+            mark = style.mark if style else "circle"
             entries[label] = frame.loglog(
-                ended[x], ended[y], color=COLORS[i % len(COLORS)], label=label, markersize=4.5,
-                marker=_MARKS[(i + i // len(COLORS)) % len(_MARKS)], linewidth=1.3)[0]
+                ended[x], ended[y], color=style.color if style else COLORS[i % len(COLORS)], label=label,
+                markersize=4.5, marker=_MARKS[mark.removesuffix("-open")], linewidth=1.3,
+                fillstyle="none" if mark.endswith("-open") else "full",
+                linestyle="--" if method in both and kind == "step" else "-")[0]
         if "float64_floor" in table and y.startswith("attitude"):
             floor = table.loc[table["scene"] == scene, "float64_floor"].max()
             if floor > 0:

@@ -162,26 +162,13 @@ TEST(Plan, QuickKeepsEveryThirdSetting) {
     EXPECT_EQ(plan.experiment.seconds_per_run, 3);  // what the clock cuts would be another table on another machine
 }
 
-TEST(Plan, MethodsDifferInColorAsLongAsThereAreColors) {
-    for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence", "speed"}) {
-        const Plan plan = make_plan(find_experiment(name), name, false);
-        std::map<const Method*, int> of_method;
-        std::map<int, const Method*> of_color;
-        for (const PlannedCurve& curve : plan.curves) {
-            EXPECT_EQ(of_method.try_emplace(curve.method, curve.color).first->second, curve.color);
-            of_color.try_emplace(curve.color, curve.method);
+// the same in every plan, whatever else is in it
+TEST(Plan, MethodsHaveOneStyleEverywhere) {
+    for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence", "speed"})
+        for (const PlannedCurve& curve : make_plan(find_experiment(name), name, false).curves) {
+            EXPECT_EQ(curve.style.color, method_style(*curve.method).color) << curve.method->name;
+            EXPECT_EQ(curve.style.mark, method_style(*curve.method).mark) << curve.method->name;
         }
-        EXPECT_EQ(of_color.size(), of_method.size()) << name;
-    }
-    // and alone each has the colour of its place
-    for (std::size_t place = 0; place < methods().size(); ++place) {
-        const Plan plan = make_plan(parsed(fmt::format(R"({{"name": "x", "scenes": ["symmetric"], "methods": ["{}"],
-                                  "settings": {{"steps": [0.1], "tolerances": [1e-6]}}}})",
-                                                       methods()[place]->name)),
-                                    "e.json", false);
-        for (const PlannedCurve& curve : plan.curves)
-            EXPECT_EQ(static_cast<std::size_t>(curve.color), place % palette_size) << methods()[place]->name;
-    }
 }
 
 TEST(Plan, BuiltInExperimentsAreSound) {

@@ -235,7 +235,7 @@ export class CurvePlot {
           x: kept.map((i) => curve.x[i] ?? null), y: kept.map((i) => curve.y[i] ?? null),
           text: kept.map((i) => curve.hover(i).map((line) => plotText(line, 110)).join("<br>")), hoverinfo: "text",
           line: { color, width: second ? 1.1 : 1.8, dash: mark.dash }, opacity: second ? 0.85 : 1,
-          marker: { symbol: mark.symbol, color, size: kept.length > 60 ? 4 : second ? 6 : 8, line: { color, width: 1.4 }, maxdisplayed: 60 },
+          marker: { symbol: mark.symbol, color, size: second || kept.length > 40 ? 6 : 8, line: { color, width: 1.4 }, maxdisplayed: 40 },
         } as Trace);
         if (curve.other !== undefined && curve.other.x.length > 0) {
           traces.push({

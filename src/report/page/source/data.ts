@@ -205,6 +205,7 @@ export interface Motion {
   gravity: number[] | null; // m/s^2, world
   moving: boolean; // whether any centre of mass moves
   free: boolean; // no torque: the polhode stays on its ellipsoid
+  about: { moments: number[]; principal: number[] } | null; // of one body: about the pivot where there is one
   energy: number; // J, of rotation at the start, of one body; 0 of several
   truth: Track;
   how: string; // how the truth was made, and its bound
@@ -236,7 +237,7 @@ export interface Part {
 export interface Track {
   t: number[]; // s
   bodies: {
-    q: number[]; // four integers a keyframe, scale 1/32767: w, x, y, z, body to world
+    q: number[]; // four integers a keyframe, to be divided by their length: w, x, y, z, body to world
     w: number[]; // three integers a keyframe: angular velocity, body axes
     w_scale: number; // rad/s
     p: number[]; // three integers a keyframe: centre of mass, world; empty where it does not move

@@ -42,7 +42,7 @@ export class DotPlot {
     this.root = element("div", { class: "dot-plot" }, this.plot.root, this.note);
   }
 
-  show(dots: readonly Dot[], title: string, one: boolean, log?: boolean): void {
+  show(dots: readonly Dot[], title: string, one: boolean, log?: boolean, short = title): void {
     const shown = dots.filter((dot) => Number.isFinite(dot.value)).slice(0, mostDots);
     this.root.hidden = shown.length === 0;
     this.note.hidden = dots.length <= shown.length;
@@ -65,12 +65,12 @@ export class DotPlot {
       } as unknown as Trace;
       const length = this.plot.narrow() ? 20 : 44;
       const layout: Layout = {
-        xaxis: axis(theme, plotText(title), logarithmic, { range: around(all, logarithmic) }),
+        xaxis: axis(theme, plotText(this.plot.narrow() ? short : title), logarithmic, { range: around(all, logarithmic) }),
         yaxis: {
           ...axis(theme, "", false), range: [drawn.length - 0.5, -0.5], tickmode: "array", tickvals: drawn.map((_, i) => i), ticktext: drawn.map((dot) => plotText(dot.label, length)),
           tickfont: { size: 11 }, ticks: "", fixedrange: true,
         } as Layout["yaxis"],
-        shapes: (one ? [{ type: "line", x0: 1, x1: 1, yref: "paper", y0: 0, y1: 1, line: { color: theme.faint, width: 1.2, dash: "dash" }, layer: "below" }] : []) as Layout["shapes"],
+        shapes: (one ? [{ type: "line", x0: 1, x1: 1, yref: "paper", y0: 0, y1: 1, line: { color: theme.ink, width: 1.2 }, layer: "below" }] : []) as Layout["shapes"],
         margin: { l: 20, r: 20, t: 10, b: 48 },
       };
       return { traces: [...whiskers, trace], layout };

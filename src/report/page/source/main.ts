@@ -161,7 +161,8 @@ async function begin(): Promise<void> {
     if (fault !== "") throw new Error(`${fault}; make the page anew with this version of polhode`);
     const data = value as ReportData;
     const tools: Tools = { data, page, index: new RowIndex(data.rows, data.scenes.length) };
-    if (sceneName(tools, chosenScene(tools)) !== page.get("scene") && page.get("scene") !== "") page.set({ scene: "" });
+    // every section shows the same scene, also where the address names none, or one that is not here
+    if (data.scenes.length > 0) page.set({ scene: sceneName(tools, chosenScene(tools)) });
     header(page, tools);
     build(page, tools);
     performance.mark("polhode-ready");

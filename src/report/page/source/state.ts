@@ -112,8 +112,8 @@ export class Page implements PageContext {
     this.written = location.hash;
     const before = this.state;
     this.state = parseFragment(location.hash);
-    // a link that says nothing of the theme leaves it
-    if (this.state.theme === undefined && before.theme !== undefined) this.state.theme = before.theme;
+    // what a link says nothing of stays: how the page looks, and the scene
+    for (const key of ["theme", "scene"]) if (this.state[key] === undefined && before[key] !== undefined) this.state[key] = before[key];
     this.changed(before);
     for (const follower of this.followers) follower();
   }

@@ -231,12 +231,12 @@ export class TableView {
         const cell = row[c] ?? null;
         const own = this.content.render?.(c, cell, row) ?? null;
         const text = own === null ? shownCell(column, cell) : "";
-        const short = own === null ? shorten(text, 60) : "";
+        const short = own === null ? shorten(text, 120) : "";
         const whole = typeof cell === "number" ? String(cell) : text;
         line.append(
           element(
             "td",
-            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 && text.includes(" ") ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
+            { class: column.numeric || typeof cell === "number" ? "number" : text.length > 30 ? "long" : "short", title: own === null && whole !== short ? whole.slice(0, 2000) : null },
             own ?? short,
           ),
         );

@@ -24,7 +24,24 @@ export interface Section {
 export function chosenScene(tools: Tools): number {
   const name = tools.page.get("scene");
   const found = tools.data.scenes.findIndex((scene) => scene.name === name);
-  return found >= 0 ? found : tools.data.scenes.length > 0 ? 0 : -1;
+  return found >= 0 ? found : firstScene(tools);
+}
+
+/** Experiments that are made for a work-precision diagram. */
+export function isSweep(data: ReportData, experiment: number): boolean {
+  return /^(sweep|speed)$/.test(data.experiments[experiment]?.kind ?? "");
+}
+
+/** The scene to begin with: the one with the largest sweep, or else with most rows; -1 where there is none. */
+export function firstScene(tools: Tools): number {
+  const { data, index } = tools;
+  const known = data.scenes.map((_, scene) => {
+    const places = index.ofScene(scene);
+    let swept = 0;
+    for (const place of places) if (isSweep(data, data.rows.experiment[place] ?? -1)) swept += 1;
+    return 1000 * swept + places.length;
+  });
+  return known.reduce((best, value, scene) => (best < 0 || value > (known[best] ?? 0) ? scene : best), -1);
 }
 
 export function sceneName(tools: Tools, scene: number): string {

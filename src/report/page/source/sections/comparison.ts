@@ -4,6 +4,20 @@ import { count, counted, significant } from "../format.ts";
 import { TableView } from "../table_view.ts";
 import { methodLabel, methodName, type Section } from "../tools.ts";
 import { oneLine, shorten } from "../text.ts";
+import type { Experiment } from "../data.ts";
+
+/** What the two folders were made with, where it differs. */
+function differences(here: readonly Experiment[], there: readonly Experiment[]): [string, string, string][] {
+  const facts = (experiments: readonly Experiment[]): Map<string, Set<string>> => {
+    const found = new Map<string, Set<string>>();
+    for (const experiment of experiments) for (const [name, value] of experiment.facts) found.set(name, (found.get(name) ?? new Set()).add(value));
+    return found;
+  };
+  const [left, right] = [facts(here), facts(there)];
+  const text = (values: Set<string> | undefined): string => (values === undefined ? "not told" : [...values].sort().join("; "));
+  return [...new Set([...left.keys(), ...right.keys()])].flatMap((name): [string, string, string][] =>
+    text(left.get(name)) === text(right.get(name)) ? [] : [[name, text(left.get(name)), text(right.get(name))]]);
+}
 
 export const comparison: Section = {
   name: "comparison",
@@ -20,6 +34,13 @@ export const comparison: Section = {
       element("p", {}, `Above 1, ${here} is faster. The errors are the same to the last bit in ${count(compared.same_bits)} of ${counted(compared.matched, "matched row")}; ${count(compared.only_here)} are only in ${here}, ${count(compared.only_there)} only in ${there}.`),
       element("p", { class: "explain" }, shorten(oneLine(compared.how), 400)),
     );
+    const compares = new Set(tools.data.comparison?.pairs.map((pair) => tools.data.rows.experiment[pair.row]));
+    const differing = differences(tools.data.experiments.filter((_, e) => compares.size === 0 || compares.has(e)), compared.experiments);
+    if (differing.length > 0) {
+      host.append(new TableView(tools.page, "", {
+        caption: "What the two folders were made with, where it differs", columns: ["fact", here, there === here ? `${there} (other)` : there].map((name) => ({ name, numeric: false })), rows: differing,
+      }).root);
+    }
     const order = [...compared.methods].sort((a, b) => b.ratio - a.ratio);
     const plot = new DotPlot(tools, "Ratio of run times by method, with intervals", () => "comparison");
     host.append(plot.root);
@@ -28,7 +49,7 @@ export const comparison: Section = {
         label: methodName(tools, one.method), value: one.ratio, low: one.low, high: one.high, method: one.method,
         hover: [`${counted(one.scenes, "scene")}, ${counted(one.pairs, "pair")}`, one.error_ratio === null ? "" : `errors' ratio ${significant(one.error_ratio, 4)}`].filter((line) => line !== ""),
       })),
-      `run time of ${there} / run time of ${here}`, true, true,
+      `run time of ${there} / run time of ${here}`, true, true, "ratio of run times",
     );
     const view = new TableView(tools.page, "comparison", {
       caption: `Run time of ${there} over that of ${here}`,

@@ -123,7 +123,7 @@ export const convergence: Section = {
             if (order === undefined) return null;
             const off = isOff(order, atFloor(order));
             return {
-              text: `${order.claimed === null || order.claimed === 0 ? "–" : significant(order.claimed)} / ${order.observed === null ? "–" : order.observed.toFixed(2)}${off ? " !" : ""}`,
+              text: `${order.claimed === null || order.claimed === 0 ? "–" : significant(order.claimed)} / ${order.observed === null ? "–" : order.observed.toFixed(2).replace(/^-0\.00$/, "0.00")}${off ? " !" : ""}`,
               flag: off ? `claims ${significant(order.claimed)}, shows ${significant(order.observed)}` : "",
             };
           },

@@ -35,7 +35,7 @@ function one(host: HTMLElement, tools: Tools, table: Table): void {
       const kind = textIn(row, place.kind);
       return [{ label: textIn(row, place.method) + (kind === "" || kind === "step" ? "" : `, ${kind}`), value, low: 1, high: value, hover: [], method: methods.get(textIn(row, place.method)) ?? -1 }];
     });
-    plot.show(dots.sort((a, b) => b.value - a.value), "gain: run time as written / run time of what is left", true, false);
+    plot.show(dots.sort((a, b) => b.value - a.value), "gain: run time as written / run time of what is left", true, false, "gain in run time");
     if (dots.length === 0) left.textContent = `${left.textContent} No gain was measured on this scene.`;
   };
   tools.page.watch(["scene", key], show);

@@ -5,11 +5,17 @@ import { oneLine, shorten } from "../text.ts";
 import type { Experiment } from "../data.ts";
 import type { Section, Tools } from "../tools.ts";
 
-/** Facts that all experiments share, told once. */
-function sharedFacts(experiments: readonly Experiment[]): [string, string][] {
-  const [first, ...others] = experiments;
-  if (first === undefined) return [];
-  return first.facts.filter(([name, value]) => others.every((one) => one.facts.some(([n, v]) => n === name && v === value)));
+/** Facts that hold for more than half of the experiments, told once. */
+export function sharedFacts(experiments: readonly Experiment[]): [string, string][] {
+  const held = new Map<string, Map<string, number>>();
+  for (const { facts } of experiments) {
+    for (const [name, value] of facts) {
+      const values = held.get(name) ?? new Map<string, number>();
+      held.set(name, values.set(value, (values.get(value) ?? 0) + 1));
+    }
+  }
+  return [...held.entries()].flatMap(([name, values]) =>
+    [...values.entries()].filter(([, times]) => 2 * times > experiments.length).map(([value]): [string, string] => [name, value]));
 }
 
 function factList(facts: readonly [string, string][]): HTMLElement | null {
@@ -77,14 +83,13 @@ export const overview: Section = {
       );
     }
     if (data.experiments.length > 0) {
-      const shared = data.experiments.length > 1 ? sharedFacts(data.experiments) : (data.experiments[0]?.facts ?? []);
+      const shared = sharedFacts(data.experiments);
       host.append(element("h3", {}, "Where the numbers come from"));
       const facts = factList(shared);
       if (facts !== null) host.append(facts);
       const rows = new Map<number, number>();
       for (const experiment of data.rows.experiment) rows.set(experiment, (rows.get(experiment) ?? 0) + 1);
-      host.append(
-        element(
+      const list = element(
           "ul",
           { class: "experiments" },
           ...data.experiments.map((one, i) => {
@@ -98,7 +103,12 @@ export const overview: Section = {
               ? element("li", {}, ...line)
               : element("li", {}, element("details", {}, element("summary", {}, ...line), factList(own)));
           }),
-        ),
+        );
+      const told = data.experiments.some((one) => one.facts.some(([n, v]) => !shared.some((fact) => fact[0] === n && fact[1] === v)));
+      host.append(
+        data.experiments.length > 6
+          ? element("details", { class: "numbers" }, element("summary", {}, `${counted(data.experiments.length, "experiment")}${told ? ", some made otherwise" : ""}`), list)
+          : list,
       );
     }
     if (data.remarks.length > 0) {

@@ -23,24 +23,24 @@ export const scenes: Section = {
     const chosen = element("div", { class: "chosen" });
     const columns = [
       { name: "scene", numeric: false },
-      { name: "about", numeric: false },
-      { name: "duration (s)", numeric: true },
-      { name: "floor (rad)", numeric: true },
       ...errors.flatMap((error) => [
         { name: `fastest to ${significant(error)} rad`, numeric: false },
         { name: `factor (${significant(error)})`, numeric: true },
       ]),
+      { name: "floor (rad)", numeric: true },
+      { name: "duration (s)", numeric: true },
+      { name: "about", numeric: false },
     ];
-    // a hidden last cell tells the scene a row is of, and before it stand the methods
+    // one more cell than columns: the scene that a row is of
     const rows = data.scenes.map((scene, s): Cell[] => [
-      scene.name, scene.about, scene.duration, scene.floor,
+      scene.name,
       ...errors.flatMap((error): Cell[] => {
         const entry = scene.fastest.find((one) => one.error === error);
         if (entry === undefined) return [null, null];
         const method = entry.row === null ? undefined : data.methods[data.rows.method[entry.row] ?? -1];
         return [method?.name ?? "none reaches it", method === undefined ? null : factorOf(tools, entry)];
       }),
-      s,
+      scene.floor, scene.duration, scene.about, s,
     ]);
     const placeOf = (row: readonly Cell[]): number => Number(row[row.length - 1]);
     const view = new TableView(page, "scenes", {
@@ -52,15 +52,15 @@ export const scenes: Section = {
         if (scene === undefined) return null;
         if (column === 0) {
           const is = placeOf(row) === chosenScene(tools);
-          return element("button", { type: "button", class: "pick", "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
+          return element("button", { type: "button", class: "pick", "data-scene": placeOf(row), "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
         }
-        if (column === 2) return document.createTextNode(scene.duration === null ? "" : significant(scene.duration, 4));
-        if (column >= 4 && (column - 4) % 2 === 0) {
-          const entry = scene.fastest.find((one) => one.error === errors[(column - 4) / 2]);
+        const among = column - 1 < 2 * errors.length ? column - 1 : -1;
+        if (among >= 0 && among % 2 === 0) {
+          const entry = scene.fastest.find((one) => one.error === errors[among / 2]);
           const method = entry?.row === null || entry === undefined ? -1 : (data.rows.method[entry.row] ?? -1);
           return method < 0 ? (cell === null ? null : element("span", { class: "faint" }, String(cell))) : methodLabel(tools, method, 26);
         }
-        if (column >= 4 && typeof cell === "number") return document.createTextNode(`${significant(cell)}×`);
+        if (among >= 0 && typeof cell === "number") return document.createTextNode(`${significant(cell)}×`);
         return null;
       },
     });
@@ -70,14 +70,14 @@ export const scenes: Section = {
       if (scene === undefined) return;
       chosen.append(
         element("h3", {}, named(scene.name, 90)),
-        element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").join(" ").slice(0, 900)),
+        element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").map((part) => part.replace(/[^.!?]$/, "$&.")).join(" ").slice(0, 900)),
         element("p", { class: "faint" }, [
           scene.duration === null ? "" : `duration ${duration(scene.duration)}`,
           scene.floor === null ? "" : `floor of binary64 ${significant(scene.floor)} rad (what rounding the start costs)`,
         ].filter((part) => part !== "").join(" · ")),
       );
-      for (const button of view.root.querySelectorAll("button.pick")) {
-        button.setAttribute("aria-pressed", String(button.firstElementChild?.textContent === named(scene.name, 44).textContent));
+      for (const button of view.root.querySelectorAll<HTMLElement>("button.pick")) {
+        button.setAttribute("aria-pressed", String(Number(button.dataset.scene) === chosenScene(tools)));
       }
     };
     host.append(
@@ -86,5 +86,11 @@ export const scenes: Section = {
     );
     page.watch(["scene"], show);
     show();
+    // the chosen one is in view, without moving the page
+    window.setTimeout(() => {
+      const row = view.root.querySelector<HTMLElement>('button.pick[aria-pressed="true"]')?.closest("tr");
+      const scroller = view.root.querySelector(".scroller");
+      if (row && scroller) scroller.scrollTop = Math.max(0, row.offsetTop - 90);
+    }, 0);
   },
 };

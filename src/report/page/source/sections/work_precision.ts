@@ -3,7 +3,7 @@ import { Choice, element, fill } from "../dom.ts";
 import { counted, engineering, quantity, significant } from "../format.ts";
 import { limitOf, rowAt, settingKinds, settingText, statuses, type Row } from "../rows.ts";
 import { front } from "../thin.ts";
-import { chosenScene, methodLabel, otherScenes, sceneName, type Section, type Tools } from "../tools.ts";
+import { chosenScene, isSweep, methodLabel, otherScenes, sceneName, type Section, type Tools } from "../tools.ts";
 import { oneLine, shorten } from "../text.ts";
 import type { Rows } from "../data.ts";
 
@@ -152,9 +152,9 @@ export const workPrecision: Section = {
       for (const place of ofScene) counts.set(rows.experiment[place] ?? -1, (counts.get(rows.experiment[place] ?? -1) ?? 0) + 1);
       const known = [...new Set([...experiments, ...counts.keys()])].filter((e) => counts.has(e));
       const asked = known.find((e) => data.experiments[e]?.name === page.get("work.experiment"));
-      const sweep = known.find((e) => data.experiments[e]?.kind === "sweep");
-      const widest = [...known].sort((a, b) => (counts.get(b) ?? 0) - (counts.get(a) ?? 0))[0];
-      const experiment = asked ?? sweep ?? widest ?? -1;
+      // sweeps are made for this diagram; of several the largest
+      const rank = (e: number): number => (isSweep(data, e) ? 1e9 : 0) + (counts.get(e) ?? 0);
+      const experiment = asked ?? [...known].sort((a, b) => rank(b) - rank(a))[0] ?? -1;
       const measure = measures.find((one) => one.key === page.get("work.error")) ?? (measures[0] as (typeof measures)[number]);
       const byEvaluations = page.get("work.x") === "evaluations";
       const places = [...ofScene].filter((place) => rows.experiment[place] === experiment);

@@ -1,0 +1,150 @@
+#include "experiment/run/fastest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace polhode {
+namespace {
+
+std::vector<std::string> scenes_of(const std::vector<Result>& results) {
+    std::vector<std::string> scenes;
+    for (const Result& r : results)
+        if (std::ranges::find(scenes, r.scene) == scenes.end()) scenes.push_back(r.scene);
+    return scenes;
+}
+
+bool offers_a_choice(const std::vector<Result>& results) {
+    std::set<std::string> methods;
+    bool timed = false;
+    for (const Result& r : results) {
+        methods.insert(r.method);
+        timed = timed || (r.status == Status::ok && r.seconds_median && r.errors["attitude"].max);
+    }
+    return timed && methods.size() > 1;
+}
+
+// "1e-6", "3e-6": one digit
+std::string power_of_ten(double value) {
+    std::string text = fmt::format("{:.0e}", value);
+    if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
+    return text;
+}
+
+std::string setting_of(const Result& r) {
+    switch (r.setting_kind) {
+        case SettingKind::step:
+            return fmt::format("h {:.3g} s", r.setting);
+        case SettingKind::tolerance:
+            return "R " + power_of_ten(r.setting);
+        case SettingKind::none:
+            break;
+    }
+    return "";
+}
+
+}  // namespace
+
+std::vector<const Result*> fastest_first(const std::vector<Result>& results, const std::string& scene, double wanted) {
+    std::vector<const Result*> best;
+    for (const Result& r : results) {
+        if (r.scene != scene || r.status != Status::ok || !r.seconds_median) continue;
+        if (!r.errors["attitude"].max || *r.errors["attitude"].max > wanted) continue;
+        const auto same = std::ranges::find(best, r.method, &Result::method);
+        if (same == best.end())
+            best.push_back(&r);
+        else if (*r.seconds_median < *(*same)->seconds_median)
+            *same = &r;
+    }
+    std::ranges::sort(best, {}, [](const Result* r) { return *r->seconds_median; });
+    return best;
+}
+
+std::string prefixed_seconds(double seconds) {
+    constexpr std::array<const char*, 5> units = {"s", "ms", "us", "ns", "ps"};
+    if (!std::isfinite(seconds)) return "-";
+    std::size_t unit = 0;
+    double value = seconds;
+    // 999.6 us in three digits is 1.00 ms
+    while (value > 0 && value < 0.9995 && unit + 1 < units.size()) value *= 1000, ++unit;
+    if (value == 0) return "0 s";
+    if (value >= 999.5) return fmt::format("{:.0f} {}", value, units[unit]);
+    const int decimals = value >= 99.95 ? 0 : value >= 9.995 ? 1 : 2;
+    return fmt::format("{:.{}f} {}", value, decimals, units[unit]);
+}
+
+std::string shortened(const std::string& text, std::size_t most) {
+    if (text.size() <= most || most < 5) return text.substr(0, most);
+    const std::size_t behind = (most - 2) / 2, before = most - 2 - behind;
+    return text.substr(0, before) + ".." + text.substr(text.size() - behind);
+}
+
+std::string run_table(const std::vector<Result>& results, const RunTable& table) {
+    if (!offers_a_choice(results)) return "";
+    using Row = std::array<std::string, 7>;
+    const Row head{"scene", "error (rad)", "fastest", "setting", "time", "runner-up", "times"};
+    std::vector<Row> rows;
+    for (const std::string& scene : scenes_of(results)) {
+        bool first = true;
+        for (const double wanted : asked_accuracies) {
+            const std::vector<const Result*> best = fastest_first(results, scene, wanted);
+            Row row{first ? scene : "", power_of_ten(wanted)};
+            first = false;
+            if (best.empty()) {
+                row[2] = "none";
+            } else {
+                row[2] = best[0]->method, row[3] = setting_of(*best[0]);
+                row[4] = prefixed_seconds(*best[0]->seconds_median);
+                if (best.size() > 1) {
+                    row[5] = best[1]->method;
+                    row[6] = fmt::format("{:.2f}", *best[1]->seconds_median / *best[0]->seconds_median);
+                }
+            }
+            rows.push_back(std::move(row));
+        }
+    }
+    // what the names may take is what the numbers leave
+    std::array<std::size_t, 7> width{};
+    const auto measure = [&] {
+        for (std::size_t i = 0; i < head.size(); ++i) {
+            width[i] = head[i].size();
+            for (const Row& row : rows) width[i] = std::max(width[i], row[i].size());
+        }
+        std::size_t all = 2 * (head.size() - 1);
+        for (const std::size_t one : width) all += one;
+        return all;
+    };
+    const auto most = static_cast<std::size_t>(std::max(80, table.width));
+    for (std::size_t all = measure(); all > most; all = measure()) {
+        // the widest of the three columns of names gives way, no further than to ten
+        std::size_t widest = 0;
+        for (const std::size_t i : {2, 5})
+            if (width[i] > width[widest]) widest = i;
+        if (width[widest] <= 10) break;
+        const std::size_t allowed = std::max<std::size_t>(10, width[widest] - std::min(width[widest], all - most));
+        for (Row& row : rows) row[widest] = shortened(row[widest], allowed);
+        if (width[widest] == allowed) break;
+    }
+    const auto line = [&](const Row& row, bool heading) {
+        std::string text;
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const bool number = i == 1 || i == 4 || i == 6;
+            std::string cell =
+                number ? fmt::format("{:>{}}", row[i], width[i]) : fmt::format("{:<{}}", row[i], width[i]);
+            if (table.color && heading) cell = "\x1b[1m" + cell + "\x1b[0m";
+            if (table.color && !heading && i == 2)
+                cell = (row[2] == "none" ? "\x1b[2m" : "\x1b[32m") + cell + "\x1b[0m";
+            text += (i > 0 ? "  " : "") + cell;
+        }
+        if (!table.color) text.erase(text.find_last_not_of(' ') + 1);
+        return text + "\n";
+    };
+    std::string text = line(head, true);
+    for (const Row& row : rows) text += line(row, false);
+    return text;
+}
+
+}  // namespace polhode

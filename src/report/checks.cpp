@@ -1,0 +1,133 @@
+#include "report/checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "body/mass_properties.h"
+#include "check/check_files.h"
+#include "check/limits.h"
+#include "check/report.h"
+#include "motion/trajectory_csv.h"
+
+namespace polhode {
+namespace {
+
+// w (body axes) of the rotation from one attitude to another, that takes so long
+Vector3<double> mean_rate(const Quaternion<double>& from, const Quaternion<double>& to, double duration) {
+    Quaternion<double> d = conjugate(normalized(from)) * normalized(to);
+    if (d.w < 0) d = {-d.w, -d.x, -d.y, -d.z};
+    const double sine = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    const double scale = sine > 0 ? 2 * std::atan2(sine, d.w) / sine / duration : 0;
+    return {d.x * scale, d.y * scale, d.z * scale};
+}
+
+// What a file does not tell is taken from what it tells: w from the attitudes, the centre of mass of a body with a
+// pivot from the attitude; a centre of mass that is not told stays where it began.
+std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<Vector3<double>> centers;
+    if (is_mechanism(scene))
+        for (const NamedBody& body : scene.bodies) centers.push_back(body.body.center_of_mass);
+    else
+        centers.push_back(scene.body.center_of_mass);
+    std::vector<Sample> samples = samples_of(file, centers);
+    const std::size_t bodies = file.bodies_at_once();
+    if (!file.has_angular_velocity)
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const std::size_t before = i >= bodies ? i - bodies : i;
+            const std::size_t after = i + bodies < samples.size() ? i + bodies : i;
+            if (samples[after].t > samples[before].t)
+                samples[i].angular_velocity_B =
+                    mean_rate(samples[before].q, samples[after].q, samples[after].t - samples[before].t);
+        }
+    if (file.has_position || file.has_origin) {
+        if (!file.has_velocity)
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                const std::size_t before = i >= bodies ? i - bodies : i;
+                const std::size_t after = i + bodies < samples.size() ? i + bodies : i;
+                const double h = samples[after].t - samples[before].t;
+                if (h > 0) samples[i].velocity_W = (1 / h) * (samples[after].position_W - samples[before].position_W);
+            }
+        return samples;
+    }
+    for (Sample& sample : samples) {
+        if (scene.pivot) {
+            const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
+            const Quaternion<double> q = normalized(sample.q);
+            sample.position_W = rotate(q, arm);
+            sample.velocity_W = rotate(q, cross(sample.angular_velocity_B, arm));
+        } else if (!is_mechanism(scene)) {
+            sample.position_W = scene.initial.position_W;
+            sample.velocity_W = {};
+        }
+    }
+    return samples;
+}
+
+Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene) {
+    const bool failed = limits.refuses(checked.judgement);
+    Json json{{"file", std::filesystem::path(checked.path).filename().string()},
+              {"scene", scene},
+              {"verdict", failed ? "failed" : "passed"},
+              {"passed", !failed},
+              {"blocks", Json::array()},
+              {"lines", Json::array()},
+              {"diagnoses", Json::array()},
+              {"t", Json::array()},
+              {"errors", Json::array()},
+              {"motion_method", nullptr}};
+    for (const BlockVerdict& verdict : limits.verdicts(checked.judgement)) {
+        const auto& summary = checked.judgement[verdict.block->measure];
+        const bool relative = verdict.limit.relative;
+        const auto value = relative ? verdict.relative : verdict.error;
+        json["blocks"].push_back({{"name", verdict.block->title},
+                                  {"error", value ? number_json(*value, 6) : Json()},
+                                  {"unit", relative ? "relative" : std::string(verdict.block->unit)},
+                                  {"limit", number_json(verdict.limit.value, 6)},
+                                  {"passed", verdict.error ? Json(!verdict.failed) : Json()},
+                                  {"at", summary ? number_json(summary->max_time, 6) : Json()}});
+    }
+    CheckedFile told = checked;
+    told.path = json["file"].get<std::string>();
+    std::istringstream lines(check_text(limits, {told}));
+    for (std::string line; std::getline(lines, line);) json["lines"].push_back(line);
+    for (const Diagnosis& fault : checked.diagnosed.faults) json["diagnoses"].push_back(fault.message);
+    if (checked.diagnosed.update) json["diagnoses"].push_back(checked.diagnosed.update->message);
+    if (!checked.picture) return json;
+    for (const Panel& panel : checked.picture->panels) {
+        if (panel.curves.empty()) continue;
+        const Curve& own = panel.curves.front();
+        if (json["t"].empty()) json["t"] = numbers_json(own.x, 6);
+        std::string unit = panel.y_label;
+        if (const std::size_t open = unit.find('('); open != std::string::npos)
+            unit = unit.substr(open + 1, unit.size() - open - 2);
+        json["errors"].push_back({{"name", panel.title}, {"unit", unit}, {"values", numbers_json(own.y, 4)}});
+    }
+    return json;
+}
+
+}  // namespace
+
+CheckedTrajectories check_trajectories(const Scene& scene, int place, const std::vector<std::string>& files,
+                                       const Convention& convention) {
+    ErrorLimits limits(scene);
+    ColumnNames columns;
+    columns.degrees = convention.degrees;
+    const std::vector<CheckedFile> all = check_files(scene, files, convention, columns, limits, false, true);
+    CheckedTrajectories checked;
+    for (const CheckedFile& one : all) {
+        checked.list.push_back(check_json(one, limits, place));
+        DrawnFile drawn{std::filesystem::path(one.path).filename().string(), place, {}, 1};
+        if (one.file) {
+            drawn.samples = drawn_samples(scene, *one.file);
+            drawn.bodies = static_cast<int>(one.file->bodies_at_once());
+        }
+        checked.drawn.push_back(std::move(drawn));
+    }
+    return checked;
+}
+
+}  // namespace polhode

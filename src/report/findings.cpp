@@ -1,0 +1,342 @@
+#include "report/findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "integrators/method.h"
+#include "measure/growth.h"
+#include "measure/observed_order.h"
+#include "measure/statistics.h"
+#include "text/decimal.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+const std::string& method_name(const ResultFolder& folder, const FolderRow& row) {
+    return folder.methods.names()[static_cast<std::size_t>(row.method)];
+}
+
+const std::string& scene_name(const ResultFolder& folder, const FolderRow& row) {
+    return folder.scenes.names()[static_cast<std::size_t>(row.scene)];
+}
+
+// A value of the page's state: what a fragment does not take as it is becomes %XX.
+std::string in_fragment(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain = (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'z') ||
+                           (byte >= 'A' && byte <= 'Z') || c == '_' || c == '-' || c == '.';
+        out += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+    }
+    return out;
+}
+
+std::string shown(const std::string& name) { return one_line(name, 60); }
+
+std::string library_of(const ResultFolder& folder, const FolderRow& row) {
+    const Method* const method = find_method(method_name(folder, row));
+    return method ? std::string(method->library) : "";
+}
+
+std::string counted(std::size_t n, const char* one, const char* many) {
+    return fmt::format("{} {}", n, n == 1 ? one : many);
+}
+
+std::optional<Finding> fastest_finding(const ResultFolder& folder) {
+    const auto by_scene = rows_by_scene(folder);
+    // at the finest accuracy that half of the scenes can be told at
+    std::optional<Finding> finding;
+    std::size_t most = 0;
+    for (const double error : {1e-9, 1e-6, 1e-3}) {
+        std::map<std::string, int> wins;
+        std::map<std::string, std::size_t> example;
+        std::vector<double> factors;
+        std::size_t scenes = 0, peers_scene = 0;
+        double largest_factor = 0;
+        for (std::size_t s = 0; s < by_scene.size(); ++s) {
+            const Fastest best = fastest_within(folder, by_scene[s], error);
+            if (!best.row || !best.runner_up) continue;
+            ++scenes;
+            const FolderRow& first = folder.rows[*best.row];
+            const std::string& name = method_name(folder, first);
+            ++wins[name];
+            example.try_emplace(name, s);
+            // against the best of another library
+            std::optional<double> other;
+            for (const std::size_t r : by_scene[s]) {
+                const FolderRow& row = folder.rows[r];
+                if (row.status != Status::ok || !(row.attitude <= error) || !(row.seconds > 0)) continue;
+                if (library_of(folder, row) == library_of(folder, first)) continue;
+                if (!other || row.seconds < *other) other = row.seconds;
+            }
+            if (!other) continue;
+            factors.push_back(*other / first.seconds);
+            if (factors.back() > largest_factor) largest_factor = factors.back(), peers_scene = s;
+        }
+        if (scenes <= 2 * most) continue;
+        most = scenes;
+        const auto winner = std::ranges::max_element(wins, {}, [](const auto& w) { return w.second; });
+        const std::string& scene = folder.scenes.names()[example[winner->first]];
+        Finding one;
+        one.title = fmt::format("{} is the fastest to {:g} rad on {} of {} scenes", shown(winner->first), error,
+                                winner->second, scenes);
+        std::vector<std::pair<int, std::string>> ranked;
+        for (const auto& [name, count] : wins)
+            if (name != winner->first) ranked.emplace_back(-count, name);
+        std::ranges::sort(ranked);
+        std::vector<std::string> others;
+        for (const auto& [count, name] : ranked) others.push_back(fmt::format("{} on {}", shown(name), -count));
+        if (others.size() > 4) others.resize(4), others.emplace_back("..");
+        if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", listed(others));
+        if (!factors.empty())
+            one.text += fmt::format(
+                "The best of another library takes {:.3g} times as long in the median of {}, at most {:.3g} times "
+                "({}).",
+                median(factors), counted(factors.size(), "scene", "scenes"), largest_factor,
+                shown(folder.scenes.names()[peers_scene]));
+        else
+            one.text += "Compared are methods of one library.";
+        one.link = "#section=work-precision&scene=" + in_fragment(scene);
+        finding = one;
+    }
+    return finding;
+}
+
+std::optional<Finding> hidden_finding(const ResultFolder& folder) {
+    std::set<std::string> methods;
+    std::size_t runs = 0;
+    const FolderRow* worst = nullptr;
+    double plainest = -1;
+    for (const FolderRow& row : folder.rows) {
+        if (!(row.attitude > 1 && row.energy < 1e-2) || row.status == Status::unsupported) continue;
+        ++runs;
+        methods.insert(method_name(folder, row));
+        // the plainest: an update as people copy it, and a momentum that is off by as much as can be
+        const Method* const method = find_method(method_name(folder, row));
+        const double plain =
+            std::min(2.0, std::isfinite(row.momentum) ? row.momentum : 0) +
+            (method && method->family == Family::published_update && method->precision == Precision::binary64 ? 3 : 0);
+        if (plain > plainest) plainest = plain, worst = &row;
+    }
+    if (!worst) return std::nullopt;
+    return Finding{
+        fmt::format("Energy hides a lost attitude in {}", counted(runs, "run", "runs")),
+        fmt::format("{}: the attitude is more than 1 rad off and the energy less than 1 %. {} on {}{}: attitude {:.2g} "
+                    "rad, momentum {:.1e}, energy {:.1e}.",
+                    counted(methods.size(), "method", "methods"), shown(method_name(folder, *worst)),
+                    shown(scene_name(folder, *worst)),
+                    worst->kind == SettingKind::none
+                        ? ""
+                        : fmt::format(" at a {} of {:.3g}{}", name_of(worst->kind), worst->setting,
+                                      worst->kind == SettingKind::step ? " s" : ""),
+                    worst->attitude, worst->momentum, worst->energy),
+        fmt::format("#section=motion&scene={}&motion_methods={}", in_fragment(scene_name(folder, *worst)),
+                    in_fragment(method_name(folder, *worst)))};
+}
+
+std::optional<Finding> growth_finding(const ResultFolder& folder) {
+    constexpr std::size_t energy = 2;
+    std::set<std::string> bounded, growing;
+    const FolderSeries* example = nullptr;
+    double longest = 0;
+    for (const FolderSeries& series : folder.series) {
+        const auto growth = growth_of(series)[energy];
+        if (!growth) continue;
+        const std::string& name = folder.methods.names()[static_cast<std::size_t>(series.method)];
+        if (growth->first < 0.2) bounded.insert(name);
+        if (growth->first > 0.8) growing.insert(name);
+        if (growth->first > 0.8 && series.t.back() > longest) example = &series, longest = series.t.back();
+    }
+    if (!example || bounded.empty()) return std::nullopt;
+    for (const std::string& name : growing) bounded.erase(name);
+    if (bounded.empty()) return std::nullopt;
+    std::vector<std::string> kept(bounded.begin(), bounded.end());
+    if (kept.size() > 5) kept.resize(5), kept.emplace_back("..");
+    const std::string& scene = folder.scenes.names()[static_cast<std::size_t>(example->scene)];
+    return Finding{
+        fmt::format("{} no drift of energy, {} in proportion to time",
+                    counted(bounded.size(), "method shows", "methods show"), counted(growing.size(), "grows", "grow")),
+        fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
+        "#section=drift&scene=" + in_fragment(scene)};
+}
+
+std::optional<Finding> order_finding(const ResultFolder& folder) {
+    std::size_t told = 0, off = 0;
+    const FittedOrder* worst = nullptr;
+    const std::vector<FittedOrder> orders = orders_of(folder);
+    for (const FittedOrder& order : orders) {
+        if (order.kind != SettingKind::step || order.claimed == 0 || !order.observed) continue;
+        ++told;
+        const double difference = std::abs(*order.observed - order.claimed);
+        if (difference > 0.3) ++off;
+        if (!worst || difference > std::abs(*worst->observed - worst->claimed)) worst = &order;
+    }
+    if (told < 3) return std::nullopt;
+    const std::string& scene = folder.scenes.names()[static_cast<std::size_t>(worst->scene)];
+    return Finding{off == 0 ? fmt::format("All {} observed orders are those claimed", told)
+                            : fmt::format("{} of {} observed orders are those claimed", told - off, told),
+                   fmt::format("Within 0.3. The furthest off: {} on {}, {:.2f} where {} is claimed.",
+                               shown(folder.methods.names()[static_cast<std::size_t>(worst->method)]), shown(scene),
+                               *worst->observed, worst->claimed),
+                   "#section=convergence&scene=" + in_fragment(scene)};
+}
+
+std::optional<Finding> failure_finding(const ResultFolder& folder) {
+    std::map<std::string, std::size_t> by_method;
+    std::array<std::size_t, 5> by_status{};
+    const FolderRow* example = nullptr;
+    for (const FolderRow& row : folder.rows) {
+        ++by_status[static_cast<std::size_t>(row.status)];
+        if (row.status == Status::ok || row.status == Status::unsupported) continue;
+        ++by_method[method_name(folder, row)];
+        if (!example) example = &row;
+    }
+    if (!example) return std::nullopt;
+    const auto most = std::ranges::max_element(by_method, {}, [](const auto& m) { return m.second; });
+    const auto of = [&](Status status) { return by_status[static_cast<std::size_t>(status)]; };
+    return Finding{
+        fmt::format("{} of {} runs did not end well",
+                    of(Status::diverged) + of(Status::tolerance_not_met) + of(Status::failed), folder.rows.size()),
+        fmt::format("{} diverged, {} did not meet their tolerance, {} failed; most of {} ({}).", of(Status::diverged),
+                    of(Status::tolerance_not_met), of(Status::failed), shown(most->first), most->second),
+        "#section=work-precision&scene=" + in_fragment(scene_name(folder, *example))};
+}
+
+std::optional<Finding> floor_finding(const ResultFolder& folder) {
+    std::set<std::string> reached, all;
+    const FolderRow* best = nullptr;
+    for (const FolderRow& row : folder.rows) {
+        if (row.status != Status::ok || !(row.floor > 0) || !(row.attitude >= 0)) continue;
+        all.insert(method_name(folder, row));
+        if (row.attitude <= 10 * row.floor) reached.insert(method_name(folder, row));
+        if (!best || row.attitude / row.floor < best->attitude / best->floor) best = &row;
+    }
+    if (!best) return std::nullopt;
+    return Finding{
+        fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
+        fmt::format("Within ten times. The nearest: {} on {}, {:.1e} rad where rounding the start costs "
+                    "{:.1e} rad.",
+                    shown(method_name(folder, *best)), shown(scene_name(folder, *best)), best->attitude, best->floor),
+        "#section=work-precision&scene=" + in_fragment(scene_name(folder, *best))};
+}
+
+std::optional<Finding> gain_finding(const ResultFolder& folder) {
+    for (const FolderTable& table : folder.tables) {
+        if (!table.name.ends_with("_gain")) continue;
+        try {
+            const std::size_t gain = column_index(table.table, "gain"), scene = column_index(table.table, "scene"),
+                              method = column_index(table.table, "method");
+            std::vector<double> gains;
+            double largest = 0;
+            std::string where;
+            for (const auto& row : table.table.rows)
+                if (const auto value = parse_decimal(text_of(row[gain]))) {
+                    gains.push_back(*value);
+                    if (*value > largest)
+                        largest = *value,
+                        where = fmt::format("{} by {}", shown(text_of(row[scene])), shown(text_of(row[method])));
+                }
+            if (gains.empty()) continue;
+            return Finding{
+                fmt::format("Leaving out what a scene does not need makes it {:.2g} times as fast", median(gains)),
+                fmt::format("In the median of {}; most on {}: {:.3g} times.", counted(gains.size(), "pair", "pairs"),
+                            where, largest),
+                "#section=leave-out"};
+        } catch (const std::invalid_argument&) {
+            continue;
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> rows_by_scene(const ResultFolder& folder) {
+    std::vector<std::vector<std::size_t>> places(folder.scenes.names().size());
+    for (std::size_t r = 0; r < folder.rows.size(); ++r)
+        places[static_cast<std::size_t>(folder.rows[r].scene)].push_back(r);
+    return places;
+}
+
+Fastest fastest_within(const ResultFolder& folder, const std::vector<std::size_t>& rows, double error) {
+    const int reduced = folder.formulations.find("reduced");
+    Fastest best;
+    const auto faster = [&](std::size_t row, const std::optional<std::size_t>& than) {
+        return !than || folder.rows[row].seconds < folder.rows[*than].seconds;
+    };
+    for (const bool runner_up : {false, true})
+        for (const std::size_t r : rows) {
+            const FolderRow& row = folder.rows[r];
+            if (row.status != Status::ok || !(row.attitude <= error) || !(row.seconds > 0)) continue;
+            if (row.formulation != reduced && reduced >= 0) continue;
+            if (!runner_up) {
+                if (faster(r, best.row)) best.row = r;
+            } else if (best.row && row.method != folder.rows[*best.row].method && faster(r, best.runner_up)) {
+                best.runner_up = r;
+            }
+        }
+    return best;
+}
+
+std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeries& series) {
+    std::vector<std::optional<std::pair<double, double>>> all;
+    for (std::size_t i = 0; i < drift_measures.size(); ++i) {
+        all.emplace_back();
+        const std::vector<double>& error = series.errors[i];
+        if (std::ranges::any_of(error, [](double e) { return !std::isfinite(e); })) continue;
+        // an attitude is lost at about a radian
+        const auto growth =
+            drift_measures[i] == "attitude" ? error_growth(series.t, error, 1.0) : error_growth(series.t, error);
+        if (growth) all.back() = {growth->exponent, growth->uncertainty};
+    }
+    return all;
+}
+
+std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
+    const bool some =
+        std::ranges::any_of(folder.experiments, [](const FolderExperiment& e) { return e.kind == "convergence"; });
+    struct Points {
+        std::vector<double> setting, error;
+    };
+    std::map<std::array<int, 5>, Points> curves;
+    for (const FolderRow& row : folder.rows) {
+        const FolderExperiment& experiment = folder.experiments[static_cast<std::size_t>(row.experiment)];
+        if ((some && experiment.kind != "convergence") || row.kind == SettingKind::none) continue;
+        if (row.status != Status::ok || !std::isfinite(row.attitude_final)) continue;
+        Points& points = curves[{row.experiment, row.scene, row.method, static_cast<int>(row.kind), row.formulation}];
+        points.setting.push_back(row.step_taken > 0 ? row.step_taken : row.setting);
+        points.error.push_back(row.attitude_final);
+    }
+    std::vector<FittedOrder> orders;
+    for (const auto& [key, points] : curves) {
+        if (points.setting.size() < 4) continue;
+        FittedOrder order{key[0], key[1], key[2], static_cast<SettingKind>(key[3]), 0, {}, 0};
+        const Method* const method = find_method(folder.methods.names()[static_cast<std::size_t>(key[2])]);
+        if (method && order.kind == SettingKind::step) order.claimed = method->order;
+        if (const auto observed = observed_order(points.setting, points.error, 1.0)) {
+            order.observed = observed->order, order.points = observed->points;
+            order.from = observed->from, order.to = observed->to;
+        }
+        orders.push_back(order);
+    }
+    return orders;
+}
+
+std::vector<Finding> findings_of(const ResultFolder& folder) {
+    std::vector<Finding> findings;
+    for (const auto find : {fastest_finding, hidden_finding, growth_finding, order_finding, failure_finding,
+                            floor_finding, gain_finding}) {
+        if (findings.size() == 3) break;
+        if (auto one = find(folder)) findings.push_back(std::move(*one));
+    }
+    return findings;
+}
+
+}  // namespace polhode

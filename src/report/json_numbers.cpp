@@ -1,0 +1,33 @@
+#include "report/json_numbers.h"
+
+#include <charconv>
+
+namespace polhode {
+
+Json number_json(double value, int digits) {
+    if (!std::isfinite(value)) return nullptr;
+    // the binary64 nearest to the short decimal: written as that decimal again
+    char buffer[40];
+    const auto written =
+        std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::scientific, digits - 1);
+    double rounded = value;
+    std::from_chars(buffer, written.ptr, rounded);
+    if (rounded == std::trunc(rounded) && std::abs(rounded) < 1e15) return static_cast<long>(rounded);
+    return rounded;
+}
+
+Json numbers_json(const std::vector<double>& values, int digits) {
+    Json list = Json::array();
+    for (const double value : values) list.push_back(number_json(value, digits));
+    return list;
+}
+
+Json vector_json(const Vector3<double>& v) {
+    return {number_json(v[0], 6), number_json(v[1], 6), number_json(v[2], 6)};
+}
+
+Json quaternion_json(const Quaternion<double>& q) {
+    return {number_json(q.w, 8), number_json(q.x, 8), number_json(q.y, 8), number_json(q.z, 8)};
+}
+
+}  // namespace polhode

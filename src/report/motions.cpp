@@ -1,0 +1,425 @@
+#include "report/motions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "body/mass_properties.h"
+#include "integrators/method.h"
+#include "integrators/truth/dense.h"
+#include "integrators/truth/reference.h"
+#include "measure/errors.h"
+#include "motion/problem.h"
+#include "report/body_shape.h"
+#include "report/keyframes.h"
+#include "scene/scene_file.h"
+#include "text/message.h"
+#include "text/parallel.h"
+
+namespace polhode {
+namespace {
+
+constexpr double most_revolutions = 15;
+// attitudes a radian of turning: the fastest body turns by so much between two samples
+constexpr double turn_per_sample = 0.1;
+constexpr long least_samples = 200, most_samples = 2000;
+// of a truth that costs anew at each time
+constexpr long dear_samples = 400;
+constexpr std::size_t judged_samples = 400, error_points = 100, fewer_error_points = 30;
+// what a picture of a few hundred pixels does not show: a degree is a pixel or two
+constexpr double visible_angle = 1e-2;
+constexpr double truth_limit = 5, run_limit = 0.5;  // s
+constexpr long run_steps = 200'000;
+// Of a method's settings that one is drawn which people take: a tolerance near this, a step near so much turning (rad).
+constexpr double drawn_tolerance = 1e-6, turn_per_step = 0.1;
+
+// A method's run that a row of the folder is of.
+struct DrawnRun {
+    int method = 0;
+    SettingKind kind = SettingKind::none;
+    double setting = absent;
+};
+
+// Whether the first is drawn rather than the second; `step` (s) is the one that people would take.
+bool goes_before(const DrawnRun& a, const DrawnRun& b, double step) {
+    if (a.kind != b.kind) return a.kind == SettingKind::step;
+    const double wanted = a.kind == SettingKind::step ? step : drawn_tolerance;
+    return std::abs(std::log(a.setting / wanted)) < std::abs(std::log(b.setting / wanted));
+}
+
+// The truth at any times.
+class TruthOf {
+  public:
+    explicit TruthOf(const Scene& scene) : scene_(scene) {
+        if (!is_mechanism(scene)) dense_ = dense_reference(scene, scene.duration);
+    }
+
+    // at times that nobody has asked for before it costs little
+    bool is_dense() const { return dense_.available; }
+
+    Reference at(const std::vector<double>& times) {
+        if (!dense_.available) {
+            if (times != times_) times_ = times, known_ = reference(scene_, times, 17, truth_limit);
+            return known_;
+        }
+        Reference truth;
+        truth.available = true, truth.message = dense_.message, truth.bound = dense_.bound;
+        for (const double t : times) truth.samples.push_back(dense_.at(t));
+        return truth;
+    }
+
+    // its first samples, where those alone are asked for
+    Reference begin_of(const std::vector<double>& times) {
+        if (dense_.available || times.size() > times_.size() || !std::equal(times.begin(), times.end(), times_.begin()))
+            return at(times);
+        Reference truth = known_;
+        const std::size_t bodies = static_cast<std::size_t>(truth.bodies);
+        truth.samples.resize(std::min(truth.samples.size(), times.size() * bodies));
+        if (!truth.system.empty()) truth.system.resize(times.size());
+        return truth;
+    }
+
+  private:
+    const Scene& scene_;
+    DenseTruth dense_;
+    std::vector<double> times_;
+    Reference known_;
+};
+
+Trajectory rounded(const Reference& truth) {
+    Trajectory trajectory;
+    trajectory.bodies = truth.bodies;
+    for (const ReferenceSample& sample : truth.samples) trajectory.samples.push_back(sample.rounded());
+    return trajectory;
+}
+
+// Evenly over a list, its first and last among them.
+std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
+    std::vector<std::size_t> places;
+    const std::size_t shown = std::min(count, most);
+    for (std::size_t i = 0; i < shown; ++i) places.push_back(shown > 1 ? i * (count - 1) / (shown - 1) : 0);
+    return places;
+}
+
+Json points_json(const Vector3<double>& point, const Vector3<double>& center) { return vector_json(point - center); }
+
+Json joints_json(const Scene& scene) {
+    Json joints = Json::array();
+    const auto place = [&](const std::string& name) {
+        for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+            if (scene.bodies[i].name == name) return static_cast<int>(i);
+        return -1;
+    };
+    const auto from_center = [&](const std::string& name, const Vector3<double>& point) {
+        const int at = place(name);
+        return points_json(point,
+                           at < 0 ? Vector3<double>() : scene.bodies[static_cast<std::size_t>(at)].body.center_of_mass);
+    };
+    constexpr const char* types[] = {"revolute", "prismatic", "spherical", "universal", "fixed"};
+    for (const Joint& joint : scene.joints)
+        joints.push_back({{"name", joint.name},
+                          {"type", types[static_cast<int>(joint.type)]},
+                          {"parent", place(joint.parent)},
+                          {"child", place(joint.child)},
+                          {"parent_point", from_center(joint.parent, joint.parent_point)},
+                          {"child_point", from_center(joint.child, joint.child_point)},
+                          {"axis", joint.type == JointType::revolute || joint.type == JointType::prismatic
+                                       ? vector_json(joint.axes[0])
+                                       : Json()}});
+    for (const Loop& loop : scene.loops)
+        joints.push_back({{"name", loop.name},
+                          {"type", loop.type == LoopType::distance ? "distance" : "loop"},
+                          {"parent", place(loop.first)},
+                          {"child", place(loop.second)},
+                          {"parent_point", from_center(loop.first, loop.first_point)},
+                          {"child_point", from_center(loop.second, loop.second_point)},
+                          {"axis", nullptr}});
+    return joints;
+}
+
+// How long a body is from its centre of mass, about: of the box of its moments.
+double size_of(const Body& body) {
+    const Matrix3<double>& I = body.inertia_B;
+    return std::sqrt(std::max(0.0, 1.5 * (I[0][0] + I[1][1] + I[2][2]) / body.mass));
+}
+
+class MotionWriter {
+  public:
+    MotionWriter(const Scene& scene, std::string& fault) : scene_(scene), fault_(fault) {}
+
+    // null, with the reason in fault_, where there is no truth
+    Json motion(int place, const std::vector<DrawnRun>& runs, const ResultFolder& folder,
+                const std::vector<const DrawnFile*>& files) {
+        const double whole = scene_.duration;
+        const Problem problem = pose(scene_);
+        window(problem);
+        TruthOf truth(scene_);
+        const double rate = problem.scales.angular_velocity;
+        dense_ = truth.is_dense();
+        samples_ = std::clamp(static_cast<long>(std::ceil(scene_.duration * rate / turn_per_sample)), least_samples,
+                              dense_ ? most_samples : dear_samples) /
+                   2 * 2;
+        const Reference reference = truth.at(sample_times(scene_.duration, samples_));
+        if (!reference.available) {
+            fault_ = reference.message;
+            return nullptr;
+        }
+        const SampledMotion motion = sampled_motion(rounded(reference));
+        if (motion.t.size() < 2) {
+            fault_ = "its numbers are too large to draw";
+            return nullptr;
+        }
+        double size = 0;
+        if (is_mechanism(scene_))
+            for (const NamedBody& body : scene_.bodies) size = std::max(size, size_of(body.body));
+        else
+            size = size_of(scene_.body);
+        tolerance_ = {visible_angle, 2e-3 * size};
+        const Keyframes keyframes = thinned(motion, tolerance_, true);
+        worst_ = keyframes.off;
+        Json json{{"scene", place},
+                  {"duration", number_json(scene_.duration, 7)},
+                  {"whole", number_json(whole, 7)},
+                  {"thinning", Json::object()},
+                  {"bodies", Json::array()},
+                  {"joints", joints_json(scene_)}};
+        if (is_mechanism(scene_))
+            for (const NamedBody& body : scene_.bodies) json["bodies"].push_back(body_shape_json(body.name, body.body));
+        else
+            json["bodies"].push_back(body_shape_json(scene_.name, scene_.body));
+        json["pivot"] = scene_.pivot ? points_json(*scene_.pivot, scene_.body.center_of_mass) : Json();
+        json["about"] = is_mechanism(scene_) ? Json() : principal_json(scene_.body, scene_.pivot);
+        json["planes"] = Json::array();
+        for (const Plane& plane : scene_.planes)
+            json["planes"].push_back(
+                {{"normal", vector_json(plane.normal_W)}, {"offset", number_json(plane.offset, 6)}});
+        json["gravity"] = nullptr;
+        for (const Load& load : scene_.loads)
+            if (const Gravity* gravity = std::get_if<Gravity>(&load))
+                json["gravity"] = vector_json(gravity->acceleration_W);
+        bool moving = false;
+        for (std::size_t k = 0; k < motion.t.size(); ++k)
+            for (int b = 0; b < motion.bodies; ++b)
+                moving = moving || !(motion.at(k, b).position_W == motion.at(0, b).position_W);
+        json["moving"] = moving;
+        json["free"] = !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1;
+        json["energy"] = number_json(is_mechanism(scene_) ? 0 : energy(motion.at(0, 0)), 6);
+        json["truth"] = track_json(motion, keyframes);
+        json["how"] = fmt::format("{}; within {:.1e}", reference.message, reference.bound);
+        json["methods"] = Json::array();
+        for (const DrawnRun& run : runs)
+            json["methods"].push_back(
+                run_json(run, folder.methods.names()[static_cast<std::size_t>(run.method)], truth));
+        for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, truth));
+        json["thinning"] = {{"angle", number_json(worst_.angle, 3)}, {"length", number_json(worst_.length, 3)}};
+        return json;
+    }
+
+  private:
+    // some revolutions of the fastest body are enough to look at
+    void window(const Problem& problem) {
+        const double rate = problem.scales.angular_velocity;
+        if (rate > 0) scene_.duration = std::min(scene_.duration, most_revolutions * 2 * std::numbers::pi / rate);
+    }
+
+    double energy(const Sample& sample) const {
+        const Matrix3<double> inertia =
+            scene_.pivot ? about_point(MassProperties<double>{scene_.body.mass, scene_.body.center_of_mass,
+                                                              scene_.body.inertia_B},
+                                       *scene_.pivot)
+                         : scene_.body.inertia_B;
+        return 0.5 * dot(sample.angular_velocity_B, inertia * sample.angular_velocity_B);
+    }
+
+    // The samples of a run: of fixed steps at the steps themselves, so that the step is the one asked for.
+    Settings settings_of(const DrawnRun& run, bool dense) const {
+        Settings settings;
+        settings.seconds_limit = run_limit, settings.max_steps = run_steps;
+        settings.samples = dense || !dense_ ? samples_ : std::min(samples_, 100L);
+        if (run.kind == SettingKind::tolerance) settings.tolerance = run.setting;
+        if (run.kind == SettingKind::step) {
+            const double steps = std::ceil(scene_.duration / run.setting * (1 - 1e-9));
+            const double between = std::ceil(steps / static_cast<double>(most_samples));
+            if (dense_) settings.samples = std::max(1L, static_cast<long>(std::ceil(steps / between)));
+            settings.step = dense_ ? scene_.duration / static_cast<double>(settings.samples) / between : run.setting;
+        }
+        return settings;
+    }
+
+    Json run_json(const DrawnRun& run, const std::string& name, TruthOf& truth) {
+        Json json{{"method", run.method},
+                  {"label", name},
+                  {"setting_kind", static_cast<int>(run.kind)},
+                  {"setting", number_json(run.setting, 4)},
+                  {"status", static_cast<int>(Status::failed)},
+                  {"message", "this program has no method of that name"},
+                  {"track", nullptr},
+                  {"difference", nullptr},
+                  {"t", Json::array()},
+                  {"attitude", Json::array()}};
+        const Method* const method = find_method(name);
+        if (!method || method->family == Family::engine) return json;
+        for (const bool dense : {false, true}) {
+            const Settings settings = settings_of(run, dense);
+            const Trajectory trajectory = solve(scene_, *method, settings);
+            if (run.kind == SettingKind::step && trajectory.step > 0) json["setting"] = number_json(trajectory.step, 4);
+            const std::string message = trajectory.status == Status::unsupported && trajectory.message.empty()
+                                            ? refusal(*method, pose(scene_))
+                                            : trajectory.message;
+            const bool is_visible = add(json, trajectory, message, truth);
+            // a run by tolerance is drawn from more samples than it is judged by
+            if (!is_visible || run.kind == SettingKind::step || dense || !dense_) break;
+        }
+        return json;
+    }
+
+    Json file_json(const DrawnFile& file, TruthOf& truth) {
+        Trajectory trajectory;
+        trajectory.bodies = file.bodies;
+        const std::size_t bodies = static_cast<std::size_t>(file.bodies);
+        for (std::size_t k = 0; k * bodies < file.samples.size(); ++k)
+            if (file.samples[k * bodies].t <= scene_.duration)
+                trajectory.append(Bodies(std::span(file.samples).subspan(k * bodies, bodies)));
+        Json json{{"method", -1}, {"label", file.label}, {"setting_kind", 0}, {"setting", nullptr}};
+        add(json, trajectory, "", truth);
+        return json;
+    }
+
+    // What became of a run; whether it can be told from the truth.
+    bool add(Json& json, const Trajectory& trajectory, const std::string& message, TruthOf& truth) {
+        json["status"] = static_cast<int>(trajectory.status);
+        json["message"] = message;
+        json["track"] = json["difference"] = nullptr;
+        json["t"] = json["attitude"] = Json::array();
+        if (trajectory.moments() == 0) return false;
+        // differences from the truth are formed in 128 bits: at some hundred times
+        const std::size_t bodies = static_cast<std::size_t>(trajectory.bodies);
+        Trajectory judged = trajectory;
+        judged.samples.clear(), judged.orthogonality_defect.clear(), judged.reactions.clear();
+        std::vector<double> times;
+        for (const std::size_t k : spread(trajectory.moments(), dense_ ? judged_samples : trajectory.moments())) {
+            const auto first = trajectory.samples.begin() + static_cast<std::ptrdiff_t>(k * bodies);
+            if (!std::all_of(first, first + static_cast<std::ptrdiff_t>(bodies), is_drawable)) break;
+            times.push_back(first->t);
+            judged.samples.insert(judged.samples.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
+        }
+        if (times.empty() || times.back() == 0) return false;
+        const Reference reference = truth.begin_of(times);
+        if (!reference.available) return false;
+        const std::vector<double> errors = error_series(scene_, judged, reference)["attitude"];
+        const double largest = std::ranges::max(errors, {}, [](double e) { return std::isfinite(e) ? e : -1; });
+        json["difference"] = number_json(largest, 3);
+        const bool as_truth =
+            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(judged, reference);
+        for (const std::size_t k : spread(errors.size(), as_truth ? fewer_error_points : error_points)) {
+            json["t"].push_back(number_json(times[k], 5));
+            json["attitude"].push_back(number_json(errors[k], 3));
+        }
+        if (as_truth) return false;
+        const SampledMotion motion = sampled_motion(trajectory);
+        if (motion.t.size() < 2) return false;
+        const Keyframes keyframes = thinned(motion, tolerance_, false);
+        worst_.angle = std::max(worst_.angle, keyframes.off.angle);
+        worst_.length = std::max(worst_.length, keyframes.off.length);
+        json["track"] = track_json(motion, keyframes);
+        return true;
+    }
+
+    bool moves_alike(const Trajectory& trajectory, const Reference& reference) const {
+        const std::size_t count = std::min(trajectory.samples.size(), reference.samples.size());
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vector3<double> d = trajectory.samples[i].position_W - reference.samples[i].rounded().position_W;
+            if (!(std::sqrt(dot(d, d)) <= tolerance_.length)) return false;
+        }
+        return true;
+    }
+
+    Scene scene_;
+    std::string& fault_;
+    long samples_ = least_samples;
+    bool dense_ = false;
+    Tolerance tolerance_, worst_;
+};
+
+}  // namespace
+
+Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
+                     const std::vector<DrawnFile>& files, int jobs) {
+    // scenes that differ in duration alone are one motion, the shortest one's
+    struct Task {
+        const Scene* scene = nullptr;
+        std::vector<int> places;
+        std::map<int, DrawnRun> runs;
+        double step = 0;  // s, that people would take
+        std::string fault;
+        Json json;
+    };
+    std::map<std::string, Task> tasks;
+    for (const auto& [name, scene] : scenes) {
+        Scene timeless = scene;
+        timeless.duration = 1, timeless.name = "-", timeless.about.clear(), timeless.source.clear();
+        Task& task = tasks[write_scene(timeless)];
+        if (!task.scene || scene.duration > task.scene->duration) task.scene = &scene;
+        task.places.push_back(folder.scenes.find(name));
+    }
+    std::map<int, Task*> of_place;
+    for (auto& [key, task] : tasks)
+        for (const int place : task.places) of_place[place] = &task;
+    for (auto& [key, task] : tasks) {
+        const double rate = pose(*task.scene).scales.angular_velocity;
+        task.step = rate > 0 ? turn_per_step / rate : task.scene->duration / 1000;
+    }
+    for (const FolderRow& row : folder.rows) {
+        const auto found = of_place.find(row.scene);
+        if (found == of_place.end() || row.status == Status::unsupported) continue;
+        const double setting = row.kind == SettingKind::none ? absent : row.setting;
+        if (row.kind != SettingKind::none && !(setting > 0)) continue;
+        const DrawnRun run{row.method, row.kind, setting};
+        const auto [at, is_new] = found->second->runs.try_emplace(row.method, run);
+        if (!is_new && goes_before(run, at->second, found->second->step)) at->second = run;
+    }
+    std::vector<Task*> order;
+    for (auto& [key, task] : tasks) order.push_back(&task);
+    std::ranges::sort(order, {}, [](const Task* task) { return std::ranges::min(task->places); });
+
+    parallel_for(order.size(), jobs, [&](std::size_t i) {
+        Task& task = *order[i];
+        std::vector<DrawnRun> runs;
+        for (const auto& [method, run] : task.runs) runs.push_back(run);
+        std::vector<const DrawnFile*> own;
+        for (const DrawnFile& file : files)
+            if (std::ranges::find(task.places, file.scene) != task.places.end()) own.push_back(&file);
+        try {
+            task.json = MotionWriter(*task.scene, task.fault).motion(std::ranges::min(task.places), runs, folder, own);
+        } catch (const InputError& fault) {
+            task.fault = fault.what();
+        }
+    });
+
+    Motions motions;
+    motions.of_file.assign(files.size(), -1);
+    for (Task* task : order) {
+        if (task->json.is_null()) {
+            motions.left_out.push_back(fmt::format(
+                "{} is not drawn: {}.",
+                one_line(folder.scenes.names()[static_cast<std::size_t>(std::ranges::min(task->places))], 100),
+                one_line(task->fault, 300)));
+            continue;
+        }
+        const int place = static_cast<int>(motions.list.size());
+        for (const int scene : task->places) motions.of_scene[scene] = place;
+        std::size_t next = task->runs.size();
+        for (std::size_t i = 0; i < files.size(); ++i)
+            if (std::ranges::find(task->places, files[i].scene) != task->places.end())
+                motions.of_file[i] = static_cast<int>(next++);
+        motions.list.push_back(std::move(task->json));
+    }
+    return motions;
+}
+
+}  // namespace polhode

@@ -1,0 +1,105 @@
+#include "report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "check/check_files.h"
+#include "check/limits.h"
+#include "report/checks.h"
+#include "report/comparison.h"
+#include "report/document.h"
+#include "report/folder.h"
+#include "report/motions.h"
+#include "report/page.h"
+#include "scene/scene_file.h"
+#include "text/atomic_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+// as many as a page may hold, with those that maps of outcomes are made of
+constexpr std::size_t most_table_rows = 50'000;
+
+// From all to little: the first that a page has room for.
+constexpr Detail details[] = {
+    {100'000, 5, 2000, 2000, 200, 100'000}, {100'000, 5, 2000, 2000, 200, 2000},
+    {100'000, 4, 1000, 1000, 100, 1500},    {100'000, 4, 1000, 1000, 100, 1000},
+    {100'000, 3, 500, 500, 80, 700},        {100'000, 3, 500, 300, 60, 300},
+    {60'000, 3, 300, 300, 60, 200},         {30'000, 3, 200, 100, 60, 100},
+    {10'000, 3, 100, 50, 50, 50},           {3'000, 3, 30, 20, 40, 0},
+};
+
+// The scene of the user's trajectories among those of the folder, which gets it where it is not there yet.
+std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, std::map<std::string, Scene>& scenes) {
+    if (request.trajectories.empty()) return "";
+    if (!request.scene.empty()) {
+        if (!scenes.contains(request.scene)) {
+            const Scene scene = find_scene(request.scene);
+            const std::string name = scenes.contains(scene.name) ? request.scene : scene.name;
+            folder.scenes.place(name);
+            scenes.insert_or_assign(name, scene);
+            return name;
+        }
+        return request.scene;
+    }
+    const std::string stem = fs::path(request.trajectories.front()).stem().string();
+    if (scenes.contains(stem)) return stem;
+    if (scenes.size() == 1) return scenes.begin()->first;
+    throw InputError(one_line(request.trajectories.front(), 300), "", "is of a scene that is not told",
+                     "give --scene SCENE");
+}
+
+}  // namespace
+
+ReportMade write_report_page(const ReportRequest& request) {
+    ResultFolder folder = read_folder(request.directory, most_table_rows);
+    std::map<std::string, Scene> scenes = scenes_of(folder);
+    const std::string scene = scene_of_files(request, folder, scenes);
+    std::optional<ResultFolder> other;
+    std::optional<FolderComparison> comparison;
+    if (!request.against.empty()) {
+        other = read_folder(request.against, most_table_rows);
+        comparison = compared(folder, *other);
+    }
+    const std::string path = page_template_path();
+    std::ifstream file(path, std::ios::binary);
+    const std::string page_template(std::istreambuf_iterator<char>(file), {});
+
+    CheckedTrajectories checked;
+    if (!request.trajectories.empty())
+        checked =
+            check_trajectories(scenes.at(scene), folder.scenes.find(scene), request.trajectories, request.convention);
+    Motions motions;
+    if (request.motions) motions = make_motions(folder, scenes, checked.drawn, request.jobs);
+    for (std::size_t i = 0; i < motions.of_file.size(); ++i)
+        checked.list[i]["motion_method"] = motions.of_file[i] < 0 ? Json() : Json(motions.of_file[i]);
+
+    ReportMade made;
+    made.path = request.output.empty() ? (fs::path(request.directory) / "report.html").string() : request.output;
+    const ReportContent content{
+        folder, scenes, motions, checked.list, other ? &*other : nullptr, comparison ? &*comparison : nullptr};
+    for (const Detail& detail : details) {
+        const Json document = report_document(content, detail);
+        const std::string page =
+            filled_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
+        if (page.size() > largest_page && &detail != &details[std::size(details) - 1]) continue;
+        if (page.size() > largest_page)
+            throw std::runtime_error(fmt::format("{}: holds more than a page can show; give a folder of fewer scenes",
+                                                 one_line(request.directory, 300)));
+        write_atomically(made.path, page);
+        made.bytes = page.size();
+        made.remarks = document["remarks"].get<std::vector<std::string>>();
+        break;
+    }
+    return made;
+}
+
+}  // namespace polhode

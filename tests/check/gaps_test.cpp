@@ -1,0 +1,107 @@
+// Rows that are not numbers, and errors over time beside what the judge finds.
+#include "check/gaps.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "check/check_files.h"
+#include "check/error_over_time.h"
+#include "integrators/method.h"
+#include "integrators/truth/reference.h"
+#include "scene/scene_file.h"
+#include "text/json_document.h"
+
+namespace polhode {
+namespace {
+
+TEST(Gaps, LeaveOutRowsThatAreNotANumber) {
+    const std::string text = "t,qw,qx,qy,qz\n0,nan,0,0,0\n1,1,0,0,0\n2,1,0,NaN,0\n3,-nan,0,0,0\n4,1,0,0,0\n5,1,0,0,0\n";
+    const GappedTable table = without_nan(text, "f.csv");
+    EXPECT_EQ(table.text, "t,qw,qx,qy,qz\n#\n1,1,0,0,0\n#\n#\n4,1,0,0,0\n5,1,0,0,0\n");
+    EXPECT_EQ(table.gaps, (std::vector<std::size_t>{1}));
+}
+
+TEST(Gaps, LeaveOutAllBodiesAtATime) {
+    const std::string text =
+        "t,body,qw,qx,qy,qz\n0,a,1,0,0,0\n0,b,1,0,0,0\n1,a,1,0,0,0\n1,b,nan,0,0,0\n2,a,1,0,0,0\n2,b,1,0,0,0\n";
+    const GappedTable table = without_nan(text, "f.csv");
+    EXPECT_EQ(table.gaps, (std::vector<std::size_t>{1}));
+    const TrajectoryFile file = parse_trajectory(table.text, "f.csv");
+    EXPECT_EQ(file.rows.size(), 4U);
+}
+
+TEST(Gaps, LeaveOtherTablesAlone) {
+    for (const std::string text : {"", "t,qw\n", "t,qw,qx,qy,qz\n0,1,0,0,0", "a,b\nnan,1\n", "t,nanny\n0,inf\n"}) {
+        const GappedTable table = without_nan(text, "f.csv");
+        EXPECT_EQ(table.text, text);
+        EXPECT_TRUE(table.gaps.empty());
+    }
+}
+
+// the last row that is not a number may have no line feed
+TEST(Gaps, EndWithTheText) {
+    const GappedTable table = without_nan("t,qw,qx,qy,qz\n0,1,0,0,0\n1,nan,0,0,0", "f.csv");
+    EXPECT_EQ(table.text, "t,qw,qx,qy,qz\n0,1,0,0,0\n#\n");
+    EXPECT_TRUE(table.gaps.empty());
+}
+
+TrajectoryFile solved(const Scene& scene, long samples) {
+    Settings settings;
+    settings.samples = samples, settings.step = scene.duration / static_cast<double>(samples);
+    const Trajectory run = solve(scene, *find_method("odeint_rk4"), settings);
+    return parse_trajectory(trajectory_csv(run, body_names(scene)), "run.csv", QuaternionColumns::by_name,
+                            body_names(scene));
+}
+
+// few rows in 128 bits, many in binary64
+TEST(ErrorOverTime, HasTheLargestThatTheJudgeFinds) {
+    const Scene scene = find_scene("free_asymmetric");
+    for (const long samples : {500L, 5000L}) {
+        const TrajectoryFile file = solved(scene, samples);
+        std::vector<double> times;
+        for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
+        const Judgement judgement = judge(scene, file, reference(scene, times));
+        for (const char* measure : {"attitude", "omega", "energy", "momentum"}) {
+            const ErrorOverTime errors = error_over_time(scene, file, measure, "run.csv");
+            ASSERT_EQ(errors.fault, "");
+            ASSERT_EQ(errors.error.size(), file.rows.size());
+            const double largest = std::ranges::max(errors.error);
+            EXPECT_NEAR(largest, judgement[measure]->max, 1e-6 * largest + 2e-15) << measure;
+            EXPECT_NEAR(errors.error.back(), judgement[measure]->final, 1e-6 * largest + 2e-15) << measure;
+        }
+    }
+}
+
+TEST(ErrorOverTime, OfSeveralBodiesIsTheWorstOnes) {
+    const Scene scene = find_scene("mechanisms/double_pendulum");
+    Settings settings;
+    settings.samples = 50, settings.step = scene.duration / 2000;
+    const Trajectory run = solve(scene, *find_method("odeint_rk4"), settings);
+    ASSERT_EQ(run.status, Status::ok) << run.message;
+    const TrajectoryFile file = parse_trajectory(trajectory_csv(run, body_names(scene)), "run.csv",
+                                                 QuaternionColumns::by_name, body_names(scene));
+    std::vector<double> times;
+    for (std::size_t k = 0; k < file.rows.size(); k += file.bodies_at_once()) times.push_back(file.rows[k].t);
+    const Judgement judgement = judge_system(scene, file, reference(scene, times));
+    const ErrorOverTime errors = error_over_time(scene, file, "attitude", "run.csv");
+    EXPECT_EQ(errors.error.size(), 51U);
+    EXPECT_EQ(std::ranges::max(errors.error), judgement["attitude"]->max);
+}
+
+TEST(ErrorOverTime, RefusesWhatTheFileDoesNotTell) {
+    const Scene scene = find_scene("free_asymmetric");
+    TrajectoryFile file = solved(scene, 10);
+    file.has_angular_velocity = false;
+    EXPECT_NO_THROW(error_over_time(scene, file, "attitude", "run.csv"));
+    for (const char* measure : {"omega", "energy", "momentum"})
+        EXPECT_THROW(error_over_time(scene, file, measure, "run.csv"), InputError) << measure;
+    file.has_angular_velocity = true, file.has_velocity = false;
+    EXPECT_NO_THROW(error_over_time(scene, file, "momentum", "run.csv"));
+    EXPECT_THROW(error_over_time(scene, file, "energy", "run.csv"), InputError);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -103,7 +103,7 @@ const body = (name: string, more: Partial<BodyShape>): BodyShape => ({ name, mas
 const part = (type: string, sizes: Part["sizes"], position: Vector = [0, 0, 0], orientation: Quaternion = [1, 0, 0, 0], hole = false): Part =>
   ({ type, sizes, position: [...position], orientation: [...orientation], hole });
 const motion = (more: Partial<Motion> & Pick<Motion, "bodies" | "truth" | "duration">): Motion => ({
-  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, planes: [], gravity: null, moving: false,
+  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false,
   free: false, energy: 0, how: "Jacobi's elliptic functions; within 1.0e-17", methods: [], ...more,
 });
 
@@ -138,14 +138,11 @@ function top(): Motion {
     return [{ q, w, p: rotate(q, [0, 0, length]), v: rotate(q, cross(w, [0, 0, length])) }];
   };
   const truth = solved(rate, start, duration, count, 20, rk4, state);
-  return {
-    ...motion({
-      duration, whole: 20, moving: true, pivot: [0, 0, -length], gravity: [0, 0, -weight], planes: [{ normal: [0, 0, 1], offset: 0 }], truth: trackOf(truth),
-      bodies: [body("lagrange_top", { moments: [0.75, 0.75, 0.5], parts: [part("cone", { radius: 0.45, height: 0.6 }, [0, 0, 0], [0, 1, 0, 0]), part("rod", { length: 1 })] })],
-      methods: [methodOf(1, "rk4", truth, solved(rate, start, duration, count, 1, euler, state), { step: duration / count })],
-    }),
-    ...{ about: { moments: [...about], principal: [1, 0, 0, 0] } },
-  };
+  return motion({
+    duration, whole: 20, moving: true, about: { moments: [...about], principal: [1, 0, 0, 0] }, pivot: [0, 0, -length], gravity: [0, 0, -weight], planes: [{ normal: [0, 0, 1], offset: 0 }], truth: trackOf(truth),
+    bodies: [body("lagrange_top", { moments: [0.75, 0.75, 0.5], parts: [part("cone", { radius: 0.45, height: 0.6 }, [0, 0, 0], [0, 1, 0, 0]), part("rod", { length: 1 })] })],
+    methods: [methodOf(1, "rk4", truth, solved(rate, start, duration, count, 1, euler, state), { step: duration / count })],
+  });
 }
 
 /** Two uniform rods of length and mass 1, a and b their angles from below:

@@ -349,7 +349,8 @@ test("the first choice: a trajectory of the user's, else the furthest, then the 
   const labels = (list: MotionMethod[]): string[] => firstMethods({ methods: list } as Motion).map((method) => method.label);
   assert.deepEqual(labels(methods), ["far", "near"]);
   assert.deepEqual(labels([...methods, one("mine.csv", -1, 0.5, seen)]), ["mine.csv", "near"]);
-  assert.deepEqual(labels([one("exact", 0, 1e-9, null)]), ["exact"]);
+  assert.deepEqual(labels([one("not run", 0, 0, null), { ...one("exact", 1, 1e-9, null), t: [0, 1], attitude: [0, 1e-9] }]), ["exact"]);
+  assert.deepEqual(labels([one("not run", 0, 0, null)]), []);
   assert.deepEqual(labels([]), []);
 });
 

@@ -49,7 +49,7 @@ export function methodActor(data: ReportData, motion: Motion, method: MotionMeth
   const known = data.methods[method.method];
   const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track, false) : null;
   // no track: not told from the truth by eye, if it went to the end
-  const isTruth = own === null && method.status === 0 && method.t.length > 0;
+  const isTruth = own === null && isDrawn(method);
   const end = own?.end ?? (isTruth ? truth.end : 0);
   return {
     name: oneLine(method.label), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
@@ -69,13 +69,16 @@ export function chosenMethods(motion: Motion, labels: readonly string[]): Motion
   return found;
 }
 
+/** There is something to draw of it: its own keyframes, or the truth's in their place. */
+export const isDrawn = (method: MotionMethod): boolean => method.track !== null || (method.status === 0 && method.t.length > 0);
+
 /** Before the reader chooses: a trajectory of the user's, else the method that strays the furthest, and the nearest of
  * those whose difference is seen. */
 export function firstMethods(motion: Motion): MotionMethod[] {
   const seen = motion.methods.filter((one) => one.track !== null);
   const own = seen.filter((one) => one.method < 0);
   const others = seen.filter((one) => one.method >= 0).sort((a, b) => (b.difference ?? 0) - (a.difference ?? 0));
-  const first = own[0] ?? others[0] ?? motion.methods[0];
+  const first = own[0] ?? others[0] ?? motion.methods.find(isDrawn);
   const second = [...others].reverse().find((one) => one !== first);
   return [first, second].filter((one) => one !== undefined);
 }

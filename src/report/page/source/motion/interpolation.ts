@@ -3,8 +3,6 @@
 import type { Track } from "../data.ts";
 import { identity, length, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 
-const quaternionScale = 1 / 32767;
-
 export interface Placement {
   attitude: Quaternion; // body to world
   angularVelocity: Vector; // rad/s, body axes
@@ -120,8 +118,7 @@ export class Keyframes {
 
   attitude(body: number, k: number): Quaternion {
     const q = this.track.bodies[body]?.q ?? [];
-    const at = (i: number): number => (q[4 * k + i] ?? 0) * quaternionScale;
-    return [at(0), at(1), at(2), at(3)];
+    return normalized([q[4 * k] ?? 1, q[4 * k + 1] ?? 0, q[4 * k + 2] ?? 0, q[4 * k + 3] ?? 0]);
   }
 
   angularVelocity(body: number, k: number): Vector {
@@ -149,7 +146,7 @@ export class Keyframes {
     const single = last === 0 || t <= (times[0] ?? 0) ? 0 : t >= this.end ? last : -1;
     if (single >= 0) {
       return {
-        attitude: normalized(this.attitude(body, single)),
+        attitude: this.attitude(body, single),
         angularVelocity: this.angularVelocity(body, single),
         position: this.position(body, single),
       };
@@ -159,8 +156,8 @@ export class Keyframes {
     const h = (times[k + 1] ?? 0) - begin;
     const s = h > 0 ? (t - begin) / h : 0;
     const turned = attitudeBetween(
-      normalized(this.attitude(body, k)), this.angularVelocity(body, k),
-      normalized(this.attitude(body, k + 1)), this.angularVelocity(body, k + 1), h, s,
+      this.attitude(body, k), this.angularVelocity(body, k),
+      this.attitude(body, k + 1), this.angularVelocity(body, k + 1), h, s,
     );
     const moves = (this.track.bodies[body]?.p.length ?? 0) > 0;
     const position = moves

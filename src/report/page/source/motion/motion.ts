@@ -10,7 +10,7 @@ import { quantity, significant } from "../format.ts";
 import { parseList, writeList } from "../fragment.ts";
 import { swatch } from "../marks.ts";
 import { oneLine, shorten } from "../text.ts";
-import { type Actor, chosenMethods, errorAt, firstMethods, methodActor, mostMethods, titleOf, truthActor } from "./actors.ts";
+import { type Actor, chosenMethods, errorAt, firstMethods, isDrawn, methodActor, mostMethods, titleOf, truthActor } from "./actors.ts";
 import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
 import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
 import { Clock, rateOf } from "./clock.ts";
@@ -210,9 +210,12 @@ class MotionView {
     this.which.root.hidden = !isSubstitute || scenes.length < 2;
     this.substitute.hidden = !isSubstitute;
     this.substitute.textContent = isSubstitute ? `There is no motion of ${oneLine(asked)}; this is ${oneLine(this.nameOf(motion))}.` : "";
+    // those that cannot be watched come last, and say so
+    const offered = [true, false].flatMap((drawn) => motion.methods.filter((method) => isDrawn(method) === drawn)
+      .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (nothing to draw)"}`]));
     this.methodChoices.forEach((choice, i) => {
       const value = methods[i]?.label ?? "";
-      choice.update([["", "nothing"], ...motion.methods.map((method): [string, string] => [method.label, shorten(titleOf(method), 60)])], value);
+      choice.update([["", "nothing"], ...offered], value);
       choice.root.hidden = motion.methods.length === 0 || i > methods.length;
     });
     this.layout.update([["side", "side by side"], ["overlay", "overlaid"]], overlaid ? "overlay" : "side");
@@ -320,7 +323,7 @@ class MotionView {
   private errorText(actor: Actor, t: number): string {
     if (actor.method === null) return "";
     const error = errorAt(actor.method, t);
-    return error === null ? (t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
+    return error === null ? (actor.keyframes === null ? "not drawn" : t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
   }
 
   private told(t: number): string {

@@ -25,6 +25,7 @@ export function readPng(file: Uint8Array): Picture {
   const bytes = Buffer.from(file.buffer, file.byteOffset, file.byteLength);
   if (!bytes.subarray(0, 8).equals(signature)) throw new Error("not a PNG");
   let [width, height, channels] = [0, 0, 0];
+  let palette: Buffer | null = null;
   const data: Buffer[] = [];
   for (let at = 8; at + 8 <= bytes.length; ) {
     const size = bytes.readUInt32BE(at);
@@ -32,9 +33,10 @@ export function readPng(file: Uint8Array): Picture {
     const body = bytes.subarray(at + 8, at + 8 + size);
     if (name === "IHDR") {
       [width, height] = [body.readUInt32BE(0), body.readUInt32BE(4)];
-      channels = ({ 2: 3, 6: 4 } as Record<number, number>)[body[9] ?? -1] ?? 0;
+      channels = ({ 2: 3, 3: 1, 6: 4 } as Record<number, number>)[body[9] ?? -1] ?? 0;
       if (body[8] !== 8 || channels === 0 || body[12] !== 0) throw new Error("a PNG of a kind that browsers do not make of screens");
-    } else if (name === "IDAT") data.push(body);
+    } else if (name === "PLTE") palette = body;
+    else if (name === "IDAT") data.push(body);
     at += size + 12;
   }
   const raw = inflateSync(Buffer.concat(data));
@@ -49,7 +51,11 @@ export function readPng(file: Uint8Array): Picture {
       const corner = i >= channels ? before[i - channels] ?? 0 : 0;
       line[i] = (raw[y * (stride + 1) + 1 + i] ?? 0) + predicted(filter, left, before[i] ?? 0, corner);
     }
-    for (let x = 0; x < width; ++x) for (let c = 0; c < channels; ++c) rgba[4 * (y * width + x) + c] = line[x * channels + c] ?? 0;
+    for (let x = 0; x < width; ++x) {
+      const at = 4 * (y * width + x);
+      if (palette !== null && channels === 1) rgba.set(palette.subarray(3 * (line[x] ?? 0), 3 * (line[x] ?? 0) + 3), at);
+      else rgba.set(line.subarray(x * channels, (x + 1) * channels), at);
+    }
     before = line;
   }
   return { width, height, rgba };

@@ -9,9 +9,7 @@ import { gunzipSync } from "node:zlib";
 import { applyPalette, GIFEncoder, quantize, type Palette } from "gifenc";
 import puppeteer, { type Browser, type Page } from "puppeteer-core";
 import type { Motion, ReportData } from "../../src/report/page/source/data.ts";
-import { inertiaOf } from "../../src/report/page/source/motion/spin.ts";
-import { toPrincipal } from "../../src/report/page/source/motion/ellipsoid.ts";
-import { Keyframes } from "../../src/report/page/source/motion/interpolation.ts";
+import { flips } from "./motion_flips.ts";
 import { type Picture, readPng, writePng } from "./motion_png.ts";
 
 class Fault extends Error {}
@@ -28,22 +26,6 @@ function documentOf(page: string): ReportData {
   } catch {
     throw new Fault(`${page}: its data cannot be read: make it anew by \`polhode report DIR\``);
   }
-}
-
-/** When the body has turned over: where w along the axis of the middle moment changes its sign. */
-export function flips(motion: Motion): number[] {
-  const keyframes = new Keyframes(motion.truth);
-  const { moments, principal } = inertiaOf(motion, 0);
-  const middle = [0, 1, 2].sort((a, b) => (moments[a] ?? 0) - (moments[b] ?? 0))[1] ?? 1;
-  const along = (t: number): number => toPrincipal(principal, keyframes.at(0, t).angularVelocity)[middle] ?? 0;
-  const times = keyframes.dense(8);
-  const made: number[] = [];
-  for (let i = 1; i < times.length; ++i) {
-    const [a, b] = [times[i - 1] ?? 0, times[i] ?? 0];
-    const [before, after] = [along(a), along(b)];
-    if (before * after < 0) made.push(a + ((b - a) * before) / (before - after));
-  }
-  return made;
 }
 
 /** A scene of that name, as it is or varied, that is shown moving by that method. */
@@ -169,7 +151,7 @@ async function main(): Promise<void> {
     const overview = await overviewPicture(browser, resolve(page));
     const moving = await motionPicture(browser, resolve(page), data, scene, method);
     write(join(output, "report.png"), overview);
-    write(join(output, `${scene}.gif`), moving);
+    write(join(output, `${scene.replace(/[^\w-]+/g, "_")}.gif`), moving);
   } finally {
     await browser.close();
   }

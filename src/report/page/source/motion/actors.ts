@@ -3,7 +3,7 @@
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
 import { quantity } from "../format.ts";
 import { markOf, methodColor, type Mark } from "../marks.ts";
-import { oneLine } from "../text.ts";
+import { oneLine, shorten } from "../text.ts";
 import { Keyframes } from "./interpolation.ts";
 
 export const mostMethods = 3;
@@ -24,16 +24,19 @@ export function neutral(dark: boolean): string {
   return dark ? "#b8bec6" : "#8c949e";
 }
 
-function settingOf(method: MotionMethod): string {
+export function settingOf(method: MotionMethod): string {
   if (method.setting === null) return "";
   if (method.setting_kind === 1) return `step ${quantity(method.setting, "s")}`;
   return method.setting_kind === 2 ? `tolerance ${quantity(method.setting, "")}` : "";
 }
 
+/** In texts: file names may be of any length. */
+const nameOf = (method: MotionMethod): string => shorten(oneLine(method.label), 60);
+
 /** As it is told from the others: name and setting. */
 export function titleOf(method: MotionMethod): string {
   const setting = settingOf(method);
-  const name = oneLine(method.label);
+  const name = nameOf(method);
   return setting === "" ? name : `${name}, ${setting}`;
 }
 
@@ -52,7 +55,7 @@ export function methodActor(data: ReportData, motion: Motion, method: MotionMeth
   const isTruth = own === null && isDrawn(method);
   const end = own?.end ?? (isTruth ? truth.end : 0);
   return {
-    name: oneLine(method.label), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
+    name: nameOf(method), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
     color: known === undefined ? (dark ? "#7cc0ff" : "#00518a") : methodColor(data, known, dark),
     place, keyframes: own ?? (isTruth ? truth : null), isTruth, end,
     endsEarly: end < motion.duration * (1 - 1e-6),

@@ -51,9 +51,17 @@ async function open(fragment: string, options: { width?: number; dark?: boolean;
   ]);
   await page.goto(`file://${file}#section=motion&${fragment}`);
   await page.waitForSelector(".motion-view[data-drawn]", { timeout: 60000 });
-  await pause(300);
+  await settled(page);
   return { page, faults };
 }
+
+/** Waits until what was done is drawn and in the address, however slow the machine is: the address is written 150 ms later. */
+const settled = (page: Page): Promise<void> => page.evaluate(async () => {
+  const frame = (): Promise<number> => new Promise((resolve) => requestAnimationFrame(resolve));
+  for (let i = 0; i < 3; ++i) await frame();
+  await new Promise((resolve) => setTimeout(resolve, 250));
+  for (let i = 0; i < 2; ++i) await frame();
+});
 
 const drawn = (page: Page): Promise<number> => page.$eval(".motion-view", (view) => Number((view as HTMLElement).dataset.drawn));
 const textOf = (page: Page, selector: string): Promise<string> => page.$$eval(selector, (all) => all.map((one) => one.textContent ?? "").join("\n"));
@@ -97,7 +105,7 @@ test("every motion is drawn, in both layouts and themes, wide and narrow, and no
           slider.dispatchEvent(new Event("input"));
           slider.dispatchEvent(new Event("change"));
         });
-        await pause(400);
+        await settled(page);
         const panes = await page.$$eval(".motion-pane", (all) => all.length);
         assert.ok(panes >= 1);
         for (let pane = 0; pane < panes; ++pane) {
@@ -144,7 +152,7 @@ test("plays when asked, at its speed, to the end, and not before; pauses where i
   await pause(1500);
   assert.equal(await textOf(page, ".motion-time .play"), "Pause");
   await page.click(".motion-time .play");
-  await pause(300);
+  await settled(page);
   const reached = await drawn(page);
   // a slow machine's long frames count 0.1 s each
   assert.ok(reached > 0.2 && reached < 2.2, `${reached} s after 1.5 s`);
@@ -174,14 +182,14 @@ test("keys: the slider's own, one step, play", async () => {
   assert.equal(await drawn(page), 2);
   await page.focus(".motion-time input");
   await page.keyboard.press(".");
-  await pause(200);
+  await settled(page);
   assert.ok(Math.abs((await drawn(page)) - (2 + 1 / 30)) < 1e-4);
   await page.keyboard.press(",");
   await page.keyboard.press(",");
-  await pause(200);
+  await settled(page);
   assert.ok(Math.abs((await drawn(page)) - (2 - 1 / 30)) < 1e-4);
   await page.keyboard.press("End");
-  await pause(300);
+  await settled(page);
   assert.ok(Math.abs((await drawn(page)) - 10.47) < 1e-3);
   await page.keyboard.press("Home");
   await page.keyboard.press(" ");
@@ -201,15 +209,15 @@ test("the view is turned by dragging and by buttons, and the address has it", as
   await page.mouse.down();
   await page.mouse.move(box.x + box.width / 2 + 80, box.y + box.height / 2 - 30, { steps: 4 });
   await page.mouse.up();
-  await pause(500);
+  await settled(page);
   const dragged = await picture();
   assert.notEqual(dragged, first);
   assert.match(decodeURIComponent(page.url()), /motion_view=-?[\d.]+,-?[\d.]+,1\.00/);
   await page.click('.motion-turn button[title="Nearer"]');
-  await pause(400);
+  await settled(page);
   assert.notEqual(await picture(), dragged);
   await page.click('.motion-turn button[title="Reset to what it was at first"]');
-  await pause(400);
+  await settled(page);
   assert.equal(await picture(), first);
   assert.doesNotMatch(page.url(), /motion_view/);
   await page.close();
@@ -224,14 +232,14 @@ test("the address brings scene, methods, layout, time and arrows back", async ()
   assert.deepEqual(await page.$$eval('.motion-toggles button[aria-pressed="true"]', (all) => all.map((one) => one.textContent)), ["Trail"]);
   // and the page's own changes go there
   await page.select(".motion-controls .choice:not([hidden]) select", "article_as_written");
-  await pause(500);
+  await settled(page);
   assert.match(page.url(), /motion_methods=article_as_written,cvode_adams/);
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_time=3"));
   await page.waitForFunction(() => (document.querySelector(".motion-view") as HTMLElement).dataset.drawn === "3.00000");
   assert.match(await textOf(page, ".motion-remarks"), /Gravity: 9\.81 m\/s² along −z/);
   // methods that there are not are passed over
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_methods=no_such,rk4&motion_time=nonsense&motion_view=a,b,c&motion_body=none"));
-  await pause(500);
+  await settled(page);
   assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 2);
   assert.equal(await drawn(page), 0);
   await page.close();
@@ -262,7 +270,7 @@ test("a click on the errors sets the time", async () => {
   const box = await plot?.boundingBox();
   assert.ok(box);
   await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.4);
-  await pause(400);
+  await settled(page);
   const at = await drawn(page);
   assert.ok(at > 3.5 && at < 6, `${at}`);
   assert.match((await page.$eval(".motion-errors", (one) => one.getAttribute("aria-label"))) ?? "", /article_as_written [\d.]+ rad/);
@@ -279,7 +287,7 @@ test("without WebGL the bodies are wires, it is said, and the rest is there", as
     assert.equal(await page.$$eval(".motion-errors .motion-curve", (all) => all.length), 2);
     await page.focus(".motion-time input");
     await page.keyboard.press(".");
-    await pause(200);
+    await settled(page);
     assert.ok((await drawn(page)) > 2);
     assert.match(await textOf(page, ".motion-now"), /rk4 [\d.]+\srad off/);
   } finally {
@@ -310,7 +318,7 @@ test("a lost context is told, and its return brings the picture back; scenes com
     Object.assign(window, { lose });
     lose?.loseContext();
   });
-  await pause(500);
+  await settled(kept);
   assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /took the graphics context away/);
   await kept.evaluate(() => (window as unknown as { lose: WEBGL_lose_context }).lose.restoreContext());
   await pause(1000);
@@ -328,7 +336,7 @@ test("a lost context is told, and its return brings the picture back; scenes com
   const buffers = async (): Promise<number> => {
     for (const scene of ["lagrange_top", "double_pendulum", "t_handle"]) {
       await kept.evaluate((name) => (location.hash = `#section=motion&scene=${name}&motion_show=trail&motion_time=1`), scene);
-      await pause(350);
+      await settled(kept);
     }
     return kept.evaluate(() => (window as unknown as { count: { buffers: number } }).count.buffers);
   };

@@ -138,14 +138,11 @@ function top(): Motion {
     return [{ q, w, p: rotate(q, [0, 0, length]), v: rotate(q, cross(w, [0, 0, length])) }];
   };
   const truth = solved(rate, start, duration, count, 20, rk4, state);
-  return {
-    ...motion({
-      duration, whole: 20, moving: true, pivot: [0, 0, -length], gravity: [0, 0, -weight], planes: [{ normal: [0, 0, 1], offset: 0 }], truth: trackOf(truth),
-      bodies: [body("lagrange_top", { moments: [0.75, 0.75, 0.5], parts: [part("cone", { radius: 0.45, height: 0.6 }, [0, 0, 0], [0, 1, 0, 0]), part("rod", { length: 1 })] })],
-      methods: [methodOf(1, "rk4", truth, solved(rate, start, duration, count, 1, euler, state), { step: duration / count })],
-    }),
-    ...{ about: { moments: [...about], principal: [1, 0, 0, 0] } },
-  };
+  return motion({
+    duration, whole: 20, moving: true, about: { moments: [...about], principal: [1, 0, 0, 0] }, pivot: [0, 0, -length], gravity: [0, 0, -weight], planes: [{ normal: [0, 0, 1], offset: 0 }], truth: trackOf(truth),
+    bodies: [body("lagrange_top", { moments: [0.75, 0.75, 0.5], parts: [part("cone", { radius: 0.45, height: 0.6 }, [0, 0, 0], [0, 1, 0, 0]), part("rod", { length: 1 })] })],
+    methods: [methodOf(1, "rk4", truth, solved(rate, start, duration, count, 1, euler, state), { step: duration / count })],
+  });
 }
 
 /** Two uniform rods of length and mass 1, a and b their angles from below:

@@ -14,6 +14,9 @@ import { decades, ticks } from "../../src/report/page/source/motion/error_plot.t
 import { azimuthOf } from "../../src/report/page/source/motion/extent.ts";
 import { boxOfMoments, frustumCenter, outlineOf, surfaceOf, surfacesOf, tipOf } from "../../src/report/page/source/motion/geometry.ts";
 import { attitudeBetween, findInterval, Keyframes, positionBetween } from "../../src/report/page/source/motion/interpolation.ts";
+import { flips } from "./motion_flips.ts";
+import { readPng, writePng } from "./motion_png.ts";
+import { motionDocument } from "./motion_sample.ts";
 
 const about = (axis: Vector, angle: number): Quaternion => {
   const s = scale(Math.sin(angle / 2) / length(axis), axis);
@@ -349,7 +352,8 @@ test("the first choice: a trajectory of the user's, else the furthest, then the 
   const labels = (list: MotionMethod[]): string[] => firstMethods({ methods: list } as Motion).map((method) => method.label);
   assert.deepEqual(labels(methods), ["far", "near"]);
   assert.deepEqual(labels([...methods, one("mine.csv", -1, 0.5, seen)]), ["mine.csv", "near"]);
-  assert.deepEqual(labels([one("exact", 0, 1e-9, null)]), ["exact"]);
+  assert.deepEqual(labels([one("not run", 0, 0, null), { ...one("exact", 1, 1e-9, null), t: [0, 1], attitude: [0, 1e-9] }]), ["exact"]);
+  assert.deepEqual(labels([one("not run", 0, 0, null)]), []);
   assert.deepEqual(labels([]), []);
 });
 
@@ -369,4 +373,40 @@ test("an upright plane is looked at from its front", () => {
   assert.ok(Math.abs(Math.abs(Math.cos(azimuth) * -Math.sin(1) + Math.sin(azimuth) * Math.cos(1)) - Math.cos(0.4)) < 1e-12);
   const round = Array.from({ length: 20 }, (_, i): Vector => [Math.cos(i), Math.sin(i), 0]);
   assert.equal(azimuthOf(round), azimuthOf([]));
+});
+
+test("the T-handle turns over when Jacobi's elliptic functions say so", () => {
+  const [A, B, C] = [2.2375e-4, 3.75e-4, 5.7625e-4];
+  const w: Vector = [0.01, 15, 0.02];
+  const E2 = twiceEnergy([A, B, C], w);
+  const L2 = dot(angularMomentum([A, B, C], w), angularMomentum([A, B, C], w));
+  // Landau and Lifshitz, section 37, for L^2 > 2E B: w_2 ~ sn(rate t, m), zero every 2 K(m) / rate; else with A and C exchanged
+  const [a, c] = L2 > E2 * B ? [A, C] : [C, A];
+  const rate = Math.sqrt(((c - B) * (L2 - E2 * a)) / (A * B * C));
+  const m = ((B - a) * (E2 * c - L2)) / ((c - B) * (L2 - E2 * a));
+  // K(m) = pi / (2 agm(1, sqrt(1 - m)))
+  let [x, y] = [1, Math.sqrt(1 - m)];
+  for (let i = 0; i < 30; ++i) [x, y] = [(x + y) / 2, Math.sqrt(x * y)];
+  const between = Math.PI / x / rate;
+  const found = flips(motionDocument().motions[0]!);
+  assert.ok(found.length >= 4, `${found.length} flips`);
+  // the angular velocities are rounded to 15 / 32767 rad/s, and the point is crossed at some 30 rad/s^2
+  for (let i = 1; i < found.length; ++i) assert.ok(Math.abs(found[i]! - found[i - 1]! - between) < 2e-3, `${found[i]! - found[i - 1]!} for ${between}`);
+});
+
+test("pictures are written without loss, with and without a palette", () => {
+  for (const colors of [5, 256, 300]) {
+    const [width, height] = [40, 30];
+    const rgba = new Uint8Array(4 * width * height);
+    for (let i = 0; i < width * height; ++i) {
+      const color = (i * 7) % colors;
+      rgba.set([color & 255, (color * 3) & 255, color >> 4, 255], 4 * i);
+    }
+    const file = writePng({ width, height, rgba });
+    const read = readPng(file);
+    assert.deepEqual([read.width, read.height], [width, height]);
+    assert.ok(Buffer.from(read.rgba).equals(Buffer.from(rgba)), `${colors} colours`);
+    assert.equal(file[25], colors <= 256 ? 3 : 2);
+  }
+  assert.throws(() => readPng(new Uint8Array(20)), /not a PNG/);
 });

@@ -3,7 +3,7 @@
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
 import { quantity } from "../format.ts";
 import { markOf, methodColor, type Mark } from "../marks.ts";
-import { oneLine } from "../text.ts";
+import { oneLine, shorten } from "../text.ts";
 import { Keyframes } from "./interpolation.ts";
 
 export const mostMethods = 3;
@@ -24,16 +24,19 @@ export function neutral(dark: boolean): string {
   return dark ? "#b8bec6" : "#8c949e";
 }
 
-function settingOf(method: MotionMethod): string {
+export function settingOf(method: MotionMethod): string {
   if (method.setting === null) return "";
   if (method.setting_kind === 1) return `step ${quantity(method.setting, "s")}`;
   return method.setting_kind === 2 ? `tolerance ${quantity(method.setting, "")}` : "";
 }
 
+/** In texts: file names may be of any length. */
+const nameOf = (method: MotionMethod): string => shorten(oneLine(method.label), 60);
+
 /** As it is told from the others: name and setting. */
 export function titleOf(method: MotionMethod): string {
   const setting = settingOf(method);
-  const name = oneLine(method.label);
+  const name = nameOf(method);
   return setting === "" ? name : `${name}, ${setting}`;
 }
 
@@ -49,10 +52,10 @@ export function methodActor(data: ReportData, motion: Motion, method: MotionMeth
   const known = data.methods[method.method];
   const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track, false) : null;
   // no track: not told from the truth by eye, if it went to the end
-  const isTruth = own === null && method.status === 0 && method.t.length > 0;
+  const isTruth = own === null && isDrawn(method);
   const end = own?.end ?? (isTruth ? truth.end : 0);
   return {
-    name: oneLine(method.label), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
+    name: nameOf(method), method, mark: known === undefined ? { symbol: "circle-open", dash: "solid" } : markOf(known.mark),
     color: known === undefined ? (dark ? "#7cc0ff" : "#00518a") : methodColor(data, known, dark),
     place, keyframes: own ?? (isTruth ? truth : null), isTruth, end,
     endsEarly: end < motion.duration * (1 - 1e-6),
@@ -69,13 +72,16 @@ export function chosenMethods(motion: Motion, labels: readonly string[]): Motion
   return found;
 }
 
+/** There is something to draw of it: its own keyframes, or the truth's in their place. */
+export const isDrawn = (method: MotionMethod): boolean => method.track !== null || (method.status === 0 && method.t.length > 0);
+
 /** Before the reader chooses: a trajectory of the user's, else the method that strays the furthest, and the nearest of
  * those whose difference is seen. */
 export function firstMethods(motion: Motion): MotionMethod[] {
   const seen = motion.methods.filter((one) => one.track !== null);
   const own = seen.filter((one) => one.method < 0);
   const others = seen.filter((one) => one.method >= 0).sort((a, b) => (b.difference ?? 0) - (a.difference ?? 0));
-  const first = own[0] ?? others[0] ?? motion.methods[0];
+  const first = own[0] ?? others[0] ?? motion.methods.find(isDrawn);
   const second = [...others].reverse().find((one) => one !== first);
   return [first, second].filter((one) => one !== undefined);
 }

@@ -2,6 +2,7 @@
 
 import { fill, vector } from "../dom.ts";
 import { significant } from "../format.ts";
+import { shorten } from "../text.ts";
 import { type Actor, errorAt } from "./actors.ts";
 import { dashOf } from "./polhode_view.ts";
 
@@ -85,7 +86,8 @@ export class ErrorPlot {
   show(actors: readonly Actor[], duration: number): void {
     this.actors = actors.filter((actor) => (actor.method?.t.length ?? 0) > 0);
     this.duration = duration;
-    this.range = decades(this.actors.flatMap((actor) => actor.method?.attitude ?? []));
+    // at the start there is the rounding of the start alone, many decades below
+    this.range = decades(this.actors.flatMap((actor) => actor.method?.attitude.filter((_, i) => (actor.method?.t[i] ?? 0) > 0) ?? []));
     this.draw();
   }
 
@@ -159,11 +161,11 @@ export class ErrorPlot {
       if (error === null || !(error > 0)) continue;
       const y = this.y(error);
       made.push(vector("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: "3.5", fill: actor.color }));
-      numbers.push({ y: Math.max(margin.top + 10, y - 6), text: `${significant(error, 2)} rad` });
+      numbers.push({ y: Math.max(margin.top + 10, y - 6), text: this.actors.length > 1 ? `${significant(error, 2)} rad, ${shorten(actor.name, 22)}` : `${significant(error, 2)} rad` });
     }
     // numbers that would lie over each other are moved apart, downward
     numbers.sort((a, b) => a.y - b.y);
-    const left = x > this.width * 0.7;
+    const left = x > margin.left + 0.5 * this.inner();
     let above = -Infinity;
     for (const number of numbers) {
       above = Math.max(number.y, above + 14);

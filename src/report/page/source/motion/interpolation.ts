@@ -1,7 +1,7 @@
 // The motion between keyframes, as data.ts lays it down. What is drawn, and what the thinning's bound holds for, is this.
 
 import type { Track } from "../data.ts";
-import { identity, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
+import { identity, length, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 
 export interface Placement {
   attitude: Quaternion; // body to world
@@ -43,9 +43,22 @@ export function attitudeRate(q: Quaternion, w: Vector): Quaternion {
   ];
 }
 
+/** How much faster than it should the cubic turns at s through an even turn by an angle: up to a few per cent where
+ * keyframes are far apart. With u = angle / 2 it goes from 1 to e^iu with the slopes iu and iu e^iu; the rate is
+ * Im(r* r') / (u |r|^2). */
+export function evenTurnRate(angle: number, s: number): number {
+  const u = angle / 2;
+  if (!(u > 1e-3)) return 1;
+  const [c, e] = [Math.cos(u), Math.sin(u)];
+  const at = (w: [number, number, number, number]): [number, number] => [w[0] + w[2] * c - w[3] * u * e, w[1] * u + w[2] * e + w[3] * u * c];
+  const [x, y] = at(hermite(s));
+  const [dx, dy] = at(hermiteSlope(s));
+  return (x * dy - y * dx) / (u * (x * x + y * y));
+}
+
 /** Attitude and angular velocity a part s (0..1) of an interval h on. The attitude is the cubic r(s) through both ends
- * with their rates, normalised; the angular velocity is that of what is drawn, 2 vec(r* r') / |r|^2: at the keyframes it
- * is theirs. */
+ * with their rates, normalised; the angular velocity is that of what is drawn, 2 vec(r* r') / |r|^2, less what the cubic does
+ * to an even turn: at the keyframes it is theirs. */
 export function attitudeBetween(
   from: Quaternion, fromW: Vector, to: Quaternion, toW: Vector, h: number, s: number,
 ): { attitude: Quaternion; angularVelocity: Vector } {
@@ -58,7 +71,8 @@ export function attitudeBetween(
   const r: Quaternion = [combine(weights, 0), combine(weights, 1), combine(weights, 2), combine(weights, 3)];
   const d: Quaternion = [combine(slopes, 0), combine(slopes, 1), combine(slopes, 2), combine(slopes, 3)];
   const square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3];
-  const factor = square > 0 && h > 0 ? 2 / (square * h) : 0;
+  const turn = (0.5 * (length(fromW) + length(toW))) * h;
+  const factor = square > 0 && h > 0 ? 2 / (square * h * evenTurnRate(turn, s)) : 0;
   // vec(r* d)
   const angularVelocity = scale(factor, [
     r[0] * d[1] - r[1] * d[0] - r[2] * d[3] + r[3] * d[2],
@@ -104,8 +118,7 @@ export class Keyframes {
 
   attitude(body: number, k: number): Quaternion {
     const q = this.track.bodies[body]?.q ?? [];
-    const at = (i: number): number => q[4 * k + i] ?? 0;
-    return normalized([at(0), at(1), at(2), at(3)]);
+    return normalized([q[4 * k] ?? 1, q[4 * k + 1] ?? 0, q[4 * k + 2] ?? 0, q[4 * k + 3] ?? 0]);
   }
 
   angularVelocity(body: number, k: number): Vector {
@@ -133,7 +146,7 @@ export class Keyframes {
     const single = last === 0 || t <= (times[0] ?? 0) ? 0 : t >= this.end ? last : -1;
     if (single >= 0) {
       return {
-        attitude: normalized(this.attitude(body, single)),
+        attitude: this.attitude(body, single),
         angularVelocity: this.angularVelocity(body, single),
         position: this.position(body, single),
       };
@@ -143,8 +156,8 @@ export class Keyframes {
     const h = (times[k + 1] ?? 0) - begin;
     const s = h > 0 ? (t - begin) / h : 0;
     const turned = attitudeBetween(
-      normalized(this.attitude(body, k)), this.angularVelocity(body, k),
-      normalized(this.attitude(body, k + 1)), this.angularVelocity(body, k + 1), h, s,
+      this.attitude(body, k), this.angularVelocity(body, k),
+      this.attitude(body, k + 1), this.angularVelocity(body, k + 1), h, s,
     );
     const moves = (this.track.bodies[body]?.p.length ?? 0) > 0;
     const position = moves

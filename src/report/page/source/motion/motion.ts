@@ -10,7 +10,7 @@ import { quantity, significant } from "../format.ts";
 import { parseList, writeList } from "../fragment.ts";
 import { swatch } from "../marks.ts";
 import { oneLine, shorten } from "../text.ts";
-import { type Actor, chosenMethods, errorAt, firstMethods, methodActor, mostMethods, titleOf, truthActor } from "./actors.ts";
+import { type Actor, chosenMethods, errorAt, firstMethods, isDrawn, methodActor, mostMethods, settingOf, titleOf, truthActor } from "./actors.ts";
 import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
 import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
 import { Clock, rateOf } from "./clock.ts";
@@ -209,10 +209,13 @@ class MotionView {
     this.which.update(scenes.map((name) => [name, shorten(oneLine(name), 44)]), this.nameOf(motion));
     this.which.root.hidden = !isSubstitute || scenes.length < 2;
     this.substitute.hidden = !isSubstitute;
-    this.substitute.textContent = isSubstitute ? `There is no motion of ${oneLine(asked)}; this is ${oneLine(this.nameOf(motion))}.` : "";
+    this.substitute.textContent = isSubstitute ? `There is no motion of ${shorten(oneLine(asked), 100)}; this is ${shorten(oneLine(this.nameOf(motion)), 100)}.` : "";
+    // those that cannot be watched come last, and say so
+    const offered = [true, false].flatMap((drawn) => motion.methods.filter((method) => isDrawn(method) === drawn)
+      .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (nothing to draw)"}`]));
     this.methodChoices.forEach((choice, i) => {
       const value = methods[i]?.label ?? "";
-      choice.update([["", "nothing"], ...motion.methods.map((method): [string, string] => [method.label, shorten(titleOf(method), 60)])], value);
+      choice.update([["", "nothing"], ...offered], value);
       choice.root.hidden = motion.methods.length === 0 || i > methods.length;
     });
     this.layout.update([["side", "side by side"], ["overlay", "overlaid"]], overlaid ? "overlay" : "side");
@@ -221,9 +224,9 @@ class MotionView {
 
     fill(this.legend, ...this.actors.map((actor) => {
       const method = actor.method;
-      const setting = method === null ? "" : titleOf(method).slice(actor.name.length);
+      const setting = method === null ? "" : settingOf(method);
       const greatest = method?.difference === null || method === null ? "" : `at most ${quantity(method.difference, "rad")} off`;
-      return element("li", {}, swatch(actor.mark, actor.color, true), element("span", { class: "name", title: actor.name }, `${shorten(actor.name, 44)}${setting}`), element("span", { class: "value" }, greatest));
+      return element("li", {}, swatch(actor.mark, actor.color, true), element("span", { class: "name", title: actor.name }, setting === "" ? actor.name : `${actor.name}, ${setting}`), element("span", { class: "value" }, greatest));
     }));
     const [ellipsoid, world] = this.polhode.captions();
     this.polhodeText.textContent = ellipsoid;
@@ -274,11 +277,11 @@ class MotionView {
         return made;
       }));
       const only = pane.actors.length === 1 ? pane.actors[0] : undefined;
-      pane.value.textContent = only?.method === null || only === undefined ? "" : this.errorText(only, t);
+      pane.value.textContent = only === undefined ? "" : only.method === null ? fixed(t, this.motion.duration) : this.errorText(only, t);
       const over = pane.actors.filter((actor) => actor.method !== null && actor.endsEarly && t > actor.end);
       pane.ended.hidden = over.length === 0;
       pane.ended.textContent = over.map((actor) => (actor.keyframes === null ? `${actor.name}: nothing to draw` : `${pane.actors.length > 1 ? `${actor.name} ` : ""}ended at ${significant(actor.end)} s`)).join("; ");
-      pane.canvas.setAttribute("aria-label", `${this.nameOf(this.motion)}, ${pane.actors.map((actor) => actor.name).join(" and ")}: ${told}`);
+      pane.canvas.setAttribute("aria-label", `${shorten(oneLine(this.nameOf(this.motion)), 100)}, ${pane.actors.map((actor) => actor.name).join(" and ")}: ${told}`);
       this.drawAxes(pane.axes);
     });
     this.polhode.draw(t, this.polhodeOrbit, palette, ratio);
@@ -320,7 +323,7 @@ class MotionView {
   private errorText(actor: Actor, t: number): string {
     if (actor.method === null) return "";
     const error = errorAt(actor.method, t);
-    return error === null ? (t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
+    return error === null ? (actor.keyframes === null ? "not drawn" : t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
   }
 
   private told(t: number): string {

@@ -36,7 +36,8 @@ export class PolhodeView {
   show(motion: Motion, actors: readonly Actor[], body: number): void {
     this.body = body;
     this.inertia = inertiaOf(motion, body);
-    this.free = motion.free && motion.bodies.length === 1;
+    // between impacts it is free, but each impact leads to another polhode
+    this.free = motion.free && motion.bodies.length === 1 && motion.planes.length === 0;
     this.curves = [];
     this.largest = 0;
     for (const actor of actors) {
@@ -99,15 +100,17 @@ export class PolhodeView {
     const n = orbit.direction();
     const [right, upward] = orbit.axes();
     const reach = Math.max(...(this.free ? axes : [...axes, this.largest]), 1e-300);
-    const factor = (0.43 * Math.min(sheet.width, sheet.height) * orbit.zoom) / reach;
-    const place = (v: Vector): [number, number] => [sheet.width / 2 + factor * dot(right, v), sheet.height / 2 - factor * dot(upward, v)];
+    // a little high: buttons stand below
+    const middle = 0.46 * sheet.height;
+    const factor = (0.38 * Math.min(sheet.width, sheet.height) * orbit.zoom) / reach;
+    const place = (v: Vector): [number, number] => [sheet.width / 2 + factor * dot(right, v), middle - factor * dot(upward, v)];
     const { context } = sheet;
 
     // the ellipsoid: its outline, filled, and its three principal sections
     const rim = outline(axes, n).map(place);
     context.beginPath();
     rim.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
-    const [lightX, lightY] = [sheet.width / 2 - 0.3 * factor * reach, sheet.height / 2 - 0.35 * factor * reach];
+    const [lightX, lightY] = [sheet.width / 2 - 0.3 * factor * reach, middle - 0.35 * factor * reach];
     const shade = context.createRadialGradient(lightX, lightY, 0, lightX, lightY, 1.6 * factor * reach);
     const tones = palette.dark ? ["#3a424c", "#20252b"] : ["#f4f6f8", "#cfd6de"];
     shade.addColorStop(0, tones[0] ?? "");

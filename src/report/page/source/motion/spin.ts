@@ -14,7 +14,7 @@ export interface Inertia {
 
 export function inertiaOf(motion: Motion, body: number): Inertia {
   const shape = motion.bodies[body];
-  const about = (motion as Motion & { about?: { moments: number[]; principal: number[] } | null }).about ?? shape;
+  const about = motion.about ?? shape;
   if (about === undefined) return { moments: [1, 1, 1], principal: [1, 0, 0, 0] };
   return { moments: vectorAt(about.moments), principal: quaternionAt(about.principal) };
 }

@@ -49,8 +49,9 @@ struct FittedOrder {
     double from = absent, to = absent;  ///< their settings
 };
 
-/// The orders of all curves of at least four settings that ended well above the floor of rounding (ten times it) and
-/// that the folder's experiments are to show orders of (those of the kind `convergence`, or all where there is none).
+/// The orders of all curves of at least four settings that ended well above the floor of rounding (a hundred times it)
+/// and that the folder's experiments are to show orders of (those of the kind `convergence`, or all where there is
+/// none).
 std::vector<FittedOrder> orders_of(const ResultFolder& folder);
 
 }  // namespace polhode

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "body/mass_properties.h"
+#include "integrators/engines/engine_methods.h"
 #include "integrators/method.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
@@ -207,7 +208,8 @@ class MotionWriter {
             for (int b = 0; b < motion.bodies; ++b)
                 moving = moving || !(motion.at(k, b).position_W == motion.at(0, b).position_W);
         json["moving"] = moving;
-        json["free"] = !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1;
+        json["free"] =
+            !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
         json["energy"] = number_json(is_mechanism(scene_) ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
         json["how"] = fmt::format("{}; within {:.1e}", reference.message, reference.bound);
@@ -257,13 +259,18 @@ class MotionWriter {
                   {"setting_kind", static_cast<int>(run.kind)},
                   {"setting", number_json(run.setting, 4)},
                   {"status", static_cast<int>(Status::failed)},
-                  {"message", "this program has no method of that name"},
+                  {"message", ""},
                   {"track", nullptr},
                   {"difference", nullptr},
                   {"t", Json::array()},
                   {"attitude", Json::array()}};
         const Method* const method = find_method(name);
-        if (!method || method->family == Family::engine) return json;
+        if (!method) {
+            json["message"] = find_engine(name)
+                                  ? "a physics engine, in a process of its own, which this page does not start"
+                                  : "this program has no method of that name";
+            return json;
+        }
         for (const bool dense : {false, true}) {
             const Settings settings = settings_of(run, dense);
             const Trajectory trajectory = solve(scene_, *method, settings);

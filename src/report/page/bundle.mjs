@@ -3,6 +3,7 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { gzipSync } from "node:zlib";
 
 const [source, modules] = process.argv.slice(2);
 const esbuild = createRequire(join(modules, "here.js"))("esbuild");
@@ -49,14 +50,16 @@ if (/<\/style/i.test(style)) fail("style.css: holds the end of a style element; 
 
 // What would end the script element, or begin a comment in the eyes of the HTML parser, is written in ways that mean the
 // same inside of a JavaScript string.
-const script =
+const loader =
   ["plotly.js-basic-dist-min", "three"].map(licence).join("").replaceAll(/<(?=[!/])/g, "< ") +
-  bundle("main.ts")
+  bundle("loader.ts")
     .replaceAll(/<\/script/gi, (found) => `<\\/${found.slice(2)}`)
     .replaceAll("<!--", "\\x3c!--");
+// a third of its size, which leaves room for data
+const script = gzipSync(bundle("main.ts"), { level: 9 }).toString("base64");
 
 let page = readFileSync(join(source, "page.html"), "utf8");
-for (const [place, text] of [["/*polhode:style*/", style], ["/*polhode:script*/", script]]) {
+for (const [place, text] of [["/*polhode:style*/", style], ["/*polhode:script*/", script], ["/*polhode:loader*/", loader]]) {
   if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
   page = page.replace(place, () => text);
 }

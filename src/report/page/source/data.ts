@@ -257,7 +257,7 @@ export interface MotionMethod {
   message: string;
   /** null: no further from the truth than `difference`, which is below what a picture shows: draw the truth's */
   track: Track | null;
-  difference: number; // rad, the largest attitude error over what is shown
+  difference: number | null; // rad, the largest attitude error over what is shown
   t: number[]; // of the errors
   attitude: (number | null)[]; // rad, of the worst body
 }

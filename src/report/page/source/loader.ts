@@ -1,0 +1,23 @@
+// The page's script stands in it compressed, to leave room for data: this unpacks it, once the frame is painted.
+
+import { readCompressed } from "./decode.ts";
+
+async function load(): Promise<void> {
+  await new Promise((resolve) => requestAnimationFrame(() => window.setTimeout(resolve, 0)));
+  try {
+    const holder = document.getElementById("polhode-script");
+    const script = document.createElement("script");
+    script.textContent = await readCompressed(holder, "script");
+    holder?.remove();
+    document.body.append(script);
+  } catch (fault) {
+    const told = document.getElementById("progress");
+    if (told === null) return;
+    told.className = "fault";
+    told.setAttribute("role", "alert");
+    told.textContent = `The page cannot be shown: ${fault instanceof Error ? fault.message : String(fault)}`;
+    document.documentElement.dataset.ready = "no";
+  }
+}
+
+void load();

@@ -230,12 +230,12 @@ std::optional<Finding> floor_finding(const ResultFolder& folder) {
         if (!best || row.attitude / row.floor < best->attitude / best->floor) best = &row;
     }
     if (!best) return std::nullopt;
-    return Finding{
-        fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
-        fmt::format("Within ten times. The nearest: {} on {}, {} rad where rounding the start costs "
-                    "{} rad.",
-                    shown(method_name(folder, *best)), shown(scene_name(folder, *best)), best->attitude, best->floor),
-        "#section=work-precision&scene=" + in_fragment(scene_name(folder, *best))};
+    return Finding{fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
+                   fmt::format("Within ten times. The nearest: {} on {}, {} rad where rounding the start costs "
+                               "{} rad.",
+                               shown(method_name(folder, *best)), shown(scene_name(folder, *best)),
+                               plain(best->attitude), plain(best->floor)),
+                   "#section=work-precision&scene=" + in_fragment(scene_name(folder, *best))};
 }
 
 std::optional<Finding> gain_finding(const ResultFolder& folder) {

@@ -43,14 +43,14 @@ std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, s
     if (!request.scene.empty()) {
         if (!scenes.contains(request.scene)) {
             const Scene scene = find_scene(request.scene);
-            const std::string name = scenes.contains(scene.name) ? request.scene : scene.name;
+            std::string name = scenes.contains(scene.name) ? request.scene : scene.name;
             folder.scenes.place(name);
             scenes.insert_or_assign(name, scene);
             return name;
         }
         return request.scene;
     }
-    const std::string stem = fs::path(request.trajectories.front()).stem().string();
+    std::string stem = fs::path(request.trajectories.front()).stem().string();
     if (scenes.contains(stem)) return stem;
     if (scenes.size() == 1) return scenes.begin()->first;
     throw InputError(one_line(request.trajectories.front(), 300), "", "is of a scene that is not told",

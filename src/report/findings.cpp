@@ -321,6 +321,8 @@ std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
         const FolderExperiment& experiment = folder.experiments[static_cast<std::size_t>(row.experiment)];
         if ((some && experiment.kind != "convergence") || row.kind == SettingKind::none) continue;
         if (row.status != Status::ok || !std::isfinite(row.attitude_final)) continue;
+        // what rounding makes of an error has no order
+        if (row.attitude_final < 100 * row.floor_final) continue;
         Points& points = curves[{row.experiment, row.scene, row.method, static_cast<int>(row.kind), row.formulation}];
         points.setting.push_back(row.step_taken > 0 ? row.step_taken : row.setting);
         points.error.push_back(row.attitude_final);

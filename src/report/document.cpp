@@ -108,7 +108,9 @@ class DocumentWriter {
             if (stride <= 1 || counts[curve]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
         }
         // curves of a row each: of the curves some
-        const std::size_t again = (kept.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows);
+        const std::size_t again = 2 * kept.size() > 3 * detail_.rows
+                                      ? (kept.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows)
+                                      : 1;
         for (std::size_t i = 0; i < kept.size(); ++i)
             if (again <= 1 || i % again == 0 || needed.contains(kept[i])) {
                 place_[kept[i]] = static_cast<int>(shown_.size());

@@ -119,7 +119,7 @@ test("the template has one place for the title and one for the data, and the lic
   assert.equal(template.split("<!--polhode:data-->").length, 2);
   assert.match(template, /<title><!--polhode:title--><\/title>/);
   assert.match(template, /<script id="polhode-data" type="application\/gzip"><!--polhode:data--><\/script>/);
-  assert.equal(template.match(/<\/script/gi)?.length, 4, "a script's end inside of a script");
+  assert.equal(template.match(/<\/script/gi)?.length, 5, "a script's end inside of a script");
   assert.match(template, /default-src 'none'/);
   for (const name of ["plotly.js-basic-dist-min", "three"]) assert.ok(template.includes(`${name} `) && template.includes("Permission is hereby granted"), `the licence of ${name}`);
   assert.match(template, /Plotly/);

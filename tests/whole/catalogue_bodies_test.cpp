@@ -65,6 +65,7 @@ void expect_body(const char* name, const std::vector<Part>& parts) {
 
 TEST(CatalogueBodies, HaveTheStatedShapes) {
     expect_body("t_handle", {{0.3, cylinder(0, 0.01, 0.12), {}}, {0.15, cylinder(1, 0.01, 0.06), {0, 0.04, 0}}});
+    expect_body("t_handle_parts", {{0.3, cylinder(0, 0.01, 0.12), {}}, {0.15, cylinder(1, 0.01, 0.06), {0, 0.04, 0}}});
     expect_body("thrown_hammer",
                 {{0.4, cylinder(2, 0.012, 0.36), {0, 0, 0.18}}, {0.6, box(0.06, 0.015, 0.015), {0, 0, 0.375}}});
     expect_body("box_with_sphere", {{1, box(0.3, 0.2, 0.1), {}}, {0.5, ball(0.1), {0.2, 0.1, 0.2}}});

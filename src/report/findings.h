@@ -16,9 +16,6 @@ struct Finding {
     std::string link;   ///< the page's state that shows it, "#section=..&scene=.."
 };
 
-/// The accuracies that the fastest run is told at, rad.
-inline constexpr double told_accuracies[] = {1e-3, 1e-6, 1e-9, 1e-12};
-
 /// The fastest run within an attitude error of a scene, and of the other methods the next.
 struct Fastest {
     std::optional<std::size_t> row, runner_up;  ///< places in the folder's rows

@@ -281,11 +281,10 @@ class DocumentWriter {
                                                folder_.series.size(), detail_.series));
                 break;
             }
-            const std::size_t count = series.t.size(), kept = std::min(count, detail_.series_points);
+            const std::vector<std::size_t> kept = spread(series.t.size(), detail_.series_points);
             const auto thin = [&](const std::vector<double>& values, int digits) {
                 Json numbers = Json::array();
-                for (std::size_t i = 0; i < kept; ++i)
-                    numbers.push_back(number_json(values[kept > 1 ? i * (count - 1) / (kept - 1) : 0], digits));
+                for (const std::size_t k : kept) numbers.push_back(number_json(values[k], digits));
                 return numbers;
             };
             Json json{{"experiment", series.experiment},
@@ -302,7 +301,7 @@ class DocumentWriter {
                         Json::array({number_json(fits[i]->first, 3), number_json(fits[i]->second, 2)});
             }
             json["growth"] = std::move(growth);
-            json["thinned"] = kept < count;
+            json["thinned"] = kept.size() < series.t.size();
             list.push_back(std::move(json));
         }
         return list;

@@ -1,5 +1,6 @@
 #include "report/json_numbers.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace polhode {
@@ -20,6 +21,13 @@ Json numbers_json(const std::vector<double>& values, int digits) {
     Json list = Json::array();
     for (const double value : values) list.push_back(number_json(value, digits));
     return list;
+}
+
+std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
+    std::vector<std::size_t> places;
+    const std::size_t shown = std::min(count, most);
+    for (std::size_t i = 0; i < shown; ++i) places.push_back(shown > 1 ? i * (count - 1) / (shown - 1) : 0);
+    return places;
 }
 
 Json vector_json(const Vector3<double>& v) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -16,6 +17,9 @@ Json number_json(double value, int digits);
 
 /// A list of such numbers.
 Json numbers_json(const std::vector<double>& values, int digits);
+
+/// Places evenly over a list of so many, at most `most` of them, its first and last among them.
+std::vector<std::size_t> spread(std::size_t count, std::size_t most);
 
 /// Three numbers to six digits.
 Json vector_json(const Vector3<double>& v);

@@ -99,14 +99,6 @@ Trajectory rounded(const Reference& truth) {
     return trajectory;
 }
 
-// Evenly over a list, its first and last among them.
-std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
-    std::vector<std::size_t> places;
-    const std::size_t shown = std::min(count, most);
-    for (std::size_t i = 0; i < shown; ++i) places.push_back(shown > 1 ? i * (count - 1) / (shown - 1) : 0);
-    return places;
-}
-
 Json points_json(const Vector3<double>& point, const Vector3<double>& center) { return vector_json(point - center); }
 
 Json joints_json(const Scene& scene) {

@@ -26,3 +26,4 @@
 #include "scene/scene.h"
 #include "scene/scene_file.h"
 #include "table/table.h"
+#include "text/named_file.h"

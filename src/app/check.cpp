@@ -154,6 +154,7 @@ void add_check(CLI::App& program, int& exit_code) {
     command->add_option("--format", options->format, "text, json or junit")
         ->check(CLI::IsMember({"text", "json", "junit"}))
         ->capture_default_str();
+    outside_option(*command);
     command->callback([options, &exit_code] { exit_code = check_command(*options); });
 }
 

@@ -85,6 +85,12 @@ void tell_columns(CLI::App& command);
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);
 
+/// Adds --allow-outside: scene and experiment files may name files outside their own folders.
+void outside_option(CLI::App& command);
+
+/// Throws UsageError where samples times bodies are more than a program holds in memory.
+void require_states(const Scene& scene, long samples);
+
 /// Adds --engines FILE: engines of the user's own beside those that come with the program.
 void engines_option(CLI::App& command);
 

@@ -65,7 +65,7 @@ std::string told(const PlannedCurve& curve) {
 std::string describe_experiment(const std::string& name) {
     const Plan plan = make_plan(find_experiment(name), name, false);
     const Experiment& e = plan.experiment;
-    std::string text = fmt::format("{}\n\n  {}\n\n  kind     {}\n", e.name, e.about, e.kind->name);
+    std::string text = fmt::format("{}\n\n  {}\n\n  kind     {}\n", e.name, one_line(e.about, 2000), e.kind->name);
     const auto list = [&](const char* title, const std::vector<std::string>& entries) {
         for (std::size_t i = 0; i < entries.size(); ++i)
             text += fmt::format("  {:<7}  {}\n", i == 0 ? title : "", entries[i]);
@@ -179,6 +179,7 @@ void add_describe(CLI::App& program, int& exit_code) {
     command->add_option("NAME", options->name, "A built-in scene or experiment, a file of one, or a method")
         ->required();
     engines_option(*command);
+    outside_option(*command);
     command->add_option("--output", options->output, "File to write, in place of stdout")->check(not_empty, "");
     command
         ->add_option("--picture", options->picture,

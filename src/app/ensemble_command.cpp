@@ -276,6 +276,7 @@ void add_ensemble(CLI::App& program, int& exit_code) {
                      "N: rows of each body at k T/N, k = 1..N, each solved from the start; the table has the start")
         ->capture_default_str();
     command->add_option("--output", options->output, "File to write, in place of stdout");
+    outside_option(*command);
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }
 

@@ -37,6 +37,7 @@ int export_command(const ExportOptions& options) {
     const Convention convention = convention_option(options.convention);
     require_output(options.output);
     Scene scene = find_scene(options.scene);
+    require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
@@ -83,6 +84,7 @@ void add_export(CLI::App& program, int& exit_code) {
         "--convention", options->convention,
         "What to write it in, words as for polhode check: body, planes, loads, start and motion are converted");
     command->add_option("--output", options->output, "File to write, in place of stdout");
+    outside_option(*command);
     command->callback([options, &exit_code] { exit_code = export_command(*options); });
 }
 

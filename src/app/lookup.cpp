@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
 #include "app/commands.h"
 #include "integrators/engines/engine_methods.h"
+#include "scene/scene_limits.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode {
 namespace {
@@ -49,6 +52,19 @@ void engines_option(CLI::App& command) {
         .add_option("--engines",
                     "A file of further engines (integrators/engines/README.md), found by the names ENGINE:SETTING")
         ->each([](const std::string& path) { add_engines(path); });
+}
+
+void outside_option(CLI::App& command) {
+    command.add_flag_callback(
+        "--allow-outside", [] { allow_outside_files(true); },
+        "Scene and experiment files may name files outside their own folders");
+}
+
+void require_states(const Scene& scene, long samples) {
+    const long bodies = std::max<long>(1, static_cast<long>(scene.bodies.size()));
+    if (samples > most_states / bodies)
+        throw UsageError(fmt::format("--samples is {}; give {} at the most of a scene of {} bodies", samples,
+                                     most_states / bodies, bodies));
 }
 
 std::vector<std::string> method_names() {

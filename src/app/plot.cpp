@@ -315,6 +315,7 @@ void add_plot(CLI::App& program, int& exit_code) {
     command->add_option("--output", options->output, "F.svg or F.pdf, by gnuplot (default: characters on stdout)");
     command->add_option("--width", options->width,
                         "Columns of the picture of characters (default: the terminal's, or 100)");
+    outside_option(*command);
     command->callback([options, &exit_code] { exit_code = plot_command(*options); });
 }
 

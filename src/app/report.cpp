@@ -56,6 +56,7 @@ void add_report(CLI::App& program, int& exit_code) {
     const auto options = std::make_shared<ReportOptions>();
     command->add_option("DIR", options->request.directory, "A folder that `polhode run` has written")->required();
     engines_option(*command);
+    outside_option(*command);
     command->add_option("--output", options->request.output, "F.html (default: report.html in that folder)");
     command->add_option("--against", options->request.against,
                         "A second folder of the same experiments, from another machine or version: how run times and "

@@ -107,6 +107,7 @@ void add_run(CLI::App& program, int& exit_code) {
     command->add_option("EXPERIMENT", options->experiments, "Experiments: names (polhode list experiments) or files")
         ->required();
     engines_option(*command);
+    outside_option(*command);
     command->add_option("--filter", options->filter, "Only the cases whose SCENE/METHOD matches this expression");
     command->add_option("--output", options->output,
                         "Directory (default build/results, with --quick build/quick; published tables are overwritten "

@@ -13,6 +13,7 @@ void add_show(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand("show", "A scene's JSON as it is written, comments and all.");
     const auto scene = std::make_shared<std::string>();
     command->add_option("SCENE", *scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    outside_option(*command);
     command->callback([scene, &exit_code] {
         // a file that is no scene is refused like everywhere
         find_scene(*scene);

@@ -113,6 +113,7 @@ int solve_command(const SolveOptions& options) {
     if (options.method != "auto") method_named(options.method);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
+    require_states(scene, options.samples);
     Settings settings;
     settings.samples = options.samples;
     settings.max_steps = options.max_steps, settings.max_evaluations = options.max_evaluations;
@@ -175,6 +176,7 @@ void add_solve(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
     engines_option(*command);
+    outside_option(*command);
     command->add_option("--output", options->output, "File to write, in place of stdout");
     command->add_option("--reactions", options->reactions,
                         "File (CSV) for the forces and torques of joints and loops, of a scene of several bodies: "

@@ -176,6 +176,7 @@ int truth_command(const TruthOptions& options) {
     require_output(options.output);
     require_output(options.reactions);
     Scene scene = find_scene(options.scene);
+    require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     if (options.certified && !options.reactions.empty())
@@ -236,6 +237,7 @@ void add_truth(CLI::App& program, int& exit_code) {
                         "File for the forces and torques of joints and loops, of a scene of several bodies: columns "
                         "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
     command->add_option("--output", options->output, "File to write, in place of stdout");
+    outside_option(*command);
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 // One at a time: timings share the machine with nothing, and an interruption stops whatever runs.
 bool run_text(const std::string& text, const std::string& file, const std::string& directory, const std::string& filter,
-              int jobs, bool quick, bool quiet) {
+              int jobs, bool quick, bool quiet, bool own) {
     static std::mutex one_at_a_time;
     RunOptions options;
     options.directory = directory, options.filter = filter, options.quick = quick, options.quiet = quiet;
@@ -19,7 +19,8 @@ bool run_text(const std::string& text, const std::string& file, const std::strin
         [&] {
             const std::lock_guard lock(one_at_a_time);
             allow_sweeps();
-            const Plan plan = make_plan(parse_experiment(text, file), file, quick);
+            const Plan plan =
+                make_plan(parse_experiment(text, file), file, quick, own ? NamedFiles::anywhere : NamedFiles::beside);
             return run_experiment(plan, options, "polhode.run(" + plan.experiment.name + ")");
         },
         interrupt_sweep);

@@ -9,6 +9,7 @@
 #include "scene/scene_file.h"
 #include "text/json_document.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode::python {
 namespace {
@@ -92,6 +93,9 @@ void bind_scenes(py::module_& module) {
         .def("canonical", [](const ReadScene& s) { return write_scene(s.scene()); });
 
     module.def("scene_text", &scene_text);
+    module.def("allow_outside_files", &allow_outside_files, py::arg("allowed"),
+               "Whether scene and experiment files may name files outside their own folders; they may not unless this "
+               "was called with True.");
     module.def("scene_names", &builtin_scene_names);
     module.def("experiment_names", &builtin_experiment_names);
     module.def("experiment_text", [](const std::string& name) {

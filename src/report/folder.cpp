@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "integrators/method.h"
+#include "scene/builtin.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode {
 namespace {
@@ -21,9 +21,22 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+constexpr std::size_t largest_folder_file = std::size_t{1} << 30;
+
+// empty where it cannot be read, is no regular file or too large; a link in the folder may not lead out of it
 std::string read_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
+    try {
+        return read_named_text(path.parent_path().string(), path.filename().string(), largest_folder_file, "a table");
+    } catch (const InputError&) {
+        return "";
+    }
+}
+
+// Names in a folder's files are no paths: only the catalogue is asked.
+Experiment builtin_experiment(const std::string& name) {
+    const std::string_view text = builtin_experiment_text(name);
+    if (text.empty()) throw InputError(name, "", "is no experiment of the catalogue", "give one");
+    return parse_experiment(text, name);
 }
 
 // a file that is not there, or torn, is none
@@ -273,7 +286,7 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     for (FolderExperiment& experiment : folder.experiments) {
         if (!experiment.about.empty() && !experiment.kind.empty()) continue;
         try {
-            const Experiment known = find_experiment(experiment.name);
+            const Experiment known = builtin_experiment(experiment.name);
             if (experiment.about.empty()) experiment.about = known.about;
             if (experiment.kind.empty()) experiment.kind = std::string(known.kind->name);
         } catch (const InputError&) {
@@ -296,7 +309,7 @@ std::map<std::string, Scene> scenes_of(const ResultFolder& folder) {
     for (const FolderExperiment& experiment : folder.experiments) {
         if (!missing()) break;
         try {
-            const Experiment known = find_experiment(experiment.name);
+            const Experiment known = builtin_experiment(experiment.name);
             for (const bool quick : {experiment.quick, !experiment.quick})
                 for (PlannedScene& planned : make_plan(known, experiment.name, quick).scenes)
                     if (folder.scenes.find(planned.label) >= 0) scenes.try_emplace(planned.label, planned.scene);
@@ -308,7 +321,7 @@ std::map<std::string, Scene> scenes_of(const ResultFolder& folder) {
     for (const auto& [name, text] : folder.scene_texts) {
         if (folder.scenes.find(name) < 0) continue;
         try {
-            scenes.insert_or_assign(name, parse_scene(text, "scenes.json"));
+            scenes.insert_or_assign(name, parse_scene(text, "scenes.json", folder.directory));
         } catch (const InputError&) {
             // it names files that are elsewhere
         }

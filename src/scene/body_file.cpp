@@ -11,13 +11,10 @@
 #include "scene/scene_keys.h"
 #include "text/decimal.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode {
 namespace {
-
-std::string path_in(const std::string& directory, const std::string& path) {
-    return directory.empty() || path.starts_with('/') ? path : directory + '/' + path;
-}
 
 double length(const JsonNode& object, const char* key) {
     return positive(object.required(key, "a length in m, > 0"), "a length in m");
@@ -186,7 +183,7 @@ MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) 
     const JsonNode& file = *node.find("mesh");
     const Amount how_much = amount(node, is_part);
     try {
-        auto [mesh, hash] = read_mesh(path_in(directory, file.string()));
+        auto [mesh, hash] = read_mesh(directory, file.string());
         return MeshBody{file.string(), std::move(hash), std::move(mesh), how_much};
     } catch (const InputError& error) {
         file.fail(error);

@@ -10,6 +10,7 @@
 #include "scene/json_values.h"
 #include "scene/robot_import.h"
 #include "scene/scene_keys.h"
+#include "scene/scene_limits.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -214,6 +215,8 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     if (import) return;
     const JsonNode& bodies = root.required("bodies", "a list of {\"name\": .., \"body\": ..}");
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
+    if (bodies.elements().size() > most_bodies)
+        bodies.fail(bodies.described(), fmt::format("give {} bodies at the most", most_bodies));
     const std::set<std::string_view> carried = children_of(scene);
     for (const JsonNode* one : bodies.elements()) scene.bodies.push_back(named_body(*one, scene.directory, carried));
 }

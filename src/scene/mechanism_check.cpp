@@ -20,6 +20,7 @@ class Names {
             name.back() == ' ')
             check_.fail(place, "is no name that a table can hold",
                         "give printable characters without commas, quotation marks and spaces at the ends");
+        check_.name(place, name);
         if (name == "world") check_.fail(place, "is the world's own", fmt::format("give the {} another name", what_));
         const auto [found, is_new] = index_.emplace(name, index);
         if (!is_new)

@@ -13,15 +13,17 @@
 #include <utility>
 #include <vector>
 
+#include "scene/scene_limits.h"
 #include "text/content_hash.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t largest_file = std::size_t{256} << 20;
+constexpr const char* expected_file = "a surface in OBJ or STL format";
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
@@ -65,7 +67,7 @@ class Lines {
     }
 
   private:
-    static void split(std::string_view line, std::vector<std::string_view>& words) {
+    void split(std::string_view line, std::vector<std::string_view>& words) const {
         for (std::size_t i = 0; i < line.size();) {
             if (is_space(line[i])) {
                 ++i;
@@ -73,6 +75,9 @@ class Lines {
             }
             std::size_t end = i;
             while (end < line.size() && !is_space(line[end])) ++end;
+            if (words.size() > most_corners)
+                fail(fmt::format("has more than {} words", most_corners),
+                     fmt::format("give faces of {} corners at the most", most_corners));
             words.push_back(line.substr(i, end - i));
             i = end;
         }
@@ -82,6 +87,15 @@ class Lines {
     const std::string& path_;
     long line_ = 0;
 };
+
+// Throws where a file has come to hold more than is read.
+void require_bounded(const Mesh& mesh, const std::string& path) {
+    const auto refuse = [&](std::size_t most, const char* what) {
+        throw InputError(path, "", fmt::format("has more than {} {}", most, what), "give a coarser surface");
+    };
+    if (mesh.vertices.size() > most_vertices) refuse(most_vertices, "vertices");
+    if (mesh.triangles.size() > most_triangles) refuse(most_triangles, "triangles");
+}
 
 Mesh parse_obj(std::string_view text, const std::string& path) {
     // what says nothing about the surface
@@ -94,6 +108,7 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
             // a fourth is a weight, six are a colour
             if (words.size() < 4) lines.fail("has a vertex of fewer than 3 coordinates", "give \"v x y z\"");
             mesh.vertices.push_back(lines.point(words));
+            require_bounded(mesh, path);
         } else if (words[0] == "f") {
             if (words.size() < 4) lines.fail("has a face of fewer than 3 corners", "give \"f a b c ..\"");
             std::vector<int> corners;
@@ -112,6 +127,7 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
             }
             for (std::size_t i = 2; i < corners.size(); ++i)
                 mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+            require_bounded(mesh, path);
         } else if (std::find(std::begin(read_past), std::end(read_past), words[0]) == std::end(read_past)) {
             lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)),
                        "give an OBJ file of vertices (v) and faces (f)");
@@ -154,6 +170,7 @@ Mesh parse_text_stl(std::string_view text, const std::string& path) {
             expect({"endloop"});
             expect({"endfacet"});
             add_triangle(mesh, corners);
+            require_bounded(mesh, path);
         }
     }
     return mesh;
@@ -178,6 +195,8 @@ Mesh parse_binary_stl(std::string_view bytes, const std::string& path) {
     if (bytes.size() != stl_header + stl_triangle * count)
         refuse(fmt::format("announces {} triangles and has {} bytes in place of {}", count, bytes.size(),
                            stl_header + stl_triangle * count));
+    if (count > most_triangles)
+        throw InputError(path, "", fmt::format("has more than {} triangles", most_triangles), "give a coarser surface");
     Mesh mesh;
     for (std::size_t t = 0; t < count; ++t) {
         std::array<Vector3<double>, 3> corners;
@@ -228,8 +247,13 @@ Mesh parse_mesh(std::string_view bytes, const std::string& path) {
 }
 
 MeshFile read_mesh(const std::string& path) {
-    const std::string bytes = read_text(path, largest_file, "a surface in OBJ or STL format");
+    const std::string bytes = read_text(path, largest_mesh_file, expected_file);
     return {parse_mesh(bytes, path), content_hash(bytes)};
+}
+
+MeshFile read_mesh(const std::string& folder, const std::string& name) {
+    const std::string bytes = read_named_text(folder, name, largest_mesh_file, expected_file);
+    return {parse_mesh(bytes, path_in(folder, name)), content_hash(bytes)};
 }
 
 }  // namespace polhode

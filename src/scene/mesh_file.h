@@ -23,6 +23,9 @@ struct MeshFile {
 /// without a vertex, a surface that mesh_fault() faults or that encloses no volume.
 MeshFile read_mesh(const std::string& path);
 
+/// The same of a file that a file in `folder` names, under the rules of read_named_text().
+MeshFile read_mesh(const std::string& folder, const std::string& name);
+
 /// The surface in the bytes of a file, read as by read_mesh(); `path` is named in errors and tells the format.
 Mesh parse_mesh(std::string_view bytes, const std::string& path);
 

@@ -8,6 +8,7 @@
 
 #include "body/rigid_body.h"
 #include "scene/robot_parts.h"
+#include "scene/scene_limits.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -252,6 +253,9 @@ class RobotMerger {
 }  // namespace
 
 void add_robot(const Robot& robot, RobotBase base, const std::string& path, Scene& scene) {
+    if (robot.links.size() > most_bodies)
+        throw InputError(path, "", fmt::format("has {} links", robot.links.size()),
+                         fmt::format("give {} at the most", most_bodies));
     RobotMerger merger(robot, base, path);
     merger.merge();
     merger.build(scene);

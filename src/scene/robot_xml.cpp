@@ -8,9 +8,11 @@
 
 #include "body/orientation.h"
 #include "scene/builtin.h"
+#include "scene/scene_limits.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
 #include "text/message.h"
+#include "text/named_file.h"
 
 namespace polhode {
 namespace {
@@ -172,10 +174,9 @@ const XMLElement& parse_robot_xml(tinyxml2::XMLDocument& document, std::string_v
 }
 
 std::string robot_text(const std::string& directory, const std::string& file) {
-    if (!directory.starts_with(builtin_directory) || file.starts_with('/')) {
-        const std::string path = directory.empty() || file.starts_with('/') ? file : directory + '/' + file;
-        return read_text(path, std::size_t{64} << 20, "a URDF, MJCF or SDFormat file");
-    }
+    // what the catalogue itself names is built in
+    if (!directory.starts_with(builtin_directory) || file.starts_with('/'))
+        return read_named_text(directory, file, largest_robot_file, "a URDF, MJCF or SDFormat file");
     const std::string folder = directory.substr(builtin_directory.size());
     const std::string name = (std::filesystem::path(folder) / file).lexically_normal().generic_string();
     const std::string_view text = builtin_robot_text(name);

@@ -8,8 +8,10 @@
 
 #include "scene/body_source.h"
 #include "scene/scene.h"
+#include "scene/scene_limits.h"
 #include "text/decimal.h"
 #include "text/message.h"
+#include "text/printable.h"
 
 namespace polhode {
 
@@ -45,6 +47,26 @@ class SceneCheck {
         if (!(length > 0)) fail(place, "is zero", "give a direction: a vector of any length but zero");
         if (!std::isfinite(double(1 / length)))
             fail(place, "is too short", "a direction needs a length with a finite inverse: >= 1e-307");
+    }
+    void count(const std::string& place, std::size_t count, std::size_t most, const char* what) const {
+        if (count > most) fail(place, fmt::format("has {} {}", count, what), fmt::format("give {} at the most", most));
+    }
+    /// Of a name that goes into tables: a spreadsheet takes a text that begins so for a formula.
+    void name(const std::string& place, const std::string& value) const {
+        if (value.size() > longest_scene_name)
+            fail(place, fmt::format("is a name of {} bytes", value.size()),
+                 fmt::format("give {} at the most", longest_scene_name));
+        if (value.find_first_of("=+-@") == 0)
+            fail(place, fmt::format("begins with \"{}\"", value[0]),
+                 "give a name that no spreadsheet takes for a formula");
+    }
+    /// Of a text that is shown to people.
+    void shown(const std::string& place, const std::string& value) const {
+        text(place, value);
+        if (value.size() > longest_about)
+            fail(place, fmt::format("has {} bytes", value.size()), fmt::format("give {} at the most", longest_about));
+        if (first_unprintable(value) != std::string::npos)
+            fail(place, "holds control characters", "give printable characters and ends of lines");
     }
     void text(const std::string& place, const std::string& value) const {
         if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");

@@ -204,11 +204,16 @@ void check_initial(const SceneCheck& check, const std::string& place, const Init
 void validate(const Scene& scene, const std::string& file) {
     const SceneCheck check(file);
     check.text("/name", scene.name);
-    check.text("/about", scene.about);
-    check.text("/source", scene.source);
+    check.shown("/about", scene.about), check.shown("/source", scene.source);
     if (scene.name.empty()) check.fail("/name", "is empty", "give the scene a name");
     if (one_line(scene.name, scene.name.size()) != scene.name)
         check.fail("/name", "holds control characters", "give a name of printable characters");
+    check.name("/name", scene.name);
+    check.count("/bodies", scene.bodies.size(), most_bodies, "bodies");
+    check.count("/joints", scene.joints.size(), most_bodies, "joints");
+    check.count("/loops", scene.loops.size(), most_bodies, "loops");
+    check.count("/loads", scene.loads.size(), most_loads, "loads");
+    check.count("/planes", scene.planes.size(), most_planes, "planes");
     check.positive("/duration", scene.duration, "the duration in s");
     if (is_mechanism(scene)) {
         check_mechanism(check, scene);

@@ -14,4 +14,8 @@ std::string number_for_people(double value);
 /// Columns with at least one number and no text: they are aligned to the right.
 std::vector<bool> number_columns(const Table& table);
 
+/// A text in which the characters that GitHub's Markdown may take as markup are escaped; an underscore within a word
+/// is none.
+std::string markdown_text(const std::string& text);
+
 }  // namespace polhode

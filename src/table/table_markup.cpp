@@ -45,27 +45,6 @@ std::string plain_decimals(double value, const Rounded& number) {
 bool is_alphanumeric(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
-/// Characters that GitHub's Markdown may take as markup are escaped; an underscore within a word is none.
-std::string markdown_text(const std::string& text) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        const bool within_word =
-            i > 0 && i + 1 < text.size() && is_alphanumeric(text[i - 1]) && is_alphanumeric(text[i + 1]);
-        if (c == '\n') {
-            out += "<br>";
-        } else if (is_control(c)) {
-            if (c == '\t') out += ' ';
-        } else {
-            if (std::string_view("\\|`*<&[]~$").find(c) != std::string_view::npos || (c == '_' && !within_word)) {
-                out += '\\';
-            }
-            out += c;
-        }
-    }
-    return out;
-}
-
 /// A table of finished text: the heading first, then the rows.
 template <typename TextWriter, typename NumberWriter>
 std::vector<std::vector<std::string>> written(const Table& table, TextWriter text, NumberWriter number) {
@@ -87,6 +66,26 @@ std::size_t width(const std::string& text) {
 }
 
 }  // namespace
+
+std::string markdown_text(const std::string& text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        const bool within_word =
+            i > 0 && i + 1 < text.size() && is_alphanumeric(text[i - 1]) && is_alphanumeric(text[i + 1]);
+        if (c == '\n') {
+            out += "<br>";
+        } else if (is_control(c)) {
+            if (c == '\t') out += ' ';
+        } else {
+            if (std::string_view("\\|`*<&[]~$").find(c) != std::string_view::npos || (c == '_' && !within_word)) {
+                out += '\\';
+            }
+            out += c;
+        }
+    }
+    return out;
+}
 
 std::string number_for_people(double value) {
     if (!std::isfinite(value)) return text_of(value);

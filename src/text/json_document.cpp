@@ -3,22 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
+#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <unordered_set>
 
 #include "text/decimal.h"
+#include "text/json_limits.h"
 #include "text/message.h"
+#include "text/named_file.h"
+#include "text/printable.h"
 
 namespace polhode {
 namespace {
-
-constexpr std::size_t largest_file = 16u << 20, most_values = 1'000'000, deepest = 64;
 
 // RFC 6901: ~ and / are escaped; a long key is shortened, since pointers go into messages
 std::string pointer_token(std::string_view key) {
@@ -119,8 +116,8 @@ class JsonBuilder {
 
   private:
     JsonNode& add(JsonKind kind) {
-        if (nodes_.size() == most_values)
-            throw InputError(file_, place(), fmt::format("more than {} values", most_values), "give fewer");
+        if (nodes_.size() == most_json_values)
+            throw InputError(file_, place(), fmt::format("more than {} values", most_json_values), "give fewer");
         JsonNode& node = nodes_.emplace_back();
         node.file_ = &file_, node.kind_ = kind;
         if (!open_.empty()) {
@@ -133,8 +130,8 @@ class JsonBuilder {
     }
     bool number(double value) { return add(JsonKind::number).number_ = value, true; }
     void open(JsonKind kind) {
-        if (open_.size() == deepest)
-            throw InputError(file_, place(), fmt::format("is nested deeper than {} levels", deepest),
+        if (open_.size() == deepest_json)
+            throw InputError(file_, place(), fmt::format("is nested deeper than {} levels", deepest_json),
                              "nest less deeply");
         open_.push_back(&add(kind));
     }
@@ -157,11 +154,17 @@ class JsonBuilder {
 
 JsonDocument::JsonDocument(std::string_view text, const std::string& file)
     : file_(std::make_unique<const std::string>(file)), nodes_(std::make_unique<std::deque<JsonNode>>()) {
-    if (text.size() > largest_file) throw InputError(file, "", "has more than 16 MiB", "give a smaller file");
+    if (text.size() > largest_json)
+        throw InputError(file, "", fmt::format("has more than {} MiB", largest_json >> 20), "give a smaller file");
     if (const std::size_t bad = first_invalid_utf8(text); bad != text.npos)
         throw InputError(file, line_and_column(text, bad), "is not UTF-8", "save the file as UTF-8");
     if (const std::size_t zero = text.find('\0'); zero != text.npos)
         throw InputError(file, line_and_column(text, zero), "is a zero byte", "give JSON text");
+    // a comment is shown to people as well: `polhode show`
+    if (const std::size_t bad = first_unprintable(text); bad != text.npos)
+        throw InputError(file, line_and_column(text, bad),
+                         fmt::format("is the control character {}", one_line(text.substr(bad, 4), 16)),
+                         "give JSON text; in a string write it as \\uXXXX");
     if (text.find_first_not_of(" \t\r\n") == text.npos)
         throw InputError(file, "", "is empty", "give a JSON object: {\"name\": ..}");
     JsonBuilder builder(text, *file_, *nodes_);
@@ -254,46 +257,27 @@ void JsonNode::only(const std::vector<std::string_view>& known) const {
 }
 
 std::string read_text(const std::string& path, std::size_t largest, const char* expected) {
-    const auto refuse = [&](const std::string& fault) {
-        throw InputError(path, "", fault, fmt::format("give the path of {}", expected));
-    };
-    // one that nobody writes to would keep the program for ever; what a shell hands over stands in /dev
-    if (std::error_code none;
-        !path.starts_with("/dev/") && !path.starts_with("/proc/") && std::filesystem::is_fifo(path, none))
-        refuse("is a FIFO and no regular file");
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-    if (!file) refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
-    std::string text;
-    // room at once where the size is known: it is a file and not a pipe
-    if (std::fseek(file.get(), 0, SEEK_END) == 0) {
-        if (const long size = std::ftell(file.get()); size > 0 && static_cast<std::size_t>(size) <= largest)
-            text.reserve(static_cast<std::size_t>(size));
-        std::rewind(file.get());
-    }
-    char block[1 << 16];
-    for (;;) {
-        errno = 0;
-        const std::size_t count = std::fread(block, 1, sizeof block, file.get());
-        text.append(block, count);
-        if (text.size() > largest) refuse(fmt::format("has more than {} MiB", largest >> 20));
-        if (std::ferror(file.get())) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
-        if (count < sizeof block) return text;
-    }
+    return read_whole_file(path, path, largest, expected, FileKinds::streamed);
 }
 
 std::string json_string(std::string_view text) {
     std::string quoted = "\"";
-    for (const char c : text) {
+    while (!text.empty()) {
+        std::uint32_t point = 0;
+        // what is no UTF-8 is left to those that look for it
+        const std::size_t sequence = sequence_length(text, point), length = std::max<std::size_t>(sequence, 1);
+        const char c = text[0];
         if (c == '"' || c == '\\')
             quoted += {'\\', c};
         else if (c == '\n')
             quoted += "\\n";
         else if (c == '\t')
             quoted += "\\t";
-        else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-            quoted += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        else if (sequence > 0 && !is_printable(point))
+            quoted += fmt::format("\\u{:04x}", point);
         else
-            quoted += c;
+            quoted += text.substr(0, length);
+        text.remove_prefix(length);
     }
     return quoted + '"';
 }

@@ -6,35 +6,10 @@
 #include <cstdint>
 #include <numeric>
 
+#include "text/printable.h"
+
 namespace polhode {
 namespace {
-
-// Length of the UTF-8 sequence that begins at `text` (not empty), 0 where none does; its code point in `point`.
-std::size_t sequence_length(std::string_view text, std::uint32_t& point) {
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
-    const std::uint32_t first = byte(0);
-    if (first < 0x80) {
-        point = first;
-        return 1;
-    }
-    const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-    if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
-    point = first & (0xffu >> (length + 1));
-    for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(i) & 0xc0u) != 0x80u) return 0;
-        point = point << 6 | (byte(i) & 0x3fu);
-    }
-    const bool overlong = (length == 3 && point < 0x800) || (length == 4 && point < 0x10000);
-    const bool surrogate = point >= 0xd800 && point < 0xe000;
-    return overlong || surrogate || point > 0x10ffff ? 0 : length;
-}
-
-bool printable(std::uint32_t point) {
-    const bool control = point < 0x20 || (point >= 0x7f && point < 0xa0);
-    const bool separator = point == 0x2028 || point == 0x2029;  // new lines to some readers
-    const bool reorders = (point >= 0x202a && point <= 0x202e) || (point >= 0x2066 && point <= 0x2069);
-    return !control && !separator && !reorders;
-}
 
 std::string shortened(std::string_view text, std::size_t limit) {
     if (text.size() <= limit) return std::string(text);
@@ -72,7 +47,7 @@ std::string one_line(std::string_view text, std::size_t limit) {
     for (std::string_view rest = source; !rest.empty();) {
         std::uint32_t point = 0;
         const std::size_t length = sequence_length(rest, point);
-        if (length > 0 && printable(point)) {
+        if (length > 0 && is_printable(point)) {
             escaped += rest.substr(0, length);
         } else if (rest[0] == '\n') {
             escaped += "\\n";

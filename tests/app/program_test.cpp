@@ -37,7 +37,7 @@ class BadFiles : public Program {
 
 TEST_F(BadFiles, ScenesAreRefused) {
     expect_refused_whole("scene", ".json", [](const std::string& path) -> std::vector<std::string> {
-        return {"solve", path, "--output", "trajectory.csv"};
+        return {"solve", path, "--output", "trajectory.csv", "--allow-outside"};  // to ../bodies
     });
 }
 

@@ -5,6 +5,7 @@
 
 #include "experiment/kinds/engine_joints.h"
 #include "experiment/kinds/kinds.h"
+#include "table/markup.h"
 
 namespace polhode {
 namespace {
@@ -70,7 +71,8 @@ std::string paragraph_of_joints(const std::vector<const JointPlace*>& own) {
 }  // namespace
 
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings) {
-    std::string text = "# Joints of physics engines against the truth\n\n" + plan.experiment.about + ".\n\n";
+    std::string text =
+        "# Joints of physics engines against the truth\n\n" + markdown_text(plan.experiment.about) + ".\n\n";
     text += "The second page of the leaderboard; the first, of one body, is [engines](engines.md).\n\n";
     text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
     text +=

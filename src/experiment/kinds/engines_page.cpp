@@ -7,6 +7,7 @@
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
 #include "figure/curve_style.h"
+#include "table/markup.h"
 
 namespace polhode {
 namespace {
@@ -121,7 +122,7 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
                          const std::vector<EngineFacts>& facts, const Findings& findings) {
     const std::vector<NamedTable>& tables = findings.tables;
     std::string text = "# Physics engines against the truth\n\n";
-    if (!plan.experiment.about.empty()) text += plan.experiment.about + ".\n\n";
+    if (!plan.experiment.about.empty()) text += markdown_text(plan.experiment.about) + ".\n\n";
     text += "The second page, [of their joints](engine_joints.md), has them on mechanisms.\n\n";
     text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
     text +=

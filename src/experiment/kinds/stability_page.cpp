@@ -8,6 +8,7 @@
 
 #include "experiment/kinds/stability_tables.h"
 #include "measure/statistics.h"
+#include "table/markup.h"
 
 namespace polhode {
 namespace {
@@ -199,7 +200,8 @@ std::string summary(const StabilityFindings& found) {
 
 std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<StiffnessCost>& costs,
                            const std::vector<NamedTable>& tables) {
-    std::string page = fmt::format("# Numerical stability\n\n{}.\n\n{}", plan.experiment.about, summary(found));
+    std::string page =
+        fmt::format("# Numerical stability\n\n{}.\n\n{}", markdown_text(plan.experiment.about), summary(found));
     page += R"(
 How to read it. A family is a set of scenes that differ in one number; the fastest rate of a scene is the largest of its
 angular velocity and of the eigenvalues of its Jacobian. *Stable* means that over the whole run the error of the angular

@@ -72,9 +72,17 @@ struct Plan {
 /// Whether any method of the plan is described by another name in the text that it is from.
 bool is_described(const Plan& plan);
 
+/// Which files `scenes` may name.
+enum class NamedFiles {
+    beside,    ///< those in the folder of the experiment's file, and below it, if allow_outside_files() allows no more
+    anywhere,  ///< all: the experiment is the caller's own
+};
+
 /// Resolves names and patterns and all variations. Throws InputError (file = `file`) on a name or pattern that
-/// matches nothing, or a pointer that no scene has. `quick` keeps every third setting, from the coarsest, and cuts
+/// matches nothing, a pointer that no scene has, or a file outside the folder of `file` where `which` says so, or
+/// what is beyond plan_limits.h. `quick` keeps every third setting, from the coarsest, and cuts
 /// repeats to 3 and runs to 10^5 evaluations.
-Plan make_plan(const Experiment& experiment, const std::string& file, bool quick);
+Plan make_plan(const Experiment& experiment, const std::string& file, bool quick,
+               NamedFiles which = NamedFiles::beside);
 
 }  // namespace polhode

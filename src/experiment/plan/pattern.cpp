@@ -1,10 +1,13 @@
 #include "experiment/plan/pattern.h"
 
+#include <fmt/format.h>
 #include <regex.h>
 
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
+
+#include "experiment/plan/plan_limits.h"
 
 namespace polhode {
 namespace {
@@ -12,13 +15,14 @@ namespace {
 // The system's regcomp overflows the stack on deep nesting and unrolls every repetition but * and ?; back references
 // take exponential time.
 void require_harmless(const std::string& expression) {
-    const auto refuse = [](const char* why) { throw std::invalid_argument(why); };
-    if (expression.size() > 500) refuse("it has more than 500 characters");
+    const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
+    if (expression.size() > longest_expression)
+        refuse(fmt::format("it has more than {} characters", longest_expression));
     if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
     long depth = 0, unrolled = 1;
     const auto repeat = [&](long times) {
         unrolled = std::min(unrolled * times, 100'000L);
-        if (unrolled > 1000) refuse("its repetitions multiply to more than 1000");
+        if (unrolled > most_unrolled) refuse(fmt::format("its repetitions multiply to more than {}", most_unrolled));
     };
     for (std::size_t i = 0; i < expression.size(); ++i) {
         const auto digit = [&](std::size_t at) {
@@ -28,7 +32,8 @@ void require_harmless(const std::string& expression) {
             if (digit(i + 1)) refuse("back references are not available");
             ++i;
         } else if (expression[i] == '(') {
-            if (++depth > 50) refuse("its parentheses are nested deeper than 50");
+            if (++depth > deepest_parentheses)
+                refuse(fmt::format("its parentheses are nested deeper than {}", deepest_parentheses));
         } else if (expression[i] == ')') {
             --depth;
         } else if (expression[i] == '{') {

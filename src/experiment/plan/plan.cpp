@@ -11,11 +11,17 @@
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/experiment_keys.h"
 #include "experiment/plan/pattern.h"
+#include "experiment/plan/plan_limits.h"
 #include "integrators/engines/engine_methods.h"
+#include "scene/body_source.h"
 #include "scene/builtin.h"
 #include "scene/json_values.h"
 #include "scene/scene_file.h"
+#include "scene/scene_limits.h"
+#include "text/content_hash.h"
 #include "text/message.h"
+#include "text/named_file.h"
+#include "text/printable.h"
 
 namespace polhode {
 namespace {
@@ -33,6 +39,8 @@ long positive_count(const JsonNode& node, long most) {
 
 std::vector<std::string> strings(const JsonNode& node) {
     std::vector<std::string> result;
+    if (node.elements().size() > most_entries)
+        node.fail(node.described(), fmt::format("give {} at the most", most_entries));
     for (const JsonNode* element : node.elements()) result.push_back(element->string());
     if (result.empty()) node.fail("is empty", "at least one name");
     return result;
@@ -53,7 +61,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         node.only(keys_of(experiment_keys(), "range"));
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
-        const long count = positive_count(node.required("count", "how many values"), 10'000);
+        const long count = positive_count(node.required("count", "how many values"), most_range_values);
         // a ratio beyond binary64 is taken in two parts
         const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
@@ -134,6 +142,38 @@ std::vector<const Method*> planned_methods(const std::vector<std::string>& entri
     return planned;
 }
 
+// A scene's name in tables and on terminals: what another would take for more than signs is escaped, and one that is
+// too long keeps its beginning, and a hash that tells it from others.
+std::string shown_label(const std::string& label) {
+    std::string shown = one_line(label, 6 * label.size() + 16);
+    if (shown.size() <= longest_label) return shown;
+    return fmt::format("{}{{{}}}", one_line(shown, longest_label - 20), content_hash(label).substr(0, 16));
+}
+
+// What a scene holds in memory, about, without its text.
+std::size_t bytes_of_meshes(const BodySource& source) {
+    if (const auto* mesh = std::get_if<MeshBody>(&source.made_of))
+        return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
+    std::size_t bytes = 0;
+    if (const auto* parts = std::get_if<PartsBody>(&source.made_of))
+        for (const PartsBody::Part& part : parts->parts) bytes += bytes_of_meshes(*part.body);
+    return bytes;
+}
+
+// All variants of a scene, their texts and meshes.
+double bytes_of_variants(const PlannedScene& base, const std::vector<Variation>& vary, double variants) {
+    std::size_t bytes = base.canonical.size();
+    if (base.scene.body.source) bytes += bytes_of_meshes(*base.scene.body.source);
+    for (const NamedBody& one : base.scene.bodies)
+        if (one.body.source) bytes += bytes_of_meshes(*one.body.source);
+    for (const Variation& variation : vary) {
+        std::size_t longest = 0;
+        for (const std::string& value : variation.values) longest = std::max(longest, value.size());
+        bytes += variation.pointer.size() + longest;
+    }
+    return variants * static_cast<double>(bytes);
+}
+
 PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
                     const std::string& file) {
     if (changes.empty()) return base;
@@ -152,7 +192,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
         label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
     }
     PlannedScene scene;
-    scene.label = base.label + "{" + label + "}";
+    scene.label = shown_label(base.label + "{" + label + "}");
     try {
         scene.scene = parse_scene(json.dump(), scene.label, base.scene.directory);
     } catch (const InputError& error) {
@@ -162,11 +202,38 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     return scene;
 }
 
-// 1 to 64 letters, digits, _ or -
+// 1 to 64 letters, digits, _ or -, which does not come first: a file's name would be taken for an option
 bool names_files(const std::string& name) {
-    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-    });
+    return !name.empty() && name.size() <= 64 && name.front() != '-' &&
+           std::all_of(name.begin(), name.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                      c == '-';
+           });
+}
+
+std::string about_of(const JsonNode& node) {
+    const std::string& about = node.string();
+    if (about.size() > longest_experiment_about)
+        node.fail(fmt::format("has {} bytes", about.size()),
+                  fmt::format("give {} at the most", longest_experiment_about));
+    if (first_unprintable(about) != std::string::npos)
+        node.fail("holds control characters", "give printable characters and ends of lines");
+    return about;
+}
+
+// A scene of the catalogue, or a file: where the experiment's own file lies or, as ever, by the working directory; not
+// outside the folder of the experiment's file, unless that is allowed.
+Scene planned_scene(const std::string& name, const std::string& file, NamedFiles which) {
+    if (!builtin_scene_text(name).empty() || which == NamedFiles::anywhere) return find_scene(name);
+    const std::size_t slash = file.rfind('/');
+    const std::string folder = slash == file.npos ? "" : file.substr(0, std::max<std::size_t>(slash, 1));
+    std::error_code none;
+    const std::string beside = path_in(folder, name);
+    const bool is_beside = !folder.empty() && std::filesystem::exists(beside, none);
+    if (!is_beside && !std::filesystem::exists(name, none)) return find_scene(name);  // says what was meant
+    const std::string path = is_beside ? beside : name;
+    require_inside(folder, path);
+    return read_scene(path);
 }
 
 std::vector<double> thinned(const std::vector<double>& values) {
@@ -188,8 +255,9 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     Experiment e;
     e.name = root.required("name", "the experiment's name").string();
     if (!names_files(e.name))
-        root.find("name")->fail(root.find("name")->described(), "1 to 64 letters, digits, _ or -");
-    if (const JsonNode* node = root.find("about")) e.about = node->string();
+        root.find("name")->fail(root.find("name")->described(),
+                                "1 to 64 letters, digits, _ or -, which is not the first");
+    if (const JsonNode* node = root.find("about")) e.about = about_of(*node);
     if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
     std::vector<std::string_view> keys = {"name", "about", "kind"};
     keys.insert(keys.end(), e.kind->reads.begin(), e.kind->reads.end());
@@ -212,12 +280,18 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
             Variation variation{member->key(), {}};
             if (member->elements().empty()) member->fail("is empty", "at least one value");
             for (const ordered_json& value : raw.at(member->key())) variation.values.push_back(value.dump());
+            if (e.vary.size() == most_varied)
+                member->fail("is one more than can be varied", fmt::format("give {} at the most", most_varied));
             e.vary.push_back(std::move(variation));
         }
     }
-    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node, 1'000'000);
-    if (const JsonNode* node = root.find("repeats")) e.repeats = static_cast<int>(positive_count(*node, 1'000'000));
-    if (const JsonNode* node = root.find("seconds_per_run")) e.seconds_per_run = positive(*node, "a time");
+    if (const JsonNode* node = root.find("samples")) e.samples = positive_count(*node, most_experiment_samples);
+    if (const JsonNode* node = root.find("repeats")) e.repeats = static_cast<int>(positive_count(*node, most_repeats));
+    if (const JsonNode* node = root.find("seconds_per_run")) {
+        e.seconds_per_run = positive(*node, "a time");
+        if (e.seconds_per_run > most_seconds_per_run)
+            node->fail(node->described(), fmt::format("give {:.0f} s at the most", most_seconds_per_run));
+    }
     if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
     if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);
     return e;
@@ -237,7 +311,7 @@ bool is_described(const Plan& plan) {
                        [](const PlannedCurve& c) { return !c.method->described_as.empty(); });
 }
 
-Plan make_plan(const Experiment& experiment, const std::string& file, bool quick) {
+Plan make_plan(const Experiment& experiment, const std::string& file, bool quick, NamedFiles which) {
     Plan plan{experiment, {}, {}, quick};
     Experiment& e = plan.experiment;
     if (quick) {
@@ -247,9 +321,9 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     double variants = 1;
     for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
-    if (variants > 10'000)
+    if (variants > most_variants)
         throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
-                         "give 10000 at the most: all values are combined with all");
+                         fmt::format("give {:.0f} at the most: all values are combined with all", most_variants));
     std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
     for (const Variation& variation : e.vary) {
         std::vector<std::vector<std::pair<std::string, std::string>>> next;
@@ -261,10 +335,11 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         combinations = std::move(next);
     }
     std::vector<PlannedScene> bases;
+    double bytes = 0;
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
         Scene scene;
         try {
-            scene = find_scene(name);
+            scene = planned_scene(name, file, which);
         } catch (const InputError& error) {
             throw InputError(file, "/scenes", error);
         }
@@ -273,7 +348,17 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
                              fmt::format("{} is of several bodies, and experiments of kind {} measure one",
                                          one_line(name, 80), e.kind->name),
                              "give scenes of one body, or another kind");
+        if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
+            static_cast<double>(most_states))
+            throw InputError(
+                file, "/samples",
+                fmt::format("are {} of the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
+                fmt::format("give {} samples times bodies at the most", most_states));
         bases.push_back({scene.name, scene, write_scene(scene)});
+        bytes += bytes_of_variants(bases.back(), e.vary, variants);
+        if (bytes > largest_plan)
+            throw InputError(file, "/vary", fmt::format("makes {:.3g} bytes of scenes and meshes", bytes),
+                             fmt::format("give {:.0f} at the most: fewer values, or smaller meshes", largest_plan));
     }
     for (const Method* method : planned_methods(e.methods, file)) {
         const std::string name(method->name);
@@ -303,8 +388,11 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
-    cases *= static_cast<double>(bases.size()) * variants;
-    if (cases > 1e6) throw InputError(file, "", fmt::format("makes {:.12g} cases", cases), "give 1000000 at the most");
+    // a scene is read and posed where nothing is run of it as well
+    cases = std::max(1.0, cases) * static_cast<double>(bases.size()) * variants;
+    if (cases > most_cases)
+        throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
+                         fmt::format("give {:.0f} at the most", most_cases));
     for (const PlannedScene& base : bases)
         for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
     return plan;

@@ -1,15 +1,20 @@
 #include "experiment/run/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "experiment/run/provenance.h"
 #include "text/atomic_file.h"
+#include "text/content_hash.h"
 
 namespace polhode {
 namespace {
@@ -30,11 +35,35 @@ void write_shared(const std::string& experiment, Table table, const std::filesys
     write_atomically(path.string(), csv(table));
 }
 
-// A scene's name may hold a slash: in the name of a file it would be a directory.
-std::string file_name(std::string name) {
-    std::replace(name.begin(), name.end(), '/', '_');
-    return name;
-}
+// The names of the files of one report. A scene's name may hold anything that can be printed: in the name of a file
+// only letters, digits, _, - and dots that stand within stay, what is too long ends in a hash, and names that differ in
+// nothing but case are numbered, since to some file systems they are one.
+class FileNames {
+  public:
+    std::string of(const std::string& whole) {
+        if (const auto known = known_.find(whole); known != known_.end()) return known->second;
+        std::string name;
+        for (const char c : whole) {
+            const bool stays = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' ||
+                               (c == '.' && !name.empty() && name.back() != '.');
+            name += stays ? c : '_';
+        }
+        if (name.size() > longest) name = name.substr(0, longest - 17) + "_" + content_hash(whole).substr(0, 16);
+        const std::string first = name;
+        for (int number = 2; !taken_.insert(lower(name)).second; ++number) name = fmt::format("{}_{}", first, number);
+        return known_[whole] = name;
+    }
+
+  private:
+    static constexpr std::size_t longest = 150;  // bytes; endings, and what a picture is split into, come behind
+    static std::string lower(std::string text) {
+        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return text;
+    }
+
+    std::map<std::string, std::string> known_;
+    std::set<std::string> taken_;
+};
 
 }  // namespace
 
@@ -57,12 +86,16 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
     const std::string& experiment = plan.experiment.name;
     const std::filesystem::path folder(directory);
     std::filesystem::create_directories(folder);
+    FileNames tables, pictures;
+    const auto name_of = [&](const NamedTable& named) {
+        return tables.of(named.name.empty() ? experiment : experiment + "_" + named.name);
+    };
     for (const NamedTable& named : findings.tables) {
         if (named.is_shared) {
             write_shared(experiment, named.table, folder / (named.name + ".csv"));
             continue;
         }
-        const std::string name = named.name.empty() ? experiment : experiment + "_" + named.name;
+        const std::string name = name_of(named);
         const std::string path = (folder / name).string();
         write_atomically(path + ".csv", csv(named.table));
         if (named.only_csv) continue;
@@ -75,14 +108,13 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
     if (!findings.page.empty()) write_atomically((folder / (experiment + ".md")).string(), findings.page);
     std::vector<std::string> remarks;
     for (const NamedFigure& whole : findings.figures)
-        for (const NamedFigure& named : split_figure({file_name(whole.name), whole.figure})) {
+        for (const NamedFigure& named : split_figure({pictures.of(whole.name), whole.figure})) {
             const std::string fault = draw(named.figure, (folder / named.name).string());
             if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
         }
     std::map<std::string, std::string> titles;
     for (const NamedTable& named : findings.tables)
-        if (!named.is_shared && !named.title.empty())
-            titles[named.name.empty() ? experiment : experiment + "_" + named.name] = named.title;
+        if (!named.is_shared && !named.title.empty()) titles[name_of(named)] = named.title;
     record_scenes(directory, plan);
     record_provenance(directory, plan.experiment, titles, command_line, quick);
     return remarks;

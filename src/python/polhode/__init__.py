@@ -22,7 +22,7 @@ from polhode._ensembles import Ensemble, ensemble
 from polhode._errors import Errors, errors
 from polhode._experiments import Results, run
 from polhode._methods import Method, method, methods, solver
-from polhode._polhode import InputError, LoadState, NoTruthError, RightHandSide, __version__
+from polhode._polhode import InputError, LoadState, NoTruthError, RightHandSide, __version__, allow_outside_files
 from polhode._scenes import Scene, describe, scene, scenes
 from polhode._solving import Motion, OdeResult, Trajectory, solve, solve_ivp, trajectory
 from polhode._truth import Truth, truth
@@ -43,6 +43,7 @@ __all__ = [
     "Trajectory",
     "Truth",
     "__version__",
+    "allow_outside_files",
     "check",
     "describe",
     "ensemble",

@@ -163,7 +163,8 @@ def run(
             file = os.fspath(experiment)
             text = _polhode.experiment_text(file)
         name = str(json.loads(text).get("name", ""))
-        if not _polhode.run(text, file, str(directory), filter, jobs, quick, quiet):
+        if not _polhode.run(text, file, str(directory), filter, jobs, quick, quiet,
+                            isinstance(experiment, Mapping)):
             raise KeyboardInterrupt
     return Results(name, directory)
 

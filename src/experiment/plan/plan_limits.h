@@ -1,0 +1,24 @@
+// How much an experiment may ask for, so that memory and time are bounded before any of it is run.
+#pragma once
+
+#include <cstddef>
+
+namespace polhode {
+
+inline constexpr std::size_t most_entries = 10'000;              ///< of `scenes` and of `methods`
+inline constexpr std::size_t most_varied = 64;                   ///< JSON pointers of `vary`
+inline constexpr double most_variants = 10'000;                  ///< of each scene: values of `vary` combined
+inline constexpr double most_cases = 1'000'000;                  ///< scenes, variants, methods and settings combined
+inline constexpr double largest_plan = 1 << 30;                  ///< bytes of all scenes' texts and meshes
+inline constexpr long most_range_values = 10'000;                ///< `count` of a range
+inline constexpr long most_experiment_samples = 1'000'000;       ///< `samples`
+inline constexpr long most_repeats = 1'000'000;                  ///< `repeats`
+inline constexpr double most_seconds_per_run = 1e6;              ///< `seconds_per_run`
+inline constexpr std::size_t longest_experiment_about = 10'000;  ///< bytes of `about`
+inline constexpr std::size_t longest_label = 400;  ///< bytes of a varied scene's name; a longer one ends in a hash
+
+/// Of a regular expression: characters, parentheses in one another, and how often its repetitions multiply.
+inline constexpr std::size_t longest_expression = 500;
+inline constexpr long deepest_parentheses = 50, most_unrolled = 1000;
+
+}  // namespace polhode

@@ -40,7 +40,7 @@ const char* control_text(Control control) {
 // Whether a name or a file is an experiment's. Of a file that cannot be read, the reader of scenes says why.
 bool is_experiment(const std::string& name) {
     if (!builtin_experiment_text(name).empty()) return true;
-    if (!std::filesystem::is_regular_file(name)) return false;
+    if (std::error_code none; !std::filesystem::is_regular_file(name, none)) return false;
     try {
         const JsonDocument document(read_text(name), name);
         const JsonNode& root = document.root();
@@ -107,7 +107,8 @@ std::string describe(const std::string& name) {
         return describe_scene(find_scene(name));
     } catch (const InputError&) {
         // a slip in a method's name is no scene file, and a file's fault is not one in a name
-        if (std::filesystem::exists(name)) throw;
+        // also a link that leads nowhere or in a circle
+        if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name, none))) throw;
         const std::string meant = did_you_mean(name, method_names());
         if (meant.empty() || !did_you_mean(name, builtin_scene_names()).empty()) throw;
         throw UsageError(fmt::format("{} is neither a scene nor a method; {}", name, meant));

@@ -49,7 +49,8 @@ RunOptions checked(const RunCommandOptions& options) {
         throw UsageError(fmt::format("--jobs is {}; give 1 to 4096", options.jobs));
     run.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     run.directory = !options.output.empty() ? options.output : options.quick ? "build/quick" : "build/results";
-    if (std::filesystem::exists(run.directory) && !std::filesystem::is_directory(run.directory))
+    if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(run.directory, none)) &&
+                              !std::filesystem::is_directory(run.directory, none))
         throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
     run.quick = options.quick, run.quiet = options.quiet;
     return run;

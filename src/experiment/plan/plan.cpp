@@ -301,7 +301,9 @@ Experiment find_experiment(const std::string& name_or_path) {
     const std::vector<std::string> names = builtin_experiment_names();
     if (const std::string_view text = builtin_experiment_text(name_or_path); !text.empty())
         return parse_experiment(text, name_or_path);
-    if (std::filesystem::exists(name_or_path)) return parse_experiment(read_text(name_or_path), name_or_path);
+    // of a link that leads nowhere or in a circle the reader tells the reason
+    if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name_or_path, none)))
+        return parse_experiment(read_text(name_or_path), name_or_path);
     throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
                      did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
 }
@@ -324,16 +326,6 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     if (variants > most_variants)
         throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
                          fmt::format("give {:.0f} at the most: all values are combined with all", most_variants));
-    std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
-    for (const Variation& variation : e.vary) {
-        std::vector<std::vector<std::pair<std::string, std::string>>> next;
-        for (const auto& combination : combinations)
-            for (const std::string& value : variation.values) {
-                next.push_back(combination);
-                next.back().emplace_back(variation.pointer, value);
-            }
-        combinations = std::move(next);
-    }
     std::vector<PlannedScene> bases;
     double bytes = 0;
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
@@ -393,6 +385,16 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     if (cases > most_cases)
         throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
                          fmt::format("give {:.0f} at the most", most_cases));
+    std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
+    for (const Variation& variation : e.vary) {
+        std::vector<std::vector<std::pair<std::string, std::string>>> next;
+        for (const auto& combination : combinations)
+            for (const std::string& value : variation.values) {
+                next.push_back(combination);
+                next.back().emplace_back(variation.pointer, value);
+            }
+        combinations = std::move(next);
+    }
     for (const PlannedScene& base : bases)
         for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
     return plan;

@@ -21,6 +21,13 @@ void clear_creation_date(std::string& pdf) {
     }
 }
 
+/// gnuplot writes a label's ]]> as it is, which ends no section here, and is no XML.
+void escape_ends_of_sections(std::string& svg) {
+    const std::string_view end = "]]>", escaped = "]]&gt;";
+    for (std::size_t at = svg.find(end); at != std::string::npos; at = svg.find(end, at + escaped.size()))
+        svg.replace(at, end.size(), escaped);
+}
+
 }  // namespace
 
 GnuplotRun run_gnuplot(const std::string& script, std::chrono::milliseconds time_limit) {
@@ -35,7 +42,10 @@ GnuplotRun gnuplot_picture(const std::string& script, const std::string& termina
     const bool svg = terminal == "svg";
     if (run.output.find(svg ? "</svg>" : "%%EOF") == std::string::npos)
         return {"", svg ? "gnuplot wrote no complete SVG" : "gnuplot wrote no complete PDF"};
-    if (!svg) clear_creation_date(run.output);
+    if (svg)
+        escape_ends_of_sections(run.output);
+    else
+        clear_creation_date(run.output);
     return run;
 }
 

@@ -77,7 +77,7 @@ inline Scene random_scene() {
     scene.name = *rc::gen::nonEmpty(rc::gen::string<std::string>());
     for (char& letter : scene.name)
         if (letter < ' ' || letter > '~') letter = '?';
-    scene.about = *rc::gen::container<std::string>(rc::gen::inRange<char>(1, 127));
+    scene.about = *rc::gen::container<std::string>(rc::gen::inRange<char>(32, 127));
     scene.duration = positive_number();
     scene.body = random_body();
     scene.initial.orientation = random_orientation();

@@ -83,7 +83,7 @@ std::string whole_key(const Plan& plan, bool quick) {
 void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions& options,
                     const std::string& command_line, const std::string& done) {
     const auto remarks = write_report(plan, findings, options.directory, command_line, options.quick);
-    if (!options.quiet) fmt::print(stderr, "{}: {}\n", plan.experiment.name, done);
+    if (!options.quiet) fmt::print(stderr, "{}: {}\n", plan.experiment.name, one_line(done, 1000));
     for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
 }
 

@@ -74,7 +74,9 @@ inline Body random_body() {
 
 inline Scene random_scene() {
     Scene scene;
-    scene.name = *rc::gen::nonEmpty(rc::gen::string<std::string>());
+    // none that a spreadsheet takes for a formula
+    scene.name = *rc::gen::suchThat(rc::gen::nonEmpty(rc::gen::string<std::string>()),
+                                    [](const std::string& name) { return name.find_first_of("=+-@") != 0; });
     for (char& letter : scene.name)
         if (letter < ' ' || letter > '~') letter = '?';
     scene.about = *rc::gen::container<std::string>(rc::gen::inRange<char>(32, 127));

@@ -112,3 +112,22 @@ def test_methods_are_those_of_the_program(program):
     assert {name for name in own if not name.startswith("gsl_")} <= here
     assert not any(name.startswith("gsl_") for name in here)
     assert "<table>" in polhode.methods()._repr_html_() and polhode.methods()["taylor"].dense
+
+
+def test_a_scene_names_files_in_its_own_folder_unless_that_is_allowed(tmp_path):
+    box = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+    for face in ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)):
+        box += "f " + " ".join(map(str, face)) + "\n"
+    (tmp_path / "box.obj").write_text(box)
+    (tmp_path / "sub").mkdir()
+    for folder, named in ((tmp_path, "box.obj"), (tmp_path / "sub", "../box.obj")):
+        (folder / "s.json").write_text(json.dumps(
+            {"name": "s", "duration": 1, "body": {"mesh": named, "density": 1}}))
+    assert polhode.scene(tmp_path / "s.json").name == "s"
+    with pytest.raises(polhode.InputError, match="leads out of the folder"):
+        polhode.scene(tmp_path / "sub" / "s.json")
+    polhode.allow_outside_files(True)
+    try:
+        assert polhode.scene(tmp_path / "sub" / "s.json").name == "s"
+    finally:
+        polhode.allow_outside_files(False)

@@ -24,7 +24,7 @@ std::map<std::string, std::string> limits_of_readme() {
         if (!inside || line.starts_with("| what") || line.starts_with("| ---")) continue;
         const std::size_t first = line.find(" | "), second = line.find(" | ", first + 3);
         const std::string what = line.substr(2, first - 2), of = line.substr(second + 3, line.rfind(" |") - second - 3);
-        limits[what + " of " + of] = line.substr(first + 3, second - first - 3);
+        limits[fmt::format("{} of {}", what, of)] = line.substr(first + 3, second - first - 3);
     }
     return limits;
 }

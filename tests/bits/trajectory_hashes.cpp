@@ -1,0 +1,329 @@
+// One hash of all trajectories: every scene of the catalogue solved by every method that is computed in this process, but
+// for the truth, and ensembles of random bodies. Whatever compiler, level of optimisation, instruction set and number of
+// threads this program is built and run with, it is to print the same.
+//
+// It is bounded by its settings, not by a clock: each scene lasts as long as it says, in 200 steps or to a tolerance of
+// 1e-6, and a run ends as `failed` after 400 steps or 8000 evaluations (of several bodies so many less),
+// with the samples that it has reached by then. What
+// is hashed of a run: every bit of every sample, reaction and time of impact, the status and the counts. Of a number that
+// is none, only that it is none: IEEE 754 leaves its sign and payload open.
+//
+// It is linked to the floors below the truth alone, so that another compiler's build of it takes minutes.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <random>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "integrators/lanes/lanes.h"
+#include "integrators/method.h"
+#include "integrators/own/ensemble.h"
+#include "integrators/own/mechanism_ensemble.h"
+#include "scene/scene_file.h"
+#include "text/content_hash.h"
+#include "text/parallel.h"
+
+namespace polhode {
+
+// the truth and what is in processes of its own is left out of this program
+extern const std::span<const Method> truth_method_methods;
+const std::span<const Method> truth_method_methods{};
+
+namespace {
+
+/// The bytes of numbers, one after the other.
+class Bytes {
+  public:
+    void add(std::uint64_t bits) {
+        for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<char>(bits >> shift & 0xFF));
+    }
+    void add(long count) { add(static_cast<std::uint64_t>(count)); }
+    void add(const std::optional<long>& count) { add(count ? *count : -1L); }
+    void add(double x) { add(std::isnan(x) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(x)); }
+    void add(const Vector3<double>& v) {
+        add(v[0]), add(v[1]), add(v[2]);
+    }
+    void add(const Sample& s) {
+        add(s.t), add(s.q.w), add(s.q.x), add(s.q.y), add(s.q.z);
+        add(s.angular_velocity_B), add(s.position_W), add(s.velocity_W);
+    }
+    void add(const Trajectory& t) {
+        add(static_cast<long>(t.status)), add(static_cast<long>(t.bodies)), add(static_cast<long>(t.samples.size()));
+        for (const Sample& sample : t.samples) add(sample);
+        for (const double defect : t.orthogonality_defect) add(defect);
+        for (const Reaction<double>& reaction : t.reactions) add(reaction.force_W), add(reaction.torque_W);
+        for (const double time : t.impact_times) add(time);
+        add(t.steps), add(t.rhs_evaluations), add(t.step);
+        add(t.counts.rejected_steps), add(t.counts.newton_failures), add(t.counts.order_reductions);
+    }
+    std::string hash() const { return content_hash(bytes_); }
+
+  private:
+    std::string bytes_;
+};
+
+struct Asked {
+    int threads = 1;
+    std::string instructions, expected, only_scene, only_method;
+    bool interpreted = false, each = false;
+};
+
+/// One kind of run (a method told a step, or a tolerance; an ensemble) with the hash of each scene.
+struct Kind {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> hash_of_scene;
+
+    std::string hash() const {
+        std::string all;
+        for (const auto& [scene, hash] : hash_of_scene) all += hash;
+        return content_hash(all);
+    }
+};
+
+/// The work of a step grows at least as the number of bodies does.
+Settings bounded_settings(const Problem& problem) {
+    const long bodies = std::max(1L, static_cast<long>(problem.scene.bodies.size()));
+    Settings settings;
+    settings.samples = 10;
+    settings.max_steps = std::max(400 / bodies, 10L);
+    settings.max_evaluations = std::max(8000 / bodies, 200L);
+    settings.seconds_limit = 1e9;  // s: a clock decides nothing here
+    return settings;
+}
+
+/// How a method is run: NAME where it is told one thing or nothing, else NAME:step and NAME:tolerance.
+struct ToldMethod {
+    const Method* method;
+    std::string name;
+    bool step, tolerance;
+
+    Settings settings(const Problem& problem) const {
+        Settings settings = bounded_settings(problem);
+        if (step) settings.step = problem.scene.duration / 200;
+        if (tolerance) settings.tolerance = 1e-6;
+        return settings;
+    }
+};
+
+std::vector<ToldMethod> told_methods(const Asked& asked) {
+    std::vector<ToldMethod> all;
+    for (const Method* method : methods()) {
+        const std::string name(method->name);
+        if (!asked.only_method.empty() && name != asked.only_method) continue;
+        if (takes_step(*method) && takes_tolerance(*method)) {
+            all.push_back({method, name + ":step", true, false});
+            all.push_back({method, name + ":tolerance", false, true});
+        } else {
+            all.push_back({method, name, takes_step(*method), takes_tolerance(*method)});
+        }
+    }
+    return all;
+}
+
+std::vector<Kind> trajectories(const Asked& asked) {
+    const std::vector<ToldMethod> told = told_methods(asked);
+    std::vector<std::string> scenes = builtin_scene_names();
+    if (!asked.only_scene.empty()) scenes = {asked.only_scene};
+    std::vector<std::vector<std::string>> hashes(scenes.size(), std::vector<std::string>(told.size()));
+    parallel_for(scenes.size(), asked.threads, [&](std::size_t s) {
+        const Problem problem = pose(find_scene(scenes[s]));
+        for (std::size_t m = 0; m < told.size(); ++m) {
+            Bytes bytes;
+            bytes.add(solve(problem, *told[m].method, told[m].settings(problem)));
+            hashes[s][m] = bytes.hash();
+        }
+    });
+    std::vector<Kind> kinds;
+    for (std::size_t m = 0; m < told.size(); ++m) {
+        kinds.push_back({told[m].name, {}});
+        for (std::size_t s = 0; s < scenes.size(); ++s) kinds.back().hash_of_scene.emplace_back(scenes[s], hashes[s][m]);
+    }
+    return kinds;
+}
+
+/// The same numbers from every library: the generator is specified to the bit, the distributions are not.
+class Random {
+  public:
+    /// Uniform in [low, high), in steps of (high - low) / 2^32.
+    double operator()(double low, double high) {
+        return low + (high - low) * (static_cast<double>(generator_() >> 32) * 0x1p-32);
+    }
+
+  private:
+    std::mt19937_64 generator_{1};
+};
+
+EnsembleBody random_body(const EnsembleBody& start, bool pivoted, Random& random) {
+    EnsembleBody body = start;
+    // moments of three masses on axes: the triangle inequalities hold
+    const double a = random(0.1, 1), b = random(0.1, 1), c = random(0.1, 1);
+    body.inertia_B = {};
+    body.inertia_B[0][0] = b + c, body.inertia_B[1][1] = a + c, body.inertia_B[2][2] = a + b;
+    body.orientation = {random(-1, 1), random(-1, 1), random(-1, 1), random(0.1, 1)};
+    body.angular_velocity = {random(-5, 5), random(-5, 5), random(-5, 5)};
+    if (!pivoted) body.velocity_W = {random(-1, 1), random(-1, 1), random(-1, 1)};
+    return body;
+}
+
+constexpr std::string_view scenes_of_ensembles[] = {"free_asymmetric", "heavy_asymmetric_top", "every_load",
+                                                    "stiff_drag", "driven_top", "tumbling_box_bounce"};
+constexpr std::string_view scenes_of_mechanism_ensembles[] = {"mechanisms/double_pendulum", "mechanisms/four_bar"};
+
+EnsembleSettings ensemble_settings(const Asked& asked) {
+    EnsembleSettings settings;
+    settings.threads = asked.threads;
+    settings.tolerance = 1e-8;
+    settings.max_steps = 2000;
+    settings.seconds_limit = 1e9;
+    return settings;
+}
+
+/// Bodies that fill no lanes: 8 and 16 at once, and some are left.
+constexpr int bodies_of_ensemble = 203;
+
+Kind ensembles(const Asked& asked) {
+    Kind kind{"ensemble", {}};
+    for (const std::string_view name : scenes_of_ensembles) {
+        Scene scene = find_scene(std::string(name));
+        scene.duration = std::min(scene.duration, 2.0);
+        Random random;
+        std::vector<EnsembleBody> bodies;
+        for (int i = 0; i < bodies_of_ensemble; ++i)
+            bodies.push_back(random_body(ensemble_body(scene), scene.pivot.has_value(), random));
+        Bytes bytes;
+        for (const EnsembleRow& row : solve_ensemble(scene, bodies, ensemble_settings(asked)))
+            bytes.add(static_cast<long>(row.status)), bytes.add(static_cast<long>(row.moved)), bytes.add(row.end);
+        kind.hash_of_scene.emplace_back(name, bytes.hash());
+    }
+    return kind;
+}
+
+Kind mechanism_ensembles(const Asked& asked) {
+    Kind kind{"mechanism_ensemble", {}};
+    for (const std::string_view name : scenes_of_mechanism_ensembles) {
+        Scene scene = find_scene(std::string(name));
+        scene.duration = std::min(scene.duration, 1.0);
+        std::string text;
+        for (const MechanismColumn& column : mechanism_columns(scene))
+            if (column.name.ends_with(".rate")) text += (text.empty() ? "" : ",") + column.name;
+        const long columns = std::ranges::count(text, ',') + 1;
+        Random random;
+        for (int i = 0; i < 35; ++i)
+            for (long k = 0; k < columns; ++k) text += fmt::format("{}{}", k ? "," : "\n", random(-2, 2));
+        Bytes bytes;
+        const MechanismTable table = parse_mechanism_table(text + "\n", "random", scene);
+        for (const MechanismRow& row : solve_mechanism_ensemble(scene, table, 4, ensemble_settings(asked))) {
+            bytes.add(static_cast<long>(row.status));
+            for (const Sample& sample : row.samples) bytes.add(sample);
+        }
+        kind.hash_of_scene.emplace_back(name, bytes.hash());
+    }
+    return kind;
+}
+
+/// A line of the file of expected hashes: "NAME HASH", or "departs NAME" with a reason behind it.
+struct Expected {
+    std::map<std::string, std::string> hash_of;
+    std::map<std::string, std::string> departing;  ///< and why
+};
+
+Expected read_expected(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(path + " cannot be read");
+    Expected expected;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string name, value, why;
+        if (!(words >> name >> value) || name.starts_with('#')) continue;
+        std::getline(words >> std::ws, why);
+        if (name == "departs")
+            expected.departing[value] = why;
+        else
+            expected.hash_of[name] = value;
+    }
+    return expected;
+}
+
+/// How many kinds are not as expected; those that are not in this build (GSL's) are named.
+int compare(const std::vector<Kind>& kinds, const Expected& expected) {
+    int faults = 0, equal = 0;
+    std::map<std::string, std::string> rest = expected.hash_of;
+    for (const Kind& kind : kinds) {
+        const auto found = rest.extract(kind.name);
+        const std::string wanted = found ? found.mapped() : "not in the list";
+        if (wanted == kind.hash()) {
+            ++equal;
+        } else if (const auto departing = expected.departing.find(kind.name); departing != expected.departing.end()) {
+            fmt::print("{} departs, as is known: {}\n", kind.name, departing->second);
+        } else {
+            ++faults;
+            fmt::print("{}: {}, expected {}\n", kind.name, kind.hash(), wanted);
+        }
+    }
+    for (const auto& [name, hash] : rest) fmt::print("{} is not in this build\n", name);
+    fmt::print("{} equal, {} not\n", equal, faults);
+    return faults;
+}
+
+void print(const std::vector<Kind>& kinds, const Asked& asked) {
+    std::string all;
+    for (const Kind& kind : kinds) {
+        for (const auto& [scene, hash] : kind.hash_of_scene)
+            if (asked.each) fmt::print("{} {} {}\n", kind.name, scene, hash);
+        if (!asked.each) fmt::print("{} {} {}\n", kind.name, kind.hash_of_scene.size(), kind.hash());
+        all += kind.hash();
+    }
+    fmt::print("all {} {}\n", kinds.size(), content_hash(all));
+}
+
+int run(const Asked& asked) {
+    // looked at once, at the first need
+    if (!asked.instructions.empty()) ::setenv("POLHODE_INSTRUCTION_SET", asked.instructions.c_str(), 1);
+    if (asked.interpreted) ::setenv("POLHODE_CODE", "interpreted", 1);
+    if (!asked.instructions.empty() && asked.instructions != name_of(instruction_set())) {
+        fmt::print(stderr, "this processor has no {}; ask for plain, avx2 or avx512\n", asked.instructions);
+        return 3;
+    }
+    std::vector<Kind> kinds = trajectories(asked);
+    if (asked.only_scene.empty() && asked.only_method.empty())
+        kinds.push_back(ensembles(asked)), kinds.push_back(mechanism_ensembles(asked));
+    if (asked.expected.empty()) print(kinds, asked);
+    return asked.expected.empty() || compare(kinds, read_expected(asked.expected)) == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace polhode
+
+int main(int argc, char** argv) {
+    polhode::Asked asked;
+    CLI::App app("Hashes of all bits of the catalogue's trajectories, a method a line: NAME SCENES HASH.");
+    app.add_option("--threads", asked.threads, "Threads, at least 1")->check(CLI::PositiveNumber);
+    app.add_option("--instructions", asked.instructions, "plain, avx2 or avx512; without it the widest there are")
+        ->check(CLI::IsMember({"plain", "avx2", "avx512"}));
+    app.add_flag("--interpreted", asked.interpreted, "Tapes are interpreted, not compiled");
+    app.add_option("--expect", asked.expected, "File of lines NAME HASH: exit 1 unless they are the same");
+    app.add_flag("--each", asked.each, "A line for each method and scene: NAME SCENE HASH");
+    app.add_option("--scene", asked.only_scene, "Only this scene, without ensembles");
+    app.add_option("--method", asked.only_method, "Only this method, without ensembles");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        return polhode::run(asked);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "trajectory_hashes: {}\n", error.what());
+        return 2;
+    }
+}

@@ -172,7 +172,7 @@ class Variation {
 
     // The changes of y of the minimal coordinates, each by the unit of its scale.
     Matrix unit_changes() const {
-        Matrix all = Matrix::Zero(size(), 2 * links_.rates);
+        Matrix all = Matrix::Zero(size(), Eigen::Index{2} * links_.rates);
         Eigen::Index column = 0;
         const auto scaled = [&](int i) { all(i, column++) = units_[static_cast<std::size_t>(i)]; };
         for (const Link<double>& link : links_.links) {

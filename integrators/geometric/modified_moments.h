@@ -76,7 +76,10 @@ class ModifiedMoments {
         a_ = quotient(g, alpha), b_ = quotient(rest, alpha);
         // in powers of h^2 = 4 s
         double scale = 1;
-        for (int k = 0; k < terms; ++k, scale *= 0.25) a_[k] *= scale, b_[k] *= scale;
+        for (int k = 0; k < terms; ++k) {
+            a_[k] *= scale, b_[k] *= scale;
+            scale *= 0.25;
+        }
         a_[0] = 1, b_[0] = 0;
     }
 

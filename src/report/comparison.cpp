@@ -44,7 +44,10 @@ RatioInterval ratio_interval(const std::vector<std::vector<double>>& groups) {
     if (means.size() < 3) return interval;
     double squares = 0;
     for (const double one : means) squares += (one - center) * (one - center);
-    const boost::math::students_t distribution(n - 1);
+    // in binary64 throughout: in 80 bits, tables are made before main, and that throws where extended numbers are no
+    // longer than doubles
+    using InBinary64 = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+    const boost::math::students_t_distribution<double, InBinary64> distribution(n - 1);
     const double half =
         boost::math::quantile(boost::math::complement(distribution, 0.025)) * std::sqrt(squares / (n - 1) / n);
     interval.low = std::exp(center - half), interval.high = std::exp(center + half);

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
+    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }  // temporary
 };
 /// An unlinked temporary file. Unlike a pipe it needs no reader beside the writer, and nobody can hold it open.
 using File = std::unique_ptr<std::FILE, CloseFile>;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace polhode {
 struct BadFile {
     std::string path, place;  ///< `place`: what the message must name
 };
+
+/// How GoogleTest shows one: by itself it would read all bytes, those of short strings too that nobody wrote.
+inline void PrintTo(const BadFile& bad, std::ostream* out) { *out << bad.path; }
 
 inline std::vector<BadFile> bad_files(const std::string& room, const std::string& ending) {
     const std::string directory = POLHODE_SOURCE_DIR "/tests/" + room;

@@ -28,7 +28,7 @@ void strip_trailing_zeros(std::string& decimal) {
 Rounded rounded(double value) {
     const std::string text = fmt::format("{:.2e}", value);
     const std::size_t e = text.find('e');
-    Rounded result{text.substr(0, e), std::atoi(text.c_str() + e + 1)};
+    Rounded result{text.substr(0, e), std::stoi(text.substr(e + 1))};
     strip_trailing_zeros(result.mantissa);
     return result;
 }

@@ -20,7 +20,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -333,7 +335,7 @@ int run(const Asked& asked) {
 }  // namespace
 }  // namespace polhode
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     polhode::Asked asked;
     CLI::App app("Hashes of all bits of the catalogue's trajectories, a method a line: NAME SCENES HASH.");
     app.add_option("--threads", asked.threads, "Threads, at least 1")->check(CLI::PositiveNumber);
@@ -345,10 +347,8 @@ int main(int argc, char** argv) {
     app.add_option("--scene", asked.only_scene, "Only this scene, without ensembles");
     app.add_option("--method", asked.only_method, "Only this method, without ensembles");
     CLI11_PARSE(app, argc, argv);
-    try {
-        return polhode::run(asked);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "trajectory_hashes: {}\n", error.what());
-        return 2;
-    }
+    return polhode::run(asked);
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "trajectory_hashes: %s\n", error.what());
+    return 2;
 }

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "fuzz/command_oracle.h"
+#include "fuzz/folder_oracle.h"
 #include "fuzz/oracles.h"
 
 namespace polhode {
@@ -54,7 +56,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
                       Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
                       Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}},
-                      Target{"tape", oracles::tape, {}}, Target{"cache", oracles::cache, {}}),
+                      Target{"tape", oracles::tape, {}}, Target{"cache", oracles::cache, {}},
+                      Target{"mechanisms", oracles::mechanisms, {}}, Target{"columns", oracles::columns, {}},
+                      Target{"words", oracles::words, {}}, Target{"folder", oracles::folder, {}},
+                      Target{"command", oracles::command, {}}),
     name_of);
 
 }  // namespace

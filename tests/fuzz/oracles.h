@@ -4,22 +4,30 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "body/mesh.h"
+#include "body/orientation.h"
+#include "check/check_files.h"
 #include "check/convention.h"
+#include "check/foreign_table.h"
 #include "check/sample_clock.h"
+#include "experiment/plan/pattern.h"
 #include "experiment/run/result.h"
 #include "experiment/write_experiment.h"
+#include "integrators/engines/engine_mechanism.h"
 #include "integrators/engines/engine_methods.h"
 #include "integrators/own/ensemble.h"
 #include "integrators/truth/cache.h"
 #include "motion/ensemble_table.h"
+#include "motion/mechanism_table.h"
 #include "motion/problem.h"
 #include "motion/trajectory_csv.h"
 #include "motion/written_tables.h"
@@ -32,6 +40,8 @@
 #include "table/table.h"
 #include "tests/integrators/tape/tape_oracle.h"
 #include "text/content_hash.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
 
 namespace polhode::oracles {
 
@@ -168,6 +178,117 @@ inline void ensemble(std::string_view text) {
     }
 }
 
+/// Bodies joined in every way that has coordinates, and one that is free.
+inline const Scene& joined_bodies() {
+    static const Scene scene = parse_scene(
+        R"({"name": "joined", "duration": 0.01,
+            "bodies": [{"name": "a", "body": {"mass": 1, "inertia": [1, 1, 1], "center_of_mass": [0, 0, -1]}},
+                       {"name": "b", "body": {"mass": 2, "inertia": [1, 2, 2]}},
+                       {"name": "c", "body": {"mass": 1, "inertia": [1, 1, 1], "center_of_mass": [0, 1, 0]}},
+                       {"name": "d", "body": {"mass": 1, "inertia": [1, 1, 1]}},
+                       {"name": "e", "body": {"mass": 3, "inertia": [2, 1, 2]}}],
+            "joints": [{"name": "turn", "type": "revolute", "parent": "world", "child": "a", "axis": [0, 1, 0]},
+                       {"name": "slide", "type": "prismatic", "parent": "a", "child": "b", "axis": [1, 0, 0]},
+                       {"name": "ball", "type": "spherical", "parent": "b", "child": "c"},
+                       {"name": "cross", "type": "universal", "parent": "c", "child": "d",
+                        "axes": [[1, 0, 0], [0, 1, 0]]}]})",
+        "joined");
+    return scene;
+}
+
+/// Tables of other starts of several bodies: refused by one line, or rows of scenes that can be written and read.
+inline void mechanisms(std::string_view text) {
+    const Scene& scene = joined_bodies();
+    const std::optional<MechanismTable> table = parsed([&] { return parse_mechanism_table(text, "fuzz", scene); });
+    if (!table) return;
+    require(table->numbers.size() == table->rows() * table->columns.size(), "a row is not as long as the header");
+    require(table->ids.empty() || table->ids.size() == table->rows(), "ids are lost");
+    for (const RefusedRow& row : table->refused) require_one_line(row.fault);
+    for (std::size_t k = 0; k < std::min<std::size_t>(table->rows(), 4); ++k) {
+        const std::string written = write_scene(table->scene_of(scene, k));
+        require(write_scene(parse_scene(written, "written")) == written, "a row's scene does not read back");
+    }
+}
+
+/// A line that names columns, then a table with names of its own: refused by one line, or a table with ours, which
+/// stays as it is. `check` and `plot` read it so.
+inline void columns(std::string_view text) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string table(text.substr(std::min(end + 1, text.size())));
+    ColumnNames names;
+    try {
+        names = parse_columns(std::string_view(text).substr(0, end));
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
+    for (const bool several : {false, true}) {
+        const auto own = parsed([&] { return own_columns(table, "fuzz", names, several); });
+        if (!own) continue;
+        for (const std::string& remark : own->remarks) require_one_line(remark);
+        const auto again = parsed([&] { return own_columns(own->text, "fuzz", {}, several); });
+        if (!own->remarks.empty()) require(again && again->text == own->text, "what is ours does not stay as it is");
+    }
+    parsed([&] {
+        CheckedFile checked;
+        checked.path = "fuzz";
+        std::vector<std::size_t> gaps;
+        const TrajectoryFile file = prepared_file(nullptr, {}, names, table, checked, &gaps);
+        require(std::ranges::is_sorted(gaps), "gaps are out of order");
+        require(gaps.empty() || gaps.back() <= file.rows.size(), "a gap is beyond the end");
+        for (const std::string& remark : checked.remarks) require_one_line(remark);
+        return 0;
+    });
+}
+
+inline void decimal(const std::string& text) {
+    const std::optional<double> value = parse_decimal(text);
+    if (value && std::isfinite(*value)) {
+        const std::optional<double> again = parse_decimal(shortest_decimal(*value));
+        require(again && std::bit_cast<std::uint64_t>(*again) == std::bit_cast<std::uint64_t>(*value),
+                "a number does not read back");
+    }
+    // the C library's reader, which is another one, takes hexadecimal numbers and blanks in front as well
+    if (text.find_first_of("xX \t\n\v\f\r") != text.npos || text.find('\0') != text.npos || text.empty()) return;
+    char* end = nullptr;
+    const double other = std::strtod(text.c_str(), &end);
+    require(value.has_value() == (end == text.c_str() + text.size()), "one takes for a number what the other does not");
+    if (value) require(*value == other || (*value != *value && other != other), "a number is not the nearest");
+}
+
+inline void quoted(const std::string& text) {
+    for (const std::size_t limit : {40u, 300u}) {
+        const std::string line = one_line(text, limit);
+        require(line.size() <= limit, "a line is too long");
+        require_one_line(line);
+        require(first_invalid_utf8(line) == line.npos, "a line is not UTF-8");
+    }
+    if (first_invalid_utf8(text) != text.npos) return;
+    const JsonDocument document(json_string(text), "written");
+    require(document.root().string() == text, "a text does not read back");
+}
+
+/// Short texts: numbers, texts that messages quote, and an expression in the first line for what follows it.
+inline void words(std::string_view bytes) {
+    const std::string text(bytes);
+    decimal(text);
+    quoted(text);
+    require(near_misses(text, {"taylor", "dop853", "radau", "splitting4", ""}).size() <= 3, "too many near misses");
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    try {
+        const Pattern pattern(text.substr(0, end));
+        const std::string subject = text.substr(std::min(end + 1, text.size()));
+        require(pattern.matches(subject) == pattern.matches(subject), "an expression matches now and then");
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
+    try {
+        const EulerSequence sequence = parse_euler_sequence(text);
+        require(std::string(name_of(sequence)) == text, "a sequence of angles does not read back");
+    } catch (const std::invalid_argument& error) {
+        require_one_line(error.what());
+    }
+}
+
 /// Words of --convention: refused by one line, or written and read back.
 inline void convention(std::string_view text) {
     try {
@@ -242,6 +363,12 @@ inline void engine(std::string_view text) {
     for (const Sample& s : run.samples)
         require(squared_norm(s.q) * 0 == 0 && dot(s.position_W, s.position_W) * 0 == 0, "a sample is not finite");
     if (run.status == Status::ok) require(run.seconds >= 0 && run.steps >= 0, "less than no cost");
+    static const Problem joined = pose(joined_bodies());
+    static const EngineMechanism mechanism = engine_mechanism(joined);
+    const Trajectory several = read_mechanism_answer(text, joined, mechanism, settings, 5);
+    require_one_line(several.message);
+    require((several.status == Status::ok) == (several.samples.size() == 3 * mechanism.bodies.size()),
+            "an answer without its samples is ok");
     const auto engines = parsed([&] { return parse_engines(text, "fuzz"); });
     if (!engines) return;
     for (const EngineMethod& one : *engines) require(!one.engine.empty() && !one.setting.empty(), "one without a name");

@@ -1,0 +1,110 @@
+// What holds for any folder of results that `polhode report` is given; see oracles.h.
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "fuzz/oracles.h"
+#include "report/document.h"
+#include "report/findings.h"
+#include "report/folder.h"
+#include "report/page.h"
+
+namespace polhode::oracles {
+
+/// A directory of this process's own, in memory where that can be had; removed with it.
+class OwnDirectory {
+  public:
+    explicit OwnDirectory(const char* purpose) {
+        const std::filesystem::path memory("/dev/shm");
+        const auto parent =
+            ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+        std::string pattern = (parent / ("polhode-" + std::string(purpose) + "-XXXXXX")).string();
+        require(::mkdtemp(pattern.data()) != nullptr, "no directory for what is tried");
+        path_ = pattern;
+    }
+    ~OwnDirectory() {
+        std::error_code none;
+        std::filesystem::remove_all(path_, none);
+    }
+    OwnDirectory(const OwnDirectory&) = delete;
+    OwnDirectory& operator=(const OwnDirectory&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    /// Leaves nothing in it.
+    void clear() const {
+        for (const auto& entry : std::filesystem::directory_iterator(path_)) std::filesystem::remove_all(entry.path());
+    }
+    void write(const std::string& name, std::string_view text) const {
+        std::ofstream(path_ / name, std::ios::binary) << text;
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+/// The files that a text tells, each after a line "=== NAME"; of names only those that stay in the folder.
+inline void write_files(std::string_view text, const OwnDirectory& directory) {
+    std::string name = "t.csv", contents;
+    int files = 0;
+    while (!text.empty() && files < 8) {
+        const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+        text.remove_prefix(line.size());
+        if (!line.starts_with("=== ")) {
+            contents += line;
+            continue;
+        }
+        directory.write(name, contents), contents.clear(), ++files;
+        name.clear();
+        for (const char c : line.substr(4))
+            if (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || (c == '.' && !name.empty())) name += c;
+        if (name.empty() || name.size() > 40) name = "t.csv";
+    }
+    directory.write(name, contents);
+}
+
+/// Folders of results: refused by one line, or findings and a page's document whose places are those of its lists.
+inline void folder(std::string_view text) {
+    static const OwnDirectory directory("folder");
+    directory.clear();
+    write_files(text, directory);
+    std::optional<ResultFolder> read;
+    try {
+        read = read_folder(directory.path().string(), 50);
+    } catch (const InputError& error) {
+        require_one_line(error.what());
+        require(std::string_view(error.what()).starts_with(directory.path().string()), "the message names no folder");
+        return;
+    }
+    for (const std::string& remark : read->remarks) require_one_line(remark);
+    const auto inside = [](int place, const NameList& names) {
+        return place >= 0 && static_cast<std::size_t>(place) < names.names().size();
+    };
+    for (const FolderRow& row : read->rows) {
+        require(row.experiment >= 0 && static_cast<std::size_t>(row.experiment) < read->experiments.size() &&
+                    inside(row.scene, read->scenes) && inside(row.method, read->methods) &&
+                    inside(row.message, read->messages) && inside(row.formulation, read->formulations),
+                "a row's names are not in the folder's lists");
+    }
+    for (const FolderSeries& series : read->series)
+        for (const std::vector<double>& errors : series.errors)
+            require(errors.size() == series.t.size(), "errors without their times");
+    require(findings_of(*read).size() <= 3, "too many findings");
+    const Motions motions;
+    const Json checks = Json::array();
+    // what is planned again for the sake of its scenes takes time
+    const std::map<std::string, Scene> scenes = one_in(32, text) ? scenes_of(*read) : std::map<std::string, Scene>();
+    const Json document = report_document({*read, scenes, motions, checks}, {1000, 5, 50, 20, 20, 0});
+    const std::string dumped = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+    require(Json::accept(dumped), "the document is no JSON");
+    if (one_in(64, text)) {
+        const std::string page = filled_page("<!--polhode:title--><!--polhode:data-->", read->name, dumped);
+        require(page.find('<') == page.npos, "a folder's name or data is taken for a mark of the page");
+    }
+}
+
+}  // namespace polhode::oracles

@@ -10,6 +10,7 @@
 
 #include "body/elementary.h"
 #include "body/mass_properties.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -195,7 +196,7 @@ EulerSequence parse_euler_sequence(std::string_view name) {
     for (const EulerSequence sequence : euler_sequences)
         if (name_of(sequence) == name) return sequence;
     throw std::invalid_argument(
-        "\"" + std::string(name) +
+        "\"" + one_line(name, 100) +
         "\" is no sequence of Euler angles: one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz");
 }
 

@@ -116,19 +116,30 @@ std::vector<std::string> words(const JsonNode& node) {
     return all;
 }
 
+// Names are part of methods' names, which stand in tables and file names.
+void require_name(const JsonNode& node) {
+    const std::string& name = node.string();
+    const bool is_name = !name.empty() && std::ranges::all_of(name, [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+    });
+    if (!is_name) node.fail(node.described(), "letters, digits and _");
+}
+
 EngineEntry read_entry(const JsonNode& node, const std::string& here) {
     node.only({"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
     EngineEntry entry;
-    entry.name = node.required("name", "the engine's name").string();
-    for (const char c : entry.name)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_')
-            node.find("name")->fail(node.find("name")->described(), "letters, digits and _");
+    const JsonNode& name = node.required("name", "the engine's name");
+    require_name(name);
+    entry.name = name.string();
     entry.command = words(node.required("command", "the program and its arguments"));
     for (std::string& word : entry.command)
         for (std::size_t at = 0; (at = word.find("{here}", at)) != std::string::npos; at += here.size())
             word.replace(at, 6, here);
     entry.settings = {"default"};
-    if (const JsonNode* settings = node.find("settings")) entry.settings = words(*settings);
+    if (const JsonNode* settings = node.find("settings")) {
+        entry.settings = words(*settings);
+        for (const JsonNode* setting : settings->elements()) require_name(*setting);
+    }
     if (const JsonNode* by_step = node.find("by_step")) {
         entry.by_step = words(*by_step);
         if (entry.settings.size() > 1)

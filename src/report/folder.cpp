@@ -39,10 +39,17 @@ Experiment builtin_experiment(const std::string& name) {
     return parse_experiment(text, name);
 }
 
-// a file that is not there, or torn, is none
+// A file that is not there, or torn, is none; nor is one that is nested deeper than any that polhode writes: what is
+// read is written again by recursion.
 ordered_json read_object(const fs::path& path) {
-    ordered_json object = ordered_json::parse(read_file(path), nullptr, false);
-    return object.is_object() ? object : ordered_json::object();
+    constexpr int deepest = 64;
+    bool is_deep = false;
+    const auto look = [&](int depth, ordered_json::parse_event_t, const ordered_json&) {
+        is_deep = is_deep || depth > deepest;
+        return !is_deep;
+    };
+    ordered_json object = ordered_json::parse(read_file(path), look, false);
+    return object.is_object() && !is_deep ? object : ordered_json::object();
 }
 
 std::string text_at(const ordered_json& object, const char* key) {

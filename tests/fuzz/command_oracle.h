@@ -137,13 +137,14 @@ inline bool may_be_tried(const std::vector<std::string>& words) {
         const std::string_view word = words[i];
         const std::size_t equals = std::min(word.find('='), word.size());
         const std::string_view value = equals < word.size() ? word.substr(equals + 1) : std::string_view();
-        if (word.find("..") != word.npos) return false;
+        // what a process is told of engines it keeps
+        if (word.find("..") != word.npos || word.starts_with("--engines")) return false;
         for (const std::string_view path : {word, value})
             if (path.starts_with('/') || path.starts_with('~')) return false;
         for (const std::string_view name : {word, value})
             if (solves && (!builtin_scene_text(std::string(name)).empty() || !builtin_experiment_text(name).empty()))
                 return false;
-        if (!is_little(word.substr(0, equals), equals < word.size() ? value
+        if (!is_little(word.substr(0, equals), equals < word.size()   ? value
                                                : i + 1 < words.size() ? std::string_view(words[i + 1])
                                                                       : std::string_view()))
             return false;
@@ -156,7 +157,8 @@ inline void command(std::string_view text) {
     std::vector<std::string> words = words_of(text);
     if (!may_be_tried(words)) return;
     // what takes tens of milliseconds
-    if (!words.empty() && (words[0] == "run" || words[0] == "check" || words[0] == "report") && !one_in(8, text)) return;
+    if (!words.empty() && (words[0] == "run" || words[0] == "check" || words[0] == "report") && !one_in(8, text))
+        return;
     static Bench bench;
     words.insert(words.begin(), "polhode");
     std::vector<const char*> argv;

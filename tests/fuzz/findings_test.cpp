@@ -47,19 +47,18 @@ const std::string top = POLHODE_SOURCE_DIR;
 
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Findings,
-    ::testing::Values(Target{"scene",
-                             oracles::scene,
-                             {top + "/experiments/scenes", top + "/experiments/scenes/mechanisms",
-                              top + "/tests/scene/bad"}},
-                      Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
-                      Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
-                      Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
-                      Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
-                      Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}},
-                      Target{"tape", oracles::tape, {}}, Target{"cache", oracles::cache, {}},
-                      Target{"mechanisms", oracles::mechanisms, {}}, Target{"columns", oracles::columns, {}},
-                      Target{"words", oracles::words, {}}, Target{"folder", oracles::folder, {}},
-                      Target{"command", oracles::command, {}}),
+    ::testing::Values(
+        Target{"scene",
+               oracles::scene,
+               {top + "/experiments/scenes", top + "/experiments/scenes/mechanisms", top + "/tests/scene/bad"}},
+        Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
+        Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
+        Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
+        Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
+        Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}}, Target{"tape", oracles::tape, {}},
+        Target{"cache", oracles::cache, {}}, Target{"mechanisms", oracles::mechanisms, {}},
+        Target{"columns", oracles::columns, {}}, Target{"words", oracles::words, {}},
+        Target{"folder", oracles::folder, {}}, Target{"command", oracles::command, {}}),
     name_of);
 
 }  // namespace

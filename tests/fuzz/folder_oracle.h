@@ -21,8 +21,7 @@ class OwnDirectory {
   public:
     explicit OwnDirectory(const char* purpose) {
         const std::filesystem::path memory("/dev/shm");
-        const auto parent =
-            ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+        const auto parent = ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
         std::string pattern = (parent / ("polhode-" + std::string(purpose) + "-XXXXXX")).string();
         require(::mkdtemp(pattern.data()) != nullptr, "no directory for what is tried");
         path_ = pattern;

@@ -86,11 +86,12 @@ std::vector<JsonMutator::Place> JsonMutator::places(Json& document) {
 }
 
 Json JsonMutator::number(const Json& before, Random& random) {
-    static const char* const extremes[] = {"0",      "-0.0",   "1",      "-1",      "4.9e-324", "2.2250738585072014e-308",
-                                           "1e-308", "1e-154", "1e-160", "1e154",   "1e155",    "1.7976931348623157e308",
-                                           "1e308",  "-1e308", "1e309",  "1e-400",  "1e-1000",  "9007199254740993",
-                                           "64",     "65",     "1e6",    "1000001", "1e15",     "18446744073709551616",
-                                           "0.1",    "1e-6",   "1e-12",  "1e-13",   "1e-16",    "3.141592653589793"};
+    static const char* const extremes[] = {
+        "0",      "-0.0",   "1",      "-1",      "4.9e-324", "2.2250738585072014e-308",
+        "1e-308", "1e-154", "1e-160", "1e154",   "1e155",    "1.7976931348623157e308",
+        "1e308",  "-1e308", "1e309",  "1e-400",  "1e-1000",  "9007199254740993",
+        "64",     "65",     "1e6",    "1000001", "1e15",     "18446744073709551616",
+        "0.1",    "1e-6",   "1e-12",  "1e-13",   "1e-16",    "3.141592653589793"};
     const double x = before.is_number() ? before.get<double>() : 1;
     const double infinite = std::numeric_limits<double>::infinity();
     double y = x;
@@ -131,8 +132,18 @@ void JsonMutator::change_value(Json& value, Random& random) const {
         value = !value.get<bool>();
     } else {
         // of another type
-        static const Json others[] = {nullptr, true, false, 0, 1.5, "", "world", Json::array(), Json::object(),
-                                      Json::array({0, 0, 1}), Json::array({1, 0, 0, 0}), Json::array({Json::array({1, 0, 0})})};
+        static const Json others[] = {nullptr,
+                                      true,
+                                      false,
+                                      0,
+                                      1.5,
+                                      "",
+                                      "world",
+                                      Json::array(),
+                                      Json::object(),
+                                      Json::array({0, 0, 1}),
+                                      Json::array({1, 0, 0, 0}),
+                                      Json::array({Json::array({1, 0, 0})})};
         value = any(others, random);
     }
 }

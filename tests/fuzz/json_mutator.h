@@ -1,5 +1,5 @@
-// A mutator for readers of JSON: changes values, members and entries of a document instead of its bytes, so that most of
-// what comes out is JSON still and reaches what lies behind the syntax.
+// A mutator for readers of JSON: changes values, members and entries of a document instead of its bytes, so that most
+// of what comes out is JSON still and reaches what lies behind the syntax.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +29,8 @@ class JsonMutator {
     /// that would not fit, and one in eight others are left to `bytes`.
     std::size_t mutate(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed, MutateBytes bytes) const;
 
-    /// The first document with a part of the second in the place of one of its own that stands under the same key, where
-    /// there is one; at most `most` bytes, zero where it would not fit.
+    /// The first document with a part of the second in the place of one of its own that stands under the same key,
+    /// where there is one; at most `most` bytes, zero where it would not fit.
     std::size_t cross(std::string_view first, std::string_view second, std::uint8_t* out, std::size_t most,
                       unsigned seed) const;
 
@@ -51,7 +51,7 @@ class JsonMutator {
     static Json number(const Json& before, Random& random);
 
     std::map<std::string, std::vector<std::pair<std::string, Json>>> members_;  // by the key of their object
-    std::map<std::string, std::vector<Json>> values_;                          // by their own key
+    std::map<std::string, std::vector<Json>> values_;                           // by their own key
     std::vector<Json> documents_;
 };
 

@@ -1,5 +1,5 @@
-// The structured mutator as libFuzzer calls it, for the one target that includes this. $POLHODE_PLAIN_MUTATOR, not empty,
-// leaves all to libFuzzer's own: to compare.
+// The structured mutator as libFuzzer calls it, for the one target that includes this. $POLHODE_PLAIN_MUTATOR, not
+// empty, leaves all to libFuzzer's own: to compare.
 #pragma once
 
 #include <algorithm>

@@ -45,6 +45,16 @@ class Folder : public ::testing::Test {
     std::string path;
 };
 
+TEST_F(Folder, TakesNothingFromFilesThatAreNestedWithoutEnd) {
+    write("t.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
+    const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
+    write("scenes.json", R"({"free_asymmetric": )" + deep + "}");
+    write("provenance.json", R"({"t": {"about": )" + deep + "}}");
+    const ResultFolder folder = read_folder(path, 100);
+    EXPECT_EQ(folder.rows.size(), 1u);
+    EXPECT_TRUE(folder.scene_texts.empty());
+}
+
 TEST_F(Folder, ReadsRowsSeriesTablesAndWhereTheyAreFrom) {
     write("t.csv", header + row("taylor", 0.1, 1e-3, 2e-6) + row("\"no,such\"\"method\"", 0.2, 1, 1, "diverged"));
     write("t_other.csv", "name,count,error\n\"a, b\",3,1e-3\n,,\n");

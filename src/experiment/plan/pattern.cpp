@@ -6,50 +6,112 @@
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
+#include <vector>
 
 #include "experiment/plan/plan_limits.h"
 
 namespace polhode {
 namespace {
 
-// The system's regcomp overflows the stack on deep nesting and unrolls every repetition but * and ?; back references
-// take exponential time.
+[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
+
+// How many characters an expression has once its repetitions are written out: the system's regcomp does so with all but
+// * and ?, and what those may leave out it looks for between all that they stand in, in the square of its time and
+// memory. So each of *, ? and + doubles what it repeats.
+class Unrolled {
+  public:
+    void character() { add(1); }
+    void open() {
+        groups_.push_back(0);
+        if (groups_.size() > static_cast<std::size_t>(deepest_parentheses) + 1)
+            refuse(fmt::format("its parentheses are nested deeper than {}", deepest_parentheses));
+        last_ = 0;
+    }
+    void close() {
+        if (groups_.size() == 1) return;
+        const long inner = groups_.back();
+        groups_.pop_back();
+        add(std::max(inner, 1L));
+    }
+    void repeat(long times) {
+        const long before = last_;
+        groups_.back() -= before;
+        add(std::min(before * std::max(times, 1L), 100'000L));
+    }
+
+  private:
+    void add(long characters) {
+        last_ = characters;
+        groups_.back() += characters;
+        if (groups_.back() > most_unrolled)
+            refuse(fmt::format("its repetitions make it longer than {} characters", most_unrolled));
+    }
+
+    std::vector<long> groups_{0};  // the open ones, from the outermost
+    long last_ = 0;                // of what a repetition would repeat
+};
+
+// The place of the last character of a bracket expression that begins at `i`.
+std::size_t end_of_bracket(const std::string& expression, std::size_t i) {
+    ++i;
+    if (i < expression.size() && expression[i] == '^') ++i;
+    const std::size_t first = i;
+    for (; i < expression.size() && (i == first || expression[i] != ']'); ++i) {
+        if (expression[i] != '[' || i + 1 >= expression.size()) continue;
+        if (expression[i + 1] == '.' || expression[i + 1] == '=') refuse("collating elements are not available");
+        if (expression[i + 1] == ':') i = std::min(expression.find(":]", i + 2), expression.size() - 2) + 1;
+    }
+    return std::min(i, expression.size() - 1);
+}
+
+// The largest number in braces that begin at `i`, which is moved to the last character before their end.
+long largest_count(const std::string& expression, std::size_t& i) {
+    long largest = 1, count = 0;
+    for (++i; i < expression.size(); ++i) {
+        const bool is_digit = std::isdigit(static_cast<unsigned char>(expression[i])) != 0;
+        if (!is_digit && expression[i] != ',') break;
+        count = is_digit ? std::min(10 * count + (expression[i] - '0'), 100'000L) : 0;
+        largest = std::max(largest, count);
+    }
+    if (i == expression.size() || expression[i] != '}') --i;
+    return largest;
+}
+
+// What the system's regcomp can be trusted with: it overflows the stack on deep nesting, and back references take
+// exponential time.
 void require_harmless(const std::string& expression) {
-    const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
     if (expression.size() > longest_expression)
         refuse(fmt::format("it has more than {} characters", longest_expression));
     if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
-    long depth = 0, unrolled = 1;
-    const auto repeat = [&](long times) {
-        unrolled = std::min(unrolled * times, 100'000L);
-        if (unrolled > most_unrolled) refuse(fmt::format("its repetitions multiply to more than {}", most_unrolled));
-    };
-    for (std::size_t i = 0; i < expression.size(); ++i) {
-        const auto digit = [&](std::size_t at) {
-            return at < expression.size() && std::isdigit(static_cast<unsigned char>(expression[at])) != 0;
-        };
-        if (expression[i] == '\\') {
-            if (digit(i + 1)) refuse("back references are not available");
-            ++i;
-        } else if (expression[i] == '(') {
-            if (++depth > deepest_parentheses)
-                refuse(fmt::format("its parentheses are nested deeper than {}", deepest_parentheses));
-        } else if (expression[i] == ')') {
-            --depth;
-        } else if (expression[i] == '{') {
-            long largest = 1;
-            for (++i; digit(i) || (i < expression.size() && expression[i] == ',');) {
-                long count = 0;
-                for (; digit(i); ++i) count = std::min(10 * count + (expression[i] - '0'), 100'000L);
-                largest = std::max(largest, count);
-                if (i < expression.size() && expression[i] == ',') ++i;
-            }
-            repeat(largest);
-            --i;
-        } else if (expression[i] == '+') {
-            repeat(2);  // a+ becomes aa*
+    Unrolled unrolled;
+    for (std::size_t i = 0; i < expression.size(); ++i) switch (expression[i]) {
+            case '\\':
+                ++i;
+                if (i < expression.size() && std::isdigit(static_cast<unsigned char>(expression[i])) != 0)
+                    refuse("back references are not available");
+                unrolled.character();
+                break;
+            case '(':
+                unrolled.open();
+                break;
+            case ')':
+                unrolled.close();
+                break;
+            case '[':
+                i = end_of_bracket(expression, i);
+                unrolled.character();
+                break;
+            case '{':
+                unrolled.repeat(largest_count(expression, i));
+                break;
+            case '*':
+            case '?':
+            case '+':
+                unrolled.repeat(2);
+                break;
+            default:
+                unrolled.character();
         }
-    }
 }
 
 }  // namespace

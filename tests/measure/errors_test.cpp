@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace polhode {
@@ -137,6 +138,82 @@ TEST(Errors, RefusesOtherSampleTimes) {
     Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
     trajectory.samples[1].t += 1e-9;
     EXPECT_THROW(error_series(scene, trajectory, reference_at_rest(2)), std::invalid_argument);
+}
+
+TEST(Errors, GoAsFarAsTheTruthDoes) {
+    const Scene scene = free_body();
+    Reference reference = reference_at_rest(2);
+    reference.samples.pop_back();
+    const Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    const ErrorSeries series = error_series(scene, trajectory, reference);
+    EXPECT_EQ(series["attitude"], (std::vector<double>{0, 0}));
+    EXPECT_EQ(series["norm"].size(), 3U);
+    EXPECT_EQ(series.t.size(), 3U);
+    Trajectory shorter = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    shorter.samples.pop_back();
+    const Reference whole = reference_at_rest(2);
+    const Errors e = errors(error_series(scene, shorter, whole), shorter, whole);
+    EXPECT_FALSE(e["attitude"].final || e["omega"].max);
+    EXPECT_TRUE(e["norm"].max);
+}
+
+TEST(Errors, AreRelativeToTheLargestEvenWhereTheTruthEndsAtRest) {
+    const Scene scene = free_body();
+    Reference reference = reference_at_rest(2);
+    reference.samples[2].angular_velocity_B = reference.samples[2].angular_momentum_W = pair(Vector3<double>());
+    reference.samples[2].energy = pair(0);
+    Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    trajectory.samples[2].angular_velocity_B = {0.5, 0, 0};
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_NEAR(*e["omega"].max, 0.25, 1e-15);
+    EXPECT_NEAR(*e["momentum"].final, 0.25, 1e-15);
+    EXPECT_NEAR(*e["energy"].final, 0.125 / 2, 1e-15);
+}
+
+TEST(Errors, AtTheEndAndAtTheirLargestAreTwoThings) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    trajectory.samples[1].q = about_x(0.5), trajectory.samples[2].q = about_x(0.25);
+    trajectory.samples[1].position_W = {0, 3, 4}, trajectory.samples[1].velocity_W = {0, 0.5, 0};
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_NEAR(*e["attitude"].max, 0.5, 1e-15);
+    EXPECT_NEAR(*e["attitude"].final, 0.25, 1e-15);
+    EXPECT_EQ(*e["position"].max, 5);
+    EXPECT_EQ(*e["velocity"].max, 0.5);
+    EXPECT_EQ(*e["position"].final, 0);
+}
+
+TEST(Errors, AQuaternionOfAnyLengthHasTheMomentumOfItsAttitude) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    const Trajectory trajectory = trajectory_with({2, 0, 0, 0}, {2, 0, 0});
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_EQ(*e["momentum"].max, 0);
+    EXPECT_EQ(*e["norm"].max, 1);
+}
+
+TEST(Errors, AMaximumThatOverflowsDoesNotExist) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+    trajectory.samples[1].velocity_W = {std::numeric_limits<double>::infinity(), 0, 0};
+    const Errors e = errors(error_series(scene, trajectory, reference), trajectory, reference);
+    EXPECT_FALSE(e["velocity"].max);
+    EXPECT_EQ(*e["velocity"].final, 0);
+}
+
+// The kinetic energy of the truth: m v^2 / 2 in flight, and of a body on a pivot I w^2 / 2 about the pivot alone.
+TEST(TrueState, HasTheKineticEnergyOfFlightOnlyWhereItFlies) {
+    Scene scene = free_body();
+    scene.body.mass = 2;
+    ReferenceSample sample = reference_at_rest(1).samples[0];
+    sample.velocity_W = pair(Vector3<double>(0, 3, 0)), sample.angular_velocity_B = pair(Vector3<double>(0, 2, 0));
+    sample.q.x = {0, 0x1p-80};
+    EXPECT_EQ(true_state(exact_body<double>(scene), sample).kinetic, 4 + 9);
+    EXPECT_EQ(true_state(exact_body<Wide>(scene), sample).q.x, Wide(0x1p-80));
+    scene.pivot = Vector3<double>();
+    EXPECT_EQ(true_state(exact_body<double>(scene), sample).kinetic, 4);
 }
 
 }  // namespace

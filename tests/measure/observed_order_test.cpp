@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace polhode {
 namespace {
@@ -80,6 +81,53 @@ TEST(ObservedOrder, DoesNotMindTheOrderOfThePoints) {
     const auto fit = observed_order({0.05, 0.2, 0.1, 0.025}, {0.05 * 0.05, 0.2 * 0.2, 0.1 * 0.1, 0.025 * 0.025});
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->order, 2, 1e-12);
+}
+
+TEST(ObservedOrder, LeavesOutWhatIsNoPoint) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    for (const double step : {-0.4, 0.0, infinite, 0.4}) {
+        const auto fit = observed_order({step, 0.2, 0.1, 0.05}, {step == 0.4 ? infinite : 0.16, 0.04, 0.01, 0.0025});
+        ASSERT_TRUE(fit) << step;
+        EXPECT_NEAR(fit->order, 2, 1e-12) << step;
+        EXPECT_EQ(fit->points, 3) << step;
+    }
+    // a step that was run twice counts once
+    const auto fit = observed_order({0.2, 0.1, 0.1, 0.05}, {0.04, 0.01, 0.01, 0.0025});
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 2, 1e-12);
+    EXPECT_EQ(fit->points, 3);
+}
+
+TEST(ObservedOrder, LeavesOutSaturationWhereThreePointsRemain) {
+    // error 4 h^2; the coarsest lies beyond the saturation of 1, the next upon it
+    const auto fit = observed_order({1, 0.5, 0.25, 0.125}, {4, 1, 0.25, 0.0625}, 1);
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->order, 2, 1e-12);
+    EXPECT_EQ(fit->points, 3);
+    EXPECT_NEAR(fit->from, 0.125, 1e-15);
+    EXPECT_NEAR(fit->to, 0.5, 1e-15);
+    // with two left the third is kept all the same
+    EXPECT_EQ(observed_order({1, 0.5, 0.125}, {4, 1, 0.0625}, 1)->points, 3);
+}
+
+TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {
+    // local slopes 2 and 2.04 agree, and with 2.2 they do not
+    std::vector<double> steps{1}, errors{1};
+    for (const double slope : {2.2, 2.04, 2.0}) {
+        steps.push_back(steps.back() / 2);
+        errors.push_back(errors.back() / std::exp2(slope));
+    }
+    const auto fit = observed_order(steps, errors);
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->points, 3);
+    EXPECT_NEAR(fit->order, 2.02, 1e-12);
+    EXPECT_EQ(fit->to, 0.5);
+    // slopes of 1, 1.2 and 3 agree nowhere: the steadiest three points
+    const auto rough =
+        observed_order({1, 0.5, 0.25, 0.125}, {1, 1 / 8.0, 1 / 8.0 / std::exp2(1.2), 1 / 16.0 / std::exp2(1.2)});
+    ASSERT_TRUE(rough);
+    EXPECT_EQ(rough->points, 3);
+    EXPECT_NEAR(rough->order, 1.1, 1e-12);
 }
 
 }  // namespace

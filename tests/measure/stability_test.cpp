@@ -87,5 +87,29 @@ TEST(Stability, OutcomesInTheirOrder) {
     }
 }
 
+TEST(Stability, HoldsAtItsBounds) {
+    EXPECT_TRUE(is_stable(errors_of(0, 4, 8)));
+    EXPECT_EQ(outcome_of(turning_at(1, 1), errors_of(close_attitude, 0, 0), turning(1)), Outcome::close);
+}
+
+TEST(Stability, RestIsToldByTheLastQuarterAndTheLargestRate) {
+    // at rest from the middle on: so in the last quarter, and a body that turns in it again is not
+    Trajectory turns_again = turning_at(1, 1);
+    for (std::size_t k = 4; k < 7; ++k) turns_again.samples[k].angular_velocity_B = {};
+    EXPECT_FALSE(is_damped_to_rest(turns_again, turning(1)));
+    Trajectory stops = turning_at(1, 0);
+    EXPECT_TRUE(is_damped_to_rest(stops, turning(1)));
+    // the truth ends at a thousandth of its largest rate's size: that is at rest as well
+    Reference slows = turning(1);
+    for (std::size_t k = 7; k <= 8; ++k) slows.samples[k].angular_velocity_B = {Pair(0), Pair(0), Pair(9e-4)};
+    EXPECT_FALSE(is_damped_to_rest(stops, slows));
+    // of three samples the last one
+    Reference three = turning(1);
+    three.samples.resize(3);
+    Trajectory short_stop = turning_at(1, 0);
+    short_stop.samples.erase(short_stop.samples.begin() + 2, short_stop.samples.end() - 1);
+    EXPECT_TRUE(is_damped_to_rest(short_stop, three));
+}
+
 }  // namespace
 }  // namespace polhode

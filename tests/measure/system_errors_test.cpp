@@ -177,6 +177,91 @@ TEST(SystemErrors, OtherNumbersOfBodiesAndOtherTimesAreRefused) {
     EXPECT_THROW(error_series(scene, other, truth_of(trajectory)), std::invalid_argument);
 }
 
+TEST(SystemErrors, GoAsFarAsTheTruthDoes) {
+    const Trajectory trajectory = turning_bodies();
+    Reference truth = truth_of(trajectory);
+    truth.samples.resize(8);
+    const ErrorSeries series = error_series(two_turning_bodies(false), trajectory, truth);
+    EXPECT_EQ(series.t.size(), 5U);
+    EXPECT_EQ(series["attitude"].size(), 4U);
+    EXPECT_EQ(series["energy"].size(), 4U);
+    EXPECT_EQ(series["norm"].size(), 5U);
+}
+
+TEST(SystemErrors, WhatIsNotANumberIsTheWorst) {
+    const Scene scene = two_turning_bodies(false);
+    const Reference truth = truth_of(turning_bodies());
+    // of either body, and the other one is off by something
+    for (const std::size_t broken : {4U, 5U}) {
+        Trajectory trajectory = turning_bodies();
+        trajectory.samples[broken].q.w = std::numeric_limits<double>::quiet_NaN();
+        trajectory.samples[broken == 4 ? 5 : 4].q = {std::cos(0.125), 0, 0, std::sin(0.125)};
+        const ErrorSeries series = error_series(scene, trajectory, truth);
+        EXPECT_TRUE(std::isnan(series["attitude"][2])) << broken;
+        EXPECT_EQ(series["attitude"][1], 0) << broken;
+    }
+}
+
+TEST(SystemErrors, AreRelativeToTheLargestEvenWhereTheTruthEndsAtRest) {
+    Trajectory trajectory = turning_bodies();
+    for (std::size_t i : {8U, 9U}) trajectory.samples[i].angular_velocity_B = {};
+    const Reference truth = truth_of(trajectory);
+    trajectory.samples[9].angular_velocity_B = {0, 0, 0.75};
+    const Errors e = errors_of(two_turning_bodies(false), trajectory, truth);
+    EXPECT_NEAR(*e["omega"].final, 0.25, 1e-15);
+    EXPECT_NEAR(*e["momentum"].final, 0.75 * 4 / 24, 1e-15);
+    EXPECT_NEAR(*e["energy"].final, 0.75 * 0.75 / (2 * 9), 1e-15);
+}
+
+TEST(SystemErrors, TheMomentumIsComparedAsAVector) {
+    Trajectory trajectory = turning_bodies();
+    const Reference truth = truth_of(trajectory);
+    for (std::size_t i : {6U, 7U}) trajectory.samples[i].angular_velocity_B = {0, 0, -3};
+    EXPECT_NEAR(*errors_of(two_turning_bodies(false), trajectory, truth)["momentum"].max, 2, 1e-15);
+}
+
+TEST(SystemErrors, TheEnergyIsRelativeToTheLargerOfItselfAndTheKineticOne) {
+    Scene scene = two_turning_bodies(false);
+    scene.loads = {Gravity{{0, 0, -9}, {}}};
+    // the bodies turn with 36 J, and have 36 J more or less for each metre that both are up or down
+    for (const double height : {1.0, -1.0}) {
+        Trajectory trajectory = turning_bodies();
+        for (Sample& s : trajectory.samples) s.position_W[2] = height;
+        const Reference truth = truth_of(trajectory);
+        trajectory.samples[9].position_W[2] += 0.5;
+        EXPECT_NEAR(*errors_of(scene, trajectory, truth)["energy"].max, 9.0 / (height > 0 ? 72 : 36), 1e-15);
+    }
+}
+
+TEST(SystemErrors, OfSeveralJointsAreTheWorstOnes) {
+    Scene scene = two_turning_bodies(true);
+    scene.joints.resize(2, scene.joints[0]);
+    scene.joints[1].name = "other", scene.joints[1].child = "left", scene.joints[1].child_point = {1, 0, 0};
+    Trajectory trajectory = turning_bodies();
+    Reference truth = truth_of(trajectory);
+    // the forces are largest half-way: 4 N at the second joint
+    for (int k = 0; k < 5; ++k)
+        for (const double force : {1.0, k == 2 ? 4.0 : 2.0}) {
+            trajectory.reactions.push_back({{0, 0, force}, {}});
+            truth.reactions.push_back({exactly({0, 0, force}), exactly({})});
+        }
+    trajectory.reactions[5].force_W[0] = 1;
+    trajectory.reactions[8].force_W[0] = 0.5;
+    const ErrorSeries series = error_series(scene, trajectory, truth);
+    EXPECT_EQ(series["reaction"], (std::vector<double>{0, 0, 0.25, 0, 0.125}));
+    // what the motion does not determine is no part of the largest force either
+    truth.reactions[5].force_W[2] = Pair(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(error_series(scene, trajectory, truth)["reaction"], (std::vector<double>{0, 0, 0.5, 0, 0.25}));
+}
+
+TEST(SystemErrors, TheDefectOfAMatrixIsTheWorstBodys) {
+    Trajectory trajectory = turning_bodies();
+    trajectory.orthogonality_defect.assign(10, 0.0);
+    trajectory.orthogonality_defect[5] = 1e-3, trajectory.orthogonality_defect[8] = 2e-3;
+    EXPECT_EQ(error_series(two_turning_bodies(false), trajectory, {})["norm"],
+              (std::vector<double>{0, 0, 1e-3, 0, 2e-3}));
+}
+
 // A body of its own, told as one of several and as a scene's only one.
 RC_GTEST_PROP(SystemErrors, OfOneBodyAreThoseOfABodyAlone, ()) {
     Scene alone;

@@ -344,5 +344,38 @@ TEST(TruthOfImpacts, IsNoneWhereTheBodyComesToRestOrRubs) {
     EXPECT_NE(rubbed.message.find("friction"), std::string::npos) << rubbed.message;
 }
 
+/// Two planes that meet: a ball between them strikes the one at (1 - 1/4) / 2, the other at (1 - 1/4) / 3, and the
+/// speed along each normal alone turns round.
+TEST(TruthOfImpacts, TakeTheSpeedAlongTheNormalTimesTheRestitution) {
+    Scene scene = falling(SolidSphere{0.25}, 0, 1);
+    scene.duration = 0.5;
+    scene.loads.clear();
+    scene.initial.velocity_W = {-2, -3, 1}, scene.initial.angular_velocity = {1, 2, 3};
+    scene.initial.position_W = {1, 1, 0};
+    scene.planes = {Plane{{1, 0, 0}, 0, 0.5, 0}, Plane{{0, 1, 0}, 0, 0.25, 0}};
+    const Reference truth = truth_of(scene, 1);
+    ASSERT_TRUE(truth.available) << truth.message;
+    ASSERT_EQ(truth.impact_times.size(), 2U);
+    EXPECT_EQ(truth.impact_times[0].high, 0.25);
+    EXPECT_EQ(truth.impact_times[1].high, 0.375);
+    const ReferenceSample& end = truth.samples.back();
+    EXPECT_EQ(end.velocity_W[0].high, 1);
+    EXPECT_EQ(end.velocity_W[1].high, 0.75);
+    EXPECT_EQ(end.velocity_W[2].high, 1);
+    EXPECT_NEAR(end.position_W[0].high, 0.25 + 0.125, 1e-15);
+    EXPECT_EQ(end.angular_velocity_B[1].high, 2);
+}
+
+/// A rod that turns fast and flies slowly strikes with its end: the speed of its points is mostly that of the turn.
+TEST(TruthOfImpacts, SeesTheEndOfAFastRod) {
+    Scene scene = falling(Box{{0.02, 0.02, 1}}, 0.75, 1);
+    scene.duration = 0.05;
+    scene.initial.angular_velocity = {40, 0, 0};
+    scene.initial.orientation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};
+    const Reference truth = truth_of(scene, 1);
+    ASSERT_TRUE(truth.available) << truth.message;
+    EXPECT_GE(truth.impact_times.size(), 1U);
+}
+
 }  // namespace
 }  // namespace polhode

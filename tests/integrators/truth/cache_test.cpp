@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -210,6 +211,42 @@ TEST(TruthCache, NoPlaceForItIsNoFault) {
     const FreshCache cache;
     ::setenv("POLHODE_CACHE", "/proc/no/such/place", 1);
     EXPECT_TRUE(find_truth(scene_of(1), 2, 25).reference.available);
+}
+
+TEST(TruthCache, LiesWhereTheEnvironmentSays) {
+    const FreshCache cache;
+    const auto before = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+    const std::string home = before("HOME"), base = before("XDG_CACHE_HOME");
+    EXPECT_EQ(cache_path("k"), cache.directory() + "/truth-k.txt");
+    ::unsetenv("POLHODE_CACHE");
+    ::setenv("HOME", "/some/one", 1), ::setenv("XDG_CACHE_HOME", "/some/cache", 1);
+    EXPECT_EQ(cache_path("k"), "/some/cache/polhode/truth-k.txt");
+    // the specification: what is not absolute is to be ignored
+    ::setenv("XDG_CACHE_HOME", "relative", 1);
+    EXPECT_EQ(cache_path("k"), "/some/one/.cache/polhode/truth-k.txt");
+    ::unsetenv("HOME"), ::unsetenv("XDG_CACHE_HOME");
+    EXPECT_EQ(cache_path("k"), "");
+    EXPECT_FALSE(cached("k"));
+    if (!home.empty()) ::setenv("HOME", home.c_str(), 1);
+    if (!base.empty()) ::setenv("XDG_CACHE_HOME", base.c_str(), 1);
+}
+
+TEST(TruthCache, KeyHasTheTimes) {
+    EXPECT_NE(cache_key(scene_of(1), std::vector<double>{0, 1}, 25),
+              cache_key(scene_of(1), std::vector<double>{0, 0.5}, 25));
+    EXPECT_NE(cache_key(scene_of(1), std::vector<double>{0, 1}, 25),
+              cache_key(scene_of(1), std::vector<double>{0, 1}, 26));
+}
+
+// A file that was renamed, or one of the same key by another way: what it says of itself decides.
+TEST(TruthCache, AFileUnderAnotherNameIsNotTaken) {
+    Truth made;
+    made.reference.available = true, made.reference.message = "by hand";
+    EXPECT_TRUE(decode("one", encode("one", made)));
+    EXPECT_FALSE(decode("other", encode("one", made)));
+    EXPECT_TRUE(decode("one", encode("one", made))->reference.available);
+    made.reference.available = false;
+    EXPECT_FALSE(decode("one", encode("one", made))->reference.available);
 }
 
 }  // namespace

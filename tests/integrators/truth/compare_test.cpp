@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "integrators/truth/cache.h"
@@ -11,6 +12,7 @@ namespace polhode::truth {
 namespace {
 
 using Fifty = Real<50>;
+using RunOfOne = Run<Fifty>;
 using RunOfTwo = Run<Fifty, Motions<Fifty>>;
 
 // Two free bodies: one spins about its z axis and flies, the other is pulled by a spring at its joint.
@@ -144,6 +146,104 @@ TEST(TruthOfSeveralBodies, RoundOffOfWhatDoesNotMoveIsNoDisagreement) {
     EXPECT_EQ(disagreement(other, one), 1);
     // relative to the largest radius of gyration, sqrt(6 / 2 / 2), and as much in a second
     EXPECT_NEAR(disagreement(other, one, natural_sizes<Fifty>(two_bodies())), 1e-48 / std::sqrt(1.5), 1e-54);
+}
+
+// of one body
+// -----------------------------------------------------------------------------------------------------------
+
+RunOfOne run_of_one() {
+    RunOfOne run;
+    for (const double t : three_times) run.motions.push_back(spinning_body(Fifty(t)));
+    // each block is largest in the middle
+    run.motions[1].position_W = {Fifty(8), Fifty(0), Fifty(0)},
+    run.motions[1].velocity_W = {Fifty(0), Fifty(4), Fifty(0)};
+    run.motions[1].angular_velocity_B = {Fifty(0), Fifty(0), Fifty(16)};
+    return run;
+}
+
+TEST(TruthOfOneBody, DiffersByItsWorstBlockOverTheBlocksLargestLength) {
+    const auto differs = [](const auto& change) {
+        RunOfOne other = run_of_one();
+        change(other);
+        return disagreement(run_of_one(), other);
+    };
+    // at the first time, where neither the difference nor the length is the last one
+    EXPECT_NEAR(differs([](auto& run) { run.motions[0].position_W[1] += Fifty(1e-20); }), 1e-20 / 8, 1e-30);
+    EXPECT_NEAR(differs([](auto& run) { run.motions[0].velocity_W[2] += Fifty(1e-20); }), 1e-20 / 4, 1e-30);
+    EXPECT_NEAR(differs([](auto& run) { run.motions[0].angular_velocity_B[0] += Fifty(1e-20); }), 1e-20 / 16, 1e-30);
+    EXPECT_NEAR(differs([](auto& run) { run.motions[0].q.y += Fifty(1e-20); }), 2e-20, 1e-30);
+    EXPECT_EQ(differs([](auto& run) {
+                  Quaternion<Fifty>& q = run.motions[2].q;
+                  q = {-q.w, -q.x, -q.y, -q.z};
+              }),
+              3);
+    const double infinite = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(differs([](auto& run) { run.motions[1].q.w = std::numeric_limits<Fifty>::quiet_NaN(); }), infinite);
+    EXPECT_EQ(differs([&](auto& run) { run.motions[1].velocity_W[0] = Fifty(infinite); }), infinite);
+    // what is at rest throughout differs by what it differs
+    RunOfOne rest = run_of_one();
+    for (Motion<Fifty>& m : rest.motions) m.velocity_W = {};
+    RunOfOne other = rest;
+    other.motions[1].velocity_W[0] = Fifty(1e-20);
+    RunOfOne nothing = rest;
+    EXPECT_EQ(disagreement(rest, nothing), 0);
+    EXPECT_EQ(disagreement(rest, other), 1e-20);
+}
+
+Problem problem_of_one() {
+    Problem problem;
+    problem.scene.name = "one", problem.scene.duration = 1;
+    problem.scene.body.mass = 2, problem.scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    return problem;
+}
+
+TEST(TruthOfOneBody, IsWrittenWithItsEnergyAndItsRateInTheWorld) {
+    RunOfOne run = run_of_one();
+    // turned by a third of a turn about (1, 1, 1), so that the body's z is the world's x
+    run.motions[0].q = {Fifty(0.5), Fifty(0.5), Fifty(0.5), Fifty(0.5)};
+    const Attempt attempt = compared(problem_of_one(), three_times, run, run, "by hand", 50);
+    const ReferenceSample& first = attempt.truth.reference.samples[0];
+    EXPECT_EQ(first.angular_velocity_B[2].high, 2);
+    EXPECT_EQ(first.angular_momentum_W[0].high, 6);
+    // 3 2^2 / 2, and 2 (1 + 1/9) / 2 of the flight
+    EXPECT_EQ(first.energy.high, 6 + 10.0 / 9);
+    EXPECT_EQ(attempt.truth.decimals[0][4].substr(0, 4), "2.00");
+    EXPECT_EQ(attempt.truth.decimals[0][6][0], '0');
+    EXPECT_EQ(attempt.truth.reference.samples[1].energy.high, 3 * 128 + 16);
+}
+
+TEST(TruthOfOneBody, ItsImpactsAreComparedAndCounted) {
+    RunOfOne first = run_of_one(), second = run_of_one();
+    first.impacts = {Fifty(0.25), Fifty(0.5)};
+    second.impacts = {Fifty(0.25) + Fifty(3e-20), Fifty(0.5) - Fifty(1e-20)};
+    Attempt attempt = compared(problem_of_one(), three_times, first, second, "by hand", 50);
+    EXPECT_EQ(attempt.agreed_digits, 50);
+    EXPECT_NEAR(attempt.truth.reference.impact_time_error, 3e-20, 1e-30);
+    ASSERT_EQ(attempt.truth.reference.impact_times.size(), 2u);
+    EXPECT_NE(attempt.truth.reference.message.find("2 impacts"), std::string::npos);
+    second.impacts.pop_back();
+    attempt = compared(problem_of_one(), three_times, first, second, "by hand", 50);
+    EXPECT_LT(attempt.agreed_digits, 0);
+    EXPECT_TRUE(std::isinf(attempt.truth.reference.bound));
+}
+
+TEST(TruthOfSeveralBodies, ReactionsThatOnlyOneKnowsAreLeftOut) {
+    Beside<Fifty> first;
+    for (int k = 0; k < 3; ++k) first.reactions.push_back({{{Fifty(k), Fifty(0), Fifty(0)}, {}}});
+    const Attempt attempt =
+        compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, Beside<Fifty>());
+    EXPECT_EQ(attempt.agreed_digits, 50);
+    EXPECT_TRUE(attempt.truth.reference.reactions.empty());
+}
+
+TEST(TruthOfSeveralBodies, JointsWithoutForceAgree) {
+    Beside<Fifty> still;
+    for (int k = 0; k < 3; ++k) still.reactions.push_back({{{}, {}}});
+    const Attempt attempt =
+        compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, still, still);
+    EXPECT_EQ(attempt.agreed_digits, 50);
+    EXPECT_EQ(attempt.truth.reference.reactions[1].torque_W[0].high, 0);
+    EXPECT_EQ(attempt.truth.reaction_decimals[1][4].find("nan"), std::string::npos);
 }
 
 }  // namespace

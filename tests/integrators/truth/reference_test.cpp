@@ -13,6 +13,8 @@
 #include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
 #include "motion/exact_body.h"
+#include "motion/problem.h"
+#include "scene/body_source.h"
 
 namespace polhode {
 namespace {
@@ -223,6 +225,58 @@ TEST(Reference, DecimalsAgreeWithPairs) {
         const Vector3<R> w = rotate(value(truth.samples[k].q), value(truth.samples[k].angular_velocity_B));
         EXPECT_LT(abs(R(R(decimals.columns[k][6]) - w[2])), R(promised));
     }
+}
+
+TEST(Reference, HasTheEnergyOfTheMotion) {
+    const FreshCache cache;
+    Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 1);
+    scene.body.mass = 2, scene.initial.velocity_W = {3, 0, 0}, scene.initial.position_W = {0, 0, 1};
+    scene.loads.push_back(Gravity{{0, 0, -8}, {}});
+    // (1 + 12) / 2 + 9 + 2 8 1
+    for (const ReferenceSample& sample : reference(scene, 2).samples) EXPECT_EQ(sample.energy.high, 31.5);
+}
+
+TEST(Reference, DecimalsAreBoundedWithTheirOwnRounding) {
+    const FreshCache cache;
+    const Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 1);
+    const DecimalReference few = decimal_reference(scene, 1, 10);
+    ASSERT_TRUE(few.available);
+    // 12 digits are written: 5 10^-12 of each component, 10^-11 of the attitude
+    EXPECT_GE(few.bound, 1e-11);
+    EXPECT_LT(few.bound, 1.001e-11);
+    EXPECT_EQ(few.times, (std::vector<double>{0, 1}));
+}
+
+TEST(Reference, AsManyDigitsAsCanBeAskedFor) {
+    const FreshCache cache;
+    const Reference most = reference(free_body({1, 2, 3}, {1, 0, 2}, 1), 1, most_truth_digits);
+    ASSERT_TRUE(most.available) << most.message;
+    EXPECT_LE(most.bound, std::pow(10.0, -most_truth_digits));
+}
+
+TEST(Reference, StiffMotionsAreNotFollowedOntoPlanes) {
+    const FreshCache cache;
+    Scene scene = free_body({1, 1, 1}, {1, 0, 2}, 1);
+    scene.body = body_of(body_source(ShapedBody{SolidSphere{0.25}, {2, false}}));
+    scene.initial.position_W = {0, 0, 2};
+    scene.planes = {Plane{}};
+    scene.loads.push_back(Drag{{1e6, 1e6, 1e6}, 0, {}});
+    const Reference truth = reference(scene, 1);
+    EXPECT_FALSE(truth.available);
+    EXPECT_NE(truth.message.find("knows no planes"), std::string::npos) << truth.message;
+}
+
+// Of the two dampings the stronger one decides, the centre's as well as the rotation's.
+TEST(StrongDamping, IsThatOfTheFlightOrOfTheRotation) {
+    Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 1);
+    scene.loads.push_back(Drag{{0, 0, 0}, 1e4, {}});
+    EXPECT_EQ(truth_method(pose(scene)), "collocation");
+    scene.loads = {Drag{{1e4, 1e4, 1e4}, 0, {}}};
+    EXPECT_EQ(truth_method(pose(scene)), "collocation");
+    scene.loads = {Drag{{1, 1, 1}, 1, {}}};
+    EXPECT_EQ(truth_method(pose(scene)), "Taylor series");
+    Scene longer = free_body({1, 2, 3}, {1, 0, 2}, 1e6);
+    EXPECT_EQ(truth_method(pose(longer)), "closed form");
 }
 
 }  // namespace

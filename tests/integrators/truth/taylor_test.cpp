@@ -103,5 +103,13 @@ TEST(TruthTaylor, BodiesSideBySideMoveAsEachDoesAlone) {
     }
 }
 
+TEST(TruthTaylor, EndsWhereItWouldTakeMoreStepsThanAreAllowed) {
+    const Scene scene = find_scene("free_asymmetric");
+    const Problem problem = pose(scene);
+    const auto run = truth::taylor<P, Form>(scene, {0, scene.duration}, problem.scales, problem.body.principal.moments,
+                                            {36, 32, 1, 3});
+    EXPECT_EQ(run.fault, "more steps than are allowed");
+}
+
 }  // namespace
 }  // namespace polhode

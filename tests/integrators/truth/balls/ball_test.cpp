@@ -91,5 +91,25 @@ RC_GTEST_PROP(BallDecimal, HoldsTheBall, (std::int32_t mantissa, std::int8_t exp
     }
 }
 
+TEST(Ball, IsWidenedByWhatIsSaid) {
+    const Ball wide = widened(Ball(1), Bound(0.25));
+    EXPECT_TRUE((wide - Ball(1.25)).contains_zero());
+    EXPECT_TRUE((wide - Ball(0.75)).contains_zero());
+    EXPECT_FALSE((wide - Ball(1.26)).contains_zero());
+}
+
+TEST(Bound, WhatIsLeastIsRoundedDownward) {
+    const Ball wide = widened(Ball(-1), Bound(0.25));
+    EXPECT_LE(Bound::least_of(wide).near(), 0.75);
+    EXPECT_GT(Bound::least_of(wide).near(), 0.75 * (1 - 1e-8));
+    EXPECT_GE(Bound(wide).near(), 1.25);
+    EXPECT_EQ(Bound::least_of(widened(Ball(1), Bound(2.0))).near(), 0);
+    // 1 - 2^-40 in thirty bits: below it, and not 1
+    const double less = least_difference(Bound::least_of(Ball(1)), Bound(0x1p-40)).near();
+    EXPECT_LE(less, 1 - 0x1p-40);
+    EXPECT_GT(less, 1 - 1e-8);
+    EXPECT_TRUE(least_difference(Bound(1.0), Bound(2.0)).is_zero());
+}
+
 }  // namespace
 }  // namespace polhode::truth

@@ -9,9 +9,10 @@ namespace polhode {
 /// 113 bits of precision, computed in software.
 __extension__ using Wide = __float128;
 
-/// The square root by Newton's iteration from the binary64 one: two steps from 53 bits give 113.
+/// The square root by Newton's iteration from the binary64 one: two steps from 53 bits give 113. Zero of what rounding
+/// left below zero.
 inline Wide square_root(const Wide& x) {
-    if (!(x > 0)) return 0;
+    if (!(x > 0)) return x - x;  // what is not a number stays so
     if (x - x != 0) return x;  // infinity
     // scale by a power of four into binary64's range, so that the first guess neither overflows nor vanishes
     Wide scaled = x, factor = 1;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "build_kind.h"
 #include "catalogue.h"
@@ -58,12 +60,22 @@ void expect_proven(const CertifiedReference& certified, int digits) {
     EXPECT_GE(certified.digits, digits);
     const R limit = pow(R(10), -digits);
     EXPECT_LE(R(certified.radius), limit);
-    for (std::size_t k = 0; k < certified.columns.size(); ++k)
+    int fewest = std::numeric_limits<int>::max();
+    for (std::size_t k = 0; k < certified.columns.size(); ++k) {
         for (const CertifiedNumber& number : certified.columns[k]) {
             EXPECT_LE(R(number.radius), R(certified.bounds[k]));
             EXPECT_LE(R(certified.bounds[k]), R(certified.radius));
             EXPECT_GE(number.digits, digits);
+            if (R(number.radius) > 0) fewest = std::min(fewest, number.digits);
         }
+        // the quaternion's size is 1
+        for (std::size_t c = 0; c < 4; ++c) {
+            const CertifiedNumber& number = certified.columns[k][c];
+            EXPECT_LE(R(number.radius), pow(R(10), -number.digits) * (1 + R("1e-25")));
+        }
+    }
+    // where all is exact there are as many as were asked for
+    EXPECT_EQ(certified.digits, fewest == std::numeric_limits<int>::max() ? digits : fewest);
 }
 
 void expect_contained(const Scene& scene, const char* method) {
@@ -266,6 +278,8 @@ TEST(Certified, RefusesWhatHasNoTruth) {
     Scene scene = heavy_top();
     EXPECT_THROW(certified_reference(scene, 0, 30), std::invalid_argument);
     EXPECT_THROW(certified_reference(scene, 1, 0), std::invalid_argument);
+    for (const std::vector<double>& bad : {std::vector<double>{}, {0, 4}, {-1, 1}, {1, 1}, {2, 1}})
+        EXPECT_THROW(certified_reference(scene, bad, 10), std::invalid_argument);
     scene.loads.push_back(UserTorque{"mine", [](const LoadState&) { return Vector3<double>(); }, {}});
     const CertifiedReference none = certified_reference(scene, 1, 10);
     EXPECT_FALSE(none.available);

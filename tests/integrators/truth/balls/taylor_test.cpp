@@ -65,6 +65,37 @@ TEST(SweptBoxes, HoldTheMotionOnTheirPart) {
         }
 }
 
+TEST(Defect, OfFewTermsHoldsTheirProductsAsWell) {
+    const WorkingPrecision precision(128);
+    Series<Ball> series(record<Ball>(Riccati{}, 2), 2);
+    const Ball start[2] = {Ball(1), Ball(1)};
+    series.expand(start);
+    // p = 1 + t + t^2: p^2 - p' = 3 t^2 + 2 t^3 + t^4
+    const double h = 0.5, missed = 3 * 0.25 + 2 * 0.125 + 0.0625;
+    const std::vector<Bound> d = defect(series.recording(), term_bounds(series, Bound(h))).rate;
+    for (const Bound& rate : d) {
+        EXPECT_GE(rate.near(), missed);
+        EXPECT_LT(rate.near(), missed * (1 + 1e-6));
+    }
+}
+
+TEST(SweptBoxes, HoldThePolynomialToItsLastTerm) {
+    const WorkingPrecision precision(128);
+    for (const int order : {3, 40}) {
+        Series<Ball> series(record<Ball>(Riccati{}, 2), order);
+        const Ball start[2] = {Ball(1), Ball(1)};
+        series.expand(start);
+        const double h = 0.75;
+        const auto boxes = swept_boxes(series, term_bounds(series, Bound(h)), Ball(h), std::vector<Bound>(2), 4);
+        for (int part = 0; part < 4; ++part)
+            for (const double t : {part * h / 4, (part + 0.5) * h / 4, (part + 1) * h / 4}) {
+                Ball y[2];
+                series.evaluate(Ball(t), y);
+                EXPECT_TRUE((y[0] - boxes[part][0]).contains_zero()) << order << ' ' << part << ' ' << t;
+            }
+    }
+}
+
 class EncloseByTaylor : public ::testing::TestWithParam<Carry> {};
 
 // a body turning about a principal axis under drag: w = w0 e^(-c t / I), angle = w0 I / c (1 - e^(-c t / I))

@@ -35,8 +35,14 @@ NaturalSizes<P> natural_sizes(const Scene& scene) {
     return {rate, size, size * rate};
 }
 
+/// The larger of two; what is not a number is larger than all.
+template <class P>
+P larger(const P& a, const P& b) {
+    return !(b <= a) && !isnan(a) ? b : a;
+}
+
 /// The largest difference between motions: the attitude's angle in rad, and each other block relative to its largest
-/// length among all of them (absolute where that is zero).
+/// length among all of them (absolute where that is zero). Infinite where one of the motions is not finite.
 template <class P>
 class Difference {
   public:
@@ -47,14 +53,14 @@ class Difference {
 
     void note(const Motion<P>& x, const Motion<P>& y) {
         const Quaternion<P> between = conjugate(x.q) * y.q;
-        angle_ = std::max(angle_, P(2 * length(vector_part(between))));
+        angle_ = larger(angle_, P(2 * length(vector_part(between))));
         if (between.w <= 0) angle_ = std::max(angle_, P(3));  // opposite sign: a flip is a disagreement too
         w_.note(x.angular_velocity_B, y.angular_velocity_B);
         p_.note(x.position_W, y.position_W);
         v_.note(x.velocity_W, y.velocity_W);
     }
     double worst() const {
-        const P worst = std::max({angle_, w_.relative(), p_.relative(), v_.relative()});
+        const P worst = larger(larger(angle_, w_.relative()), larger(p_.relative(), v_.relative()));
         return is_finite(worst) ? worst.template convert_to<double>() : std::numeric_limits<double>::infinity();
     }
 
@@ -62,8 +68,8 @@ class Difference {
     struct Tally {
         P largest{0}, difference{0}, natural{0};
         void note(const Vector3<P>& x, const Vector3<P>& y) {
-            largest = std::max(largest, length(x));
-            difference = std::max(difference, length(x - y));
+            largest = larger(largest, length(x));
+            difference = larger(difference, length(x - y));
         }
         P relative() const {
             const P size = largest > P(1e-15) * natural ? largest : natural;

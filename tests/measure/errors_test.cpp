@@ -60,6 +60,7 @@ TEST(AttitudeError, HasNoSignAndNoLength) {
     const auto reference = pair(Quaternion<double>{1, 0, 0, 0});
     EXPECT_NEAR(attitude_error(twice, reference), 0.25, 1e-15);
     EXPECT_NEAR(attitude_error(minus, reference), 0.25, 1e-15);
+    EXPECT_NEAR(attitude_error(q, pair(about_x(1))), 0.75, 1e-15);
 }
 
 TEST(AttitudeError, SeesTheLowPartOfTheTruth) {

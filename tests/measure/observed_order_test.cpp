@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 namespace polhode {
 namespace {
@@ -91,6 +93,8 @@ TEST(ObservedOrder, LeavesOutWhatIsNoPoint) {
         EXPECT_NEAR(fit->order, 2, 1e-12) << step;
         EXPECT_EQ(fit->points, 3) << step;
     }
+    for (const double step : {-0.4, 0.0, infinite, 0.4})
+        EXPECT_FALSE(observed_order({step, 0.2, 0.1}, {step == 0.4 ? infinite : 0.16, 0.04, 0.01})) << step;
     // a step that was run twice counts once
     const auto fit = observed_order({0.2, 0.1, 0.1, 0.05}, {0.04, 0.01, 0.01, 0.0025});
     ASSERT_TRUE(fit);
@@ -128,6 +132,26 @@ TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {
     ASSERT_TRUE(rough);
     EXPECT_EQ(rough->points, 3);
     EXPECT_NEAR(rough->order, 1.1, 1e-12);
+}
+
+// errors with these slopes between neighbours, the finest step first
+std::optional<ObservedOrder> order_of_slopes(const std::vector<double>& slopes) {
+    std::vector<double> steps{0x1p-10}, errors{1e-6};
+    for (const double slope : slopes) {
+        steps.push_back(2 * steps.back());
+        errors.push_back(std::exp2(slope) * errors.back());
+    }
+    return observed_order(steps, errors);
+}
+
+TEST(ObservedOrder, ComparesTheSlopesBetweenNeighbours) {
+    EXPECT_EQ(order_of_slopes({2, 2.04, 2})->points, 4);
+    // 5 % apart: the other three points
+    EXPECT_EQ(order_of_slopes({2, 2.1, 2.1})->points, 3);
+    EXPECT_NEAR(order_of_slopes({2, 2.1, 2.1})->order, 2.1, 1e-12);
+    // slopes that drift agree with their neighbours alone
+    EXPECT_EQ(order_of_slopes({2, 2.05, 2.1, 2.15})->points, 3);
+    EXPECT_NEAR(order_of_slopes({2, 2.05, 2.1, 2.15})->order, 2.125, 1e-12);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "measure/errors.h"
 
@@ -252,6 +254,9 @@ TEST(SystemErrors, OfSeveralJointsAreTheWorstOnes) {
     // what the motion does not determine is no part of the largest force either
     truth.reactions[5].force_W[2] = Pair(std::numeric_limits<double>::quiet_NaN());
     EXPECT_EQ(error_series(scene, trajectory, truth)["reaction"], (std::vector<double>{0, 0, 0.5, 0, 0.25}));
+    // and what it does determine of that one is
+    truth.reactions[5].force_W[0] = Pair(5), trajectory.reactions[5].force_W[0] = 6;
+    EXPECT_EQ(error_series(scene, trajectory, truth)["reaction"], (std::vector<double>{0, 0, 0.2, 0, 0.1}));
 }
 
 TEST(SystemErrors, TheDefectOfAMatrixIsTheWorstBodys) {
@@ -260,6 +265,24 @@ TEST(SystemErrors, TheDefectOfAMatrixIsTheWorstBodys) {
     trajectory.orthogonality_defect[5] = 1e-3, trajectory.orthogonality_defect[8] = 2e-3;
     EXPECT_EQ(error_series(two_turning_bodies(false), trajectory, {})["norm"],
               (std::vector<double>{0, 0, 1e-3, 0, 2e-3}));
+}
+
+TEST(SystemErrors, SayWhichNumberOfBodiesIsAnother) {
+    const Scene scene = two_turning_bodies(false);
+    const auto fault = [&](const Trajectory& trajectory, const Reference& truth) -> std::string {
+        try {
+            error_series(scene, trajectory, truth);
+        } catch (const std::invalid_argument& e) {
+            return e.what();
+        }
+        return "";
+    };
+    Trajectory trajectory = turning_bodies();
+    Reference truth = truth_of(trajectory);
+    truth.bodies = 1;
+    EXPECT_EQ(fault(trajectory, truth), "the truth is of another number of bodies");
+    trajectory.bodies = 5;
+    EXPECT_EQ(fault(trajectory, truth_of(turning_bodies())), "the trajectory is of another number of bodies");
 }
 
 // A body of its own, told as one of several and as a scene's only one.

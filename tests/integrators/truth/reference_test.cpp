@@ -280,11 +280,11 @@ TEST(StrongDamping, IsThatOfTheFlightOrOfTheRotation) {
     EXPECT_EQ(truth_method(pose(longer)), "closed form");
 }
 
-// In the plane a four-bar's hinges hold it more often than need be: what the motion leaves open is told by no digit.
+// Of six hinges in a loop the geometry alone lets this one move: what the motion leaves open is told by no digit.
 TEST(Reference, DecimalsOfSeveralBodiesLeaveOutWhatIsNotDetermined) {
     const FreshCache cache;
-    Scene scene = find_scene("mechanisms/four_bar");
-    scene.duration /= 64;
+    Scene scene = find_scene("mechanisms/bricard");
+    scene.duration = 0.02;
     const DecimalReference truth = decimal_reference(scene, 2, 25);
     ASSERT_TRUE(truth.available) << truth.message;
     EXPECT_EQ(truth.times, sample_times(scene.duration, 2));
@@ -297,7 +297,7 @@ TEST(Reference, DecimalsOfSeveralBodiesLeaveOutWhatIsNotDetermined) {
             ++(number.empty() ? open : told);
         }
     EXPECT_GT(open, 0);
-    EXPECT_GT(told, open);
+    EXPECT_GT(told, 0);
 }
 
 }  // namespace

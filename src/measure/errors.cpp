@@ -51,8 +51,10 @@ Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Ref
         const bool by_truth = (measures()[m].needs & known_truth) != 0;
         if (values.empty() || (by_truth && (!reference.available || values.size() != reference.moments()))) continue;
         result[m].final = values.back();
+        // what is not a number at some sample has no largest
         const double most = *std::max_element(values.begin(), values.end());
-        if (std::isfinite(most)) result[m].max = most;
+        if (std::isfinite(most) && std::ranges::none_of(values, [](double x) { return std::isnan(x); }))
+            result[m].max = most;
     }
     return result;
 }

@@ -204,6 +204,18 @@ TEST(Errors, AMaximumThatOverflowsDoesNotExist) {
     EXPECT_EQ(*e["velocity"].final, 0);
 }
 
+TEST(Errors, WhatIsNotANumberHasNoMaximum) {
+    const Scene scene = free_body();
+    const Reference reference = reference_at_rest(2);
+    for (std::size_t k = 0; k < 3; ++k) {
+        Trajectory trajectory = trajectory_with({1, 0, 0, 0}, {2, 0, 0});
+        trajectory.samples[k].position_W = {0, std::numeric_limits<double>::quiet_NaN(), 0};
+        const ErrorSeries series = error_series(scene, trajectory, reference);
+        EXPECT_TRUE(std::isnan(series["position"][k])) << k;
+        EXPECT_FALSE(errors(series, trajectory, reference)["position"].max) << k;
+    }
+}
+
 // The kinetic energy of the truth: m v^2 / 2 in flight, and of a body on a pivot I w^2 / 2 about the pivot alone.
 TEST(TrueState, HasTheKineticEnergyOfFlightOnlyWhereItFlies) {
     Scene scene = free_body();

@@ -337,6 +337,10 @@ TEST(TruthOfImpacts, IsNoneWhereTheBodyComesToRestOrRubs) {
     const Reference zeno = truth_of(bouncing(0.5, 2));
     EXPECT_FALSE(zeno.available);
     EXPECT_NE(zeno.message.find("comes to rest"), std::string::npos) << zeno.message;
+    // at rest is what is slower than 10^-15 of the first impact, and each halves the speed
+    const std::string told = "no truth: ";
+    ASSERT_EQ(zeno.message.rfind(told, 0), 0U) << zeno.message;
+    EXPECT_NEAR(std::stoi(zeno.message.substr(told.size())), 50, 4) << zeno.message;
     Scene rough = bouncing(1, 1);
     rough.planes[0].friction = 0.1;
     const Reference rubbed = truth_of(rough);

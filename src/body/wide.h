@@ -13,7 +13,7 @@ __extension__ using Wide = __float128;
 /// left below zero.
 inline Wide square_root(const Wide& x) {
     if (!(x > 0)) return x - x;  // what is not a number stays so
-    if (x - x != 0) return x;  // infinity
+    if (x - x != 0) return x;    // infinity
     // scale by a power of four into binary64's range, so that the first guess neither overflows nor vanishes
     Wide scaled = x, factor = 1;
     while (scaled > Wide(1e300)) scaled /= Wide(0x1p200), factor *= Wide(0x1p100);

@@ -279,10 +279,16 @@ TEST_F(Program, EveryKeyOfTheReferenceIsRead) {
                                      : "";
         const std::string whole = object + type + "}";
         const std::string scene = R"({"name": "a", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]}, )";
-        std::ofstream(directory / "s.json") << (key.object == "scene"     ? whole
-                                                : key.object == "plane"   ? scene + "\"planes\": [" + whole + "]}"
-                                                : key.object == "initial" ? scene + "\"initial\": " + whole + "}"
-                                                                          : scene + "\"loads\": [" + whole + "]}");
+        std::ofstream file(directory / "s.json");
+        if (key.object == "scene")
+            file << whole;
+        else if (key.object == "plane")
+            file << scene << "\"planes\": [" << whole << "]}";
+        else if (key.object == "initial")
+            file << scene << "\"initial\": " << whole << "}";
+        else
+            file << scene << "\"loads\": [" << whole << "]}";
+        file.close();
         const Outcome outcome = run({"describe", "s.json"});
         EXPECT_EQ(outcome.exit_code, 2);
         EXPECT_NE(outcome.err.find("zzz"), std::string::npos) << key.object << key.key << outcome.err;

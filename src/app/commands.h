@@ -22,6 +22,10 @@ void add_solve(CLI::App& program, int& exit_code);
 void add_describe(CLI::App& program, int& exit_code);
 /// Experiments into tables and pictures (run.cpp).
 void add_run(CLI::App& program, int& exit_code);
+/// What several folders hold of one experiment, as one (merge.cpp).
+void add_merge(CLI::App& program, int& exit_code);
+/// Text for the engines that run shards (submit.cpp).
+void add_submit(CLI::App& program, int& exit_code);
 /// The reference trajectory (truth.cpp).
 void add_truth(CLI::App& program, int& exit_code);
 /// Trajectories of anyone's making against the truth (check.cpp).

@@ -11,7 +11,10 @@
 #include "app/commands.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/pattern.h"
+#include "experiment/run/costs.h"
 #include "experiment/run/run_experiment.h"
+#include "table/table.h"
+#include "text/json_document.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -19,7 +22,7 @@ namespace {
 
 struct RunCommandOptions {
     std::vector<std::string> experiments;
-    std::string filter, output, shard = "1/1";
+    std::string filter, output, shard = "1/1", plan, measured;
     int jobs = 0;
     bool quick = false, dry_run = false, quiet = false;
 };
@@ -29,6 +32,18 @@ extern "C" void on_interrupt(int) {
     interrupt_sweep();
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
+}
+
+Costs read_plan(const std::string& path) {
+    constexpr std::size_t largest_plan_file = std::size_t{1} << 30;
+    const std::string text =
+        read_text(path, largest_plan_file, "a plan that `polhode run --dry-run --plan FILE` wrote");
+    try {
+        return {parse_csv(text), one_line(path, 300)};
+    } catch (const std::invalid_argument& fault) {
+        throw InputError(one_line(path, 300), "", one_line(fault.what(), 200),
+                         "give a plan that `polhode run --dry-run --plan FILE` wrote");
+    }
 }
 
 RunOptions checked(const RunCommandOptions& options) {
@@ -53,6 +68,15 @@ RunOptions checked(const RunCommandOptions& options) {
                               !std::filesystem::is_directory(run.directory, none))
         throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
     run.quick = options.quick, run.quiet = options.quiet;
+    if (!options.plan.empty() && options.dry_run) {
+        require_output(options.plan);
+    } else if (!options.plan.empty()) {
+        if (run.shards == 1)
+            throw UsageError("--plan says how shards share the cases out; give --shard I/N or --dry-run as well");
+        run.costs = std::make_shared<const Costs>(read_plan(options.plan));
+    }
+    if (!options.measured.empty() && !(options.dry_run && !options.plan.empty()))
+        throw UsageError("--measured is where a plan's costs come from; give --dry-run --plan FILE as well");
     return run;
 }
 
@@ -61,6 +85,7 @@ std::string command_line(const RunCommandOptions& options) {
     for (const std::string& name : options.experiments) line += " " + name;
     if (!options.filter.empty()) line += " --filter '" + options.filter + "'";
     if (options.shard != "1/1") line += " --shard " + options.shard;
+    if (!options.plan.empty()) line += " --plan '" + options.plan + "'";
     if (options.quick) line += " --quick";
     return line;
 }
@@ -82,6 +107,17 @@ void list_pending(const Plan& plan, const RunOptions& options) {
                    plan.experiment.name, pending.size(), known, total);
 }
 
+void tell_costs(const Table& costs, const std::string& path) {
+    double total = 0;
+    std::size_t measured = 0;
+    for (const std::vector<Cell>& row : costs.rows) {
+        total += std::get<double>(row[row.size() - 2]);
+        measured += text_of(row.back()) == "measured" ? 1 : 0;
+    }
+    fmt::print(stderr, "{}: {} cases and truths, {:.3g} s in all; {} of them measured\n", one_line(path, 300),
+               costs.rows.size(), total, measured);
+}
+
 int run_command(const RunCommandOptions& options) {
     const RunOptions checked_options = checked(options);
     // all are read before any is run: a slip in the last must not cost the time of the first
@@ -90,6 +126,15 @@ int run_command(const RunCommandOptions& options) {
         plans.push_back(make_plan(find_experiment(name), name, options.quick));
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
+    if (options.dry_run && !options.plan.empty()) {
+        const std::string& measured = options.measured.empty() ? checked_options.directory : options.measured;
+        Table costs{Costs::columns(), {}};
+        for (const Plan& plan : plans)
+            for (std::vector<Cell>& row : costs_of_work(plan, measured).rows) costs.rows.push_back(std::move(row));
+        write_output(options.plan, csv(costs));
+        if (!options.quiet) tell_costs(costs, options.plan);
+        return 0;
+    }
     for (const Plan& plan : plans) {
         if (options.dry_run)
             list_pending(plan, checked_options);
@@ -115,8 +160,16 @@ void add_run(CLI::App& program, int& exit_code) {
                         "only where it says so)");
     command->add_option("--jobs", options->jobs,
                         "Threads for truths and errors (default: all cores); timings run alone");
-    command->add_option("--shard", options->shard, "I/N: the I-th of N parts, over the same directory")
+    command
+        ->add_option("--shard", options->shard,
+                     "I/N: the I-th of N parts, over one directory or each over its own; see polhode merge")
         ->capture_default_str();
+    command->add_option(
+        "--plan", options->plan,
+        "With --dry-run: writes all cases with their expected seconds to this file (CSV). With --shard: "
+        "shares them out by such a file, the same for all shards");
+    command->add_option("--measured", options->measured,
+                        "With --dry-run --plan: a folder of results whose run times are taken (default: --output)");
     command->add_flag("--quick", options->quick, "Every third setting, short runs");
     command->add_flag("--dry-run", options->dry_run, "Only list what would run, and how long it took last time");
     command->add_flag("--quiet", options->quiet, "No progress, no summary");

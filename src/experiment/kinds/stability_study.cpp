@@ -46,7 +46,7 @@ Findings run_stability(const Plan& whole, const RunOptions& options) {
     const Plan plan = options.quick ? thinned(whole) : whole;
     const StabilityFindings found = run_stability_cases(plan, options);
     Findings result;
-    result.complete = found.missing == 0;
+    result.missing = found.missing;
     if (sweep_interrupted()) return result;
     const std::vector<StiffnessCost> costs = stiffness_costs(plan, found);
     const Table float32 = float32_table(found);
@@ -63,7 +63,7 @@ Findings run_stability(const Plan& whole, const RunOptions& options) {
         {"damping", "Damping 10^6 with a constant torque: what 1e-10 rad costs", damping_table(plan, found)},
     };
     result.figures = stiffness_figures(plan, costs);
-    if (result.complete && options.shard == 1) add_whole_parts(plan, found, options, result);
+    if (result.missing == 0 && options.shard == 1) add_whole_parts(plan, found, options, result);
     result.page = stability_page(plan, found, costs, result.tables);
     return result;
 }

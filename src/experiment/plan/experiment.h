@@ -34,6 +34,7 @@ struct Experiment {
     long max_steps = 1'000'000'000;  ///< likewise
     /// Likewise, of right-hand sides: unlike the clock it says the same on every machine and for any number of jobs.
     long max_evaluations = std::numeric_limits<long>::max();
+    std::string text{};  ///< of its file, as it was read; empty where it was made otherwise
 };
 
 /// An experiment file's text; `file` is named in errors. Throws InputError.
@@ -67,6 +68,7 @@ struct Plan {
     std::vector<PlannedScene> scenes;
     std::vector<PlannedCurve> curves;
     bool quick = false;  ///< a part of what the experiment asks for
+    std::string file{};  ///< what the experiment was read from, or the name of a built-in one
 };
 
 /// Whether any method of the plan is described by another name in the text that it is from.

@@ -253,6 +253,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     const JsonNode& root = document.root();
     root.only(keys_of(experiment_keys(), "experiment"));
     Experiment e;
+    e.text = text;
     e.name = root.required("name", "the experiment's name").string();
     if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(),
@@ -314,7 +315,7 @@ bool is_described(const Plan& plan) {
 }
 
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick, NamedFiles which) {
-    Plan plan{experiment, {}, {}, quick};
+    Plan plan{experiment, {}, {}, quick, file};
     Experiment& e = plan.experiment;
     if (quick) {
         e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);

@@ -80,7 +80,7 @@ void save_case(const std::string& directory, const std::string& key, const std::
     if (!result.series.t.empty())
         write_atomically(path_of(directory, key, ".series.csv").string(), csv(series_table(result.series)));
     write_atomically(path_of(directory, key, ".csv").string(),
-                     csv({result_columns(TableOf::systems), {row_of(experiment, result, TableOf::systems)}}));
+                     csv({result_columns(TableOf::stored), {row_of(experiment, result, TableOf::stored)}}));
 }
 
 std::optional<Table> load_rows(const std::string& directory, const std::string& key) {
@@ -102,6 +102,7 @@ bool is_done(const std::string& directory, const std::string& key) {
 }
 
 void save_duration(const std::string& directory, const std::string& words, double seconds) {
+    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
     write_atomically(path_of(directory, content_hash(words), ".seconds").string(), fmt::format("{:.3g}\n", seconds));
 }
 

@@ -31,8 +31,9 @@ Table page_of(const NamedTable& named);
 struct Findings {
     std::vector<NamedTable> tables{};
     std::vector<NamedFigure> figures{};
-    std::string page{};    ///< Markdown for EXPERIMENT.md in place of the table's, if not empty
-    bool complete = true;  ///< false: interrupted, filtered or a shard; run again to go on
+    std::string page{};  ///< Markdown for EXPERIMENT.md in place of the table's, if not empty
+    long missing = 0;    ///< rows that are not there yet: interrupted, filtered or a shard; run again to go on
+    std::vector<std::string> machines{};  ///< by name, whose times the rows of cases tell
 };
 
 }  // namespace polhode

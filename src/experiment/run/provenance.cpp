@@ -27,13 +27,6 @@ std::string read(const std::filesystem::path& path) {
     return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-std::string cpu() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-    return "unknown";
-}
-
 // what is torn counts as nothing
 ordered_json read_object(const std::filesystem::path& path) {
     ordered_json all = ordered_json::parse(read(path), nullptr, false);
@@ -53,7 +46,8 @@ std::string commit() {
 }  // namespace
 
 void record_provenance(const std::string& directory, const Experiment& experiment,
-                       const std::map<std::string, std::string>& titles, const std::string& command_line, bool quick) {
+                       const std::map<std::string, std::string>& titles, const std::vector<std::string>& files,
+                       const std::vector<std::string>& machines, const std::string& command_line, bool quick) {
     const std::filesystem::path path = std::filesystem::path(directory) / "provenance.json";
     ordered_json all = read_object(path);
     ordered_json versions = ordered_json::object();
@@ -62,6 +56,7 @@ void record_provenance(const std::string& directory, const Experiment& experimen
     all[experiment.name] = {{"about", experiment.about},
                             {"kind", experiment.kind->name},
                             {"titles", titles},
+                            {"files", files},
                             {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
                             {"command_line", command_line},
                             {"quick", quick},
@@ -71,8 +66,31 @@ void record_provenance(const std::string& directory, const Experiment& experimen
                             {"flags", POLHODE_FLAGS},
                             {"sundials", sundials_build()},
                             {"versions", versions},
-                            {"cpu", cpu()},
+                            {"cpu", processor_name()},
+                            {"machines", machines},
                             {"cores", std::thread::hardware_concurrency()}};
+    write_atomically(path.string(), all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
+std::vector<std::string> recorded_files(const std::string& directory, const std::string& experiment) {
+    const ordered_json all = read_object(std::filesystem::path(directory) / "provenance.json");
+    std::vector<std::string> files;
+    const auto entry = all.find(experiment);
+    if (entry == all.end() || !entry->is_object() || !entry->contains("files")) return files;
+    for (const ordered_json& file : entry->at("files")) {
+        if (!file.is_string()) continue;
+        const std::filesystem::path name(file.get<std::string>());
+        // a name in a stranger's folder leads nowhere else
+        if (name.filename() == name && name != "." && name != "..") files.push_back(name.string());
+    }
+    return files;
+}
+
+void copy_provenance(const std::string& from, const std::string& directory, const std::string& experiment) {
+    const std::filesystem::path path = std::filesystem::path(directory) / "provenance.json";
+    ordered_json all = read_object(path);
+    const ordered_json other = read_object(std::filesystem::path(from) / "provenance.json");
+    if (const auto entry = other.find(experiment); entry != other.end()) all[experiment] = *entry;
     write_atomically(path.string(), all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 

@@ -87,6 +87,11 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
     const std::filesystem::path folder(directory);
     std::filesystem::create_directories(folder);
     FileNames tables, pictures;
+    std::vector<std::string> files;
+    const auto write = [&](const std::string& name, const std::string& text) {
+        write_atomically((folder / name).string(), text);
+        files.push_back(name);
+    };
     const auto name_of = [&](const NamedTable& named) {
         return tables.of(named.name.empty() ? experiment : experiment + "_" + named.name);
     };
@@ -96,27 +101,29 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
             continue;
         }
         const std::string name = name_of(named);
-        const std::string path = (folder / name).string();
-        write_atomically(path + ".csv", csv(named.table));
+        write(name + ".csv", csv(named.table));
         if (named.only_csv) continue;
         const Table page = page_of(named);
-        write_atomically(path + ".json", json(named.table));
-        write_atomically(path + ".md", markdown(page));
-        write_atomically(path + ".tex",
-                         latex(page, named.title.empty() ? plan.experiment.about : named.title, "tab:" + name));
+        write(name + ".json", json(named.table));
+        write(name + ".md", markdown(page));
+        write(name + ".tex", latex(page, named.title.empty() ? plan.experiment.about : named.title, "tab:" + name));
     }
-    if (!findings.page.empty()) write_atomically((folder / (experiment + ".md")).string(), findings.page);
+    if (!findings.page.empty()) write(experiment + ".md", findings.page);
     std::vector<std::string> remarks;
     for (const NamedFigure& whole : findings.figures)
         for (const NamedFigure& named : split_figure({pictures.of(whole.name), whole.figure})) {
             const std::string fault = draw(named.figure, (folder / named.name).string());
             if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
+            for (const char* ending : {".svg", ".pdf"})
+                if (fault.empty()) files.push_back(named.name + ending);
         }
     std::map<std::string, std::string> titles;
     for (const NamedTable& named : findings.tables)
         if (!named.is_shared && !named.title.empty()) titles[name_of(named)] = named.title;
     record_scenes(directory, plan);
-    record_provenance(directory, plan.experiment, titles, command_line, quick);
+    std::ranges::sort(files);
+    files.erase(std::unique(files.begin(), files.end()), files.end());
+    record_provenance(directory, plan.experiment, titles, files, findings.machines, command_line, quick);
     return remarks;
 }
 

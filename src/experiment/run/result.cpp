@@ -108,6 +108,7 @@ struct Column {
     std::function<void(const std::string&, Result&)> read;  // nothing where it follows from others
     bool later = false;                                     // a table from before it was there is read all the same
     bool of_systems = false;                                // stands in tables of several bodies alone
+    bool only_stored = false;                               // stands in no table but that of a case that is kept
 };
 
 // a column of one member: a pointer to it, or a function that finds it
@@ -170,11 +171,15 @@ const std::vector<Column>& columns() {
         all.push_back(column(
             "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }, true));
         for (std::size_t i = single; i < all.size(); ++i) all[i].of_systems = true;
+        all.push_back(column("machine", &Result::machine, true));
+        all.back().only_stored = true;
         return all;
     }();
     return every;
 }
-bool stands(const Column& column, TableOf which) { return which == TableOf::systems || !column.of_systems; }
+bool stands(const Column& column, TableOf which) {
+    return which == TableOf::stored || (!column.only_stored && (which == TableOf::systems || !column.of_systems));
+}
 
 struct SeriesColumn {
     std::string name;

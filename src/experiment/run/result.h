@@ -30,6 +30,7 @@ struct Result {
     SolverCounts counts;
     Errors errors;
     std::string message;
+    std::string machine;               ///< whose times these are: its processor's name
     std::optional<double> step_taken;  ///< s, of a fixed-step run
     bool cut = false;                  ///< not reached, or stopped, by the limit on a run's time, steps or evaluations
     Formulation formulation = Formulation::reduced;
@@ -56,6 +57,7 @@ std::vector<ErrorColumn> error_columns();
 enum class TableOf {
     single_bodies,  ///< none of several bodies
     systems,        ///< some of several bodies: their columns stand at its end
+    stored,         ///< what is kept of a case: those, and its machine
 };
 
 /// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,

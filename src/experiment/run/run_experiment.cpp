@@ -6,11 +6,13 @@
 #include <atomic>
 #include <cstdio>
 #include <iterator>
+#include <set>
 
 #include "experiment/plan/kind.h"
 #include "experiment/run/case_store.h"
 #include "experiment/run/fastest.h"
 #include "experiment/run/locks.h"
+#include "experiment/run/merge.h"
 #include "experiment/run/report.h"
 #include "integrators/run/march.h"
 #include "integrators/sundials/build.h"
@@ -87,8 +89,8 @@ void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions
     for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
 }
 
-// Done or not as a whole, but for what a resumable kind keeps.
-bool run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+// How many rows are missing: none, or all, but for what a resumable kind keeps. Nothing where it was interrupted.
+std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
     const Kind& kind = *plan.experiment.kind;
     const std::string key = whole_key(plan, options.quick);
@@ -96,7 +98,7 @@ bool run_whole(const Plan& plan, const RunOptions& options, const std::string& c
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)
             fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
-        return true;
+        return 0;
     }
     Findings findings;
     double seconds = 0;
@@ -108,15 +110,16 @@ bool run_whole(const Plan& plan, const RunOptions& options, const std::string& c
     }
     if (Interruption::is_wanted() || (kind.resumable && sweep_interrupted())) {
         fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
-        return false;
+        return {};
     }
     const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
     write_and_tell(plan, findings, options, command_line,
                    fmt::format("{} tables, {} pictures in {}, {:.3g} s", findings.tables.size(),
                                findings.figures.size(), options.directory, seconds));
-    if (findings.complete) save_done(options.directory, key);
-    save_duration(options.directory, name, seconds);
-    return true;
+    // the first shard also makes what is no search's
+    if (findings.missing == 0 && options.shard == 1) save_done(options.directory, key);
+    if (!options.only_gather) save_duration(options.directory, name, seconds);
+    return findings.missing;
 }
 
 // the plan, and its sequel where its kind has one
@@ -124,6 +127,17 @@ std::vector<Plan> with_sequel(const Plan& plan) {
     std::vector<Plan> plans{plan};
     if (const auto sequel = plan.experiment.kind->sequel) plans.push_back(sequel(plan));
     return plans;
+}
+
+void conclude_cases(const Plan& plan, const RunOptions& options, const std::string& command_line, long run) {
+    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
+    const Findings findings = conclude_finished(plan, options.directory);
+    write_and_tell(
+        plan, findings, options, command_line,
+        fmt::format("{} rows in {}, {} run now", findings.tables.front().table.rows.size(), options.directory, run));
+    if (!options.quiet)
+        fmt::print(stderr, "{}",
+                   run_table(finished_results(plan, options.directory), {terminal_width(2, 100), wants_color(2)}));
 }
 
 bool run_cases(const Plan& plan, const RunOptions& options, const std::string& command_line) {
@@ -134,14 +148,7 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
                    count.run);
         return false;
     }
-    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
-    const Findings findings = conclude_finished(plan, options.directory);
-    write_and_tell(plan, findings, options, command_line,
-                   fmt::format("{} rows in {}, {} run now", findings.tables.front().table.rows.size(),
-                               options.directory, count.run));
-    if (!options.quiet)
-        fmt::print(stderr, "{}",
-                   run_table(finished_results(plan, options.directory), {terminal_width(2, 100), wants_color(2)}));
+    conclude_cases(plan, options, command_line, count.run);
     return true;
 }
 
@@ -150,9 +157,19 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
 Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
     const TableOf which = has_systems(plan) ? TableOf::systems : TableOf::single_bodies;
     Table table{result_columns(which), {}};
-    for (const Result& r : rows) table.rows.push_back(row_of(plan.experiment.name, r, which));
+    std::set<std::string> machines;
+    for (const Result& r : rows) {
+        table.rows.push_back(row_of(plan.experiment.name, r, which));
+        if (r.seconds_min) machines.insert(r.machine);
+    }
+    // times of several machines are to be told apart
+    if (machines.size() > 1) {
+        table.columns.emplace_back("machine");
+        for (std::size_t i = 0; i < rows.size(); ++i) table.rows[i].emplace_back(rows[i].machine);
+    }
     const std::string caption = plan.experiment.about + (sundials_unoptimised() ? " (SUNDIALS unoptimised)" : "");
     Findings findings = plan.experiment.kind->conclude(plan, rows);
+    findings.machines.assign(machines.begin(), machines.end());
     for (NamedTable& named : findings.tables) named.title = fmt::format("{}: {}", named.title, caption);
     Table page = page_of_rows(plan, table);
     findings.tables.insert(findings.tables.begin(),
@@ -169,6 +186,7 @@ Findings conclude_finished(const Plan& plan, const std::string& directory) {
         std::move(more.tables.begin(), more.tables.end(), std::back_inserter(findings.tables));
         std::move(more.figures.begin(), more.figures.end(), std::back_inserter(findings.figures));
         findings.page += more.page;
+        findings.machines.insert(findings.machines.end(), more.machines.begin(), more.machines.end());
     }
     return findings;
 }
@@ -184,8 +202,43 @@ std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& option
     return {{plan.experiment.name, load_duration(options.directory, plan.experiment.name)}};
 }
 
+GatheredExperiment gather_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+    RunOptions gathering = options;
+    gathering.only_gather = true, gathering.shard = gathering.shards = 1;
+    if (plan.experiment.kind->make) {
+        const long missing = run_whole(plan, gathering, command_line).value_or(0);
+        return {missing, missing > 0 ? plan.experiment.name : ""};
+    }
+    conclude_cases(plan, gathering, command_line, 0);
+    const std::vector<PendingCase> pending = pending_work(plan, options);
+    return {static_cast<long>(pending.size()), pending.empty() ? "" : pending.front().words};
+}
+
+bool is_whole_done(const Plan& plan, const std::string& directory) {
+    return is_done(directory, whole_key(plan, plan.quick));
+}
+
+void save_whole_done(const Plan& plan, const std::string& directory) {
+    save_done(directory, whole_key(plan, plan.quick));
+}
+
+Table costs_of_work(const Plan& plan, const std::string& measured) {
+    Table costs{Costs::columns(), {}};
+    std::set<std::vector<std::string>> told;
+    for (const Plan& part : with_sequel(plan))
+        for (std::vector<Cell>& row : cost_table(part, measured).rows) {
+            std::vector<std::string> named_by;
+            for (std::size_t c = 0; c + 2 < row.size(); ++c) named_by.push_back(text_of(row[c]));
+            // a sequel may need the truths of the first
+            if (told.insert(std::move(named_by)).second) costs.rows.push_back(std::move(row));
+        }
+    return costs;
+}
+
 bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
-    return plan.experiment.kind->make ? run_whole(plan, options, command_line) : run_cases(plan, options, command_line);
+    record_experiment(plan, options.directory);
+    return plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
+                                      : run_cases(plan, options, command_line);
 }
 
 }  // namespace polhode

@@ -4,9 +4,10 @@
 
 #include <mutex>
 
-#include "experiment/plan/pattern.h"
+#include "experiment/run/case.h"
 #include "experiment/run/case_store.h"
 #include "experiment/run/progress.h"
+#include "integrators/run/watch.h"
 #include "text/content_hash.h"
 #include "text/parallel.h"
 
@@ -28,12 +29,13 @@ std::vector<Search> find_searches(const Plan& plan, const std::string& directory
 void run_searches(const Plan& plan, const RunOptions& options, std::vector<Search>& searches,
                   const std::function<void(std::size_t scene, bool needed)>& prepare,
                   const std::function<Table(std::size_t search)>& run) {
-    const Pattern filter(options.filter);
+    const AskedFor is_asked_for(plan, options);
     std::vector<std::size_t> pending;
     std::vector<bool> needed(plan.scenes.size());
     for (std::size_t i = 0; i < searches.size(); ++i) {
         const Search& search = searches[i];
-        if (search.rows || !is_asked_for(plan, search.scene, *search.curve, filter, options)) continue;
+        const auto curve = static_cast<std::size_t>(search.curve - plan.curves.data());
+        if (search.rows || !is_asked_for(search.scene, curve)) continue;
         pending.push_back(i), needed[search.scene] = true;
     }
     Progress progress(static_cast<long>(plan.scenes.size() + pending.size()), options.quiet);
@@ -44,15 +46,24 @@ void run_searches(const Plan& plan, const RunOptions& options, std::vector<Searc
     };
     parallel_for(plan.scenes.size(), options.jobs, [&](std::size_t s) {
         if (sweep_interrupted()) return;
+        const Stopwatch stopwatch;
         prepare(s, needed[s]);
+        if (needed[s]) save_truth_duration(options.directory, plan, plan.scenes[s], stopwatch.seconds());
         advance(plan.scenes[s].label);
     });
     parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
         Search& search = searches[pending[i]];
         if (sweep_interrupted()) return;
+        const Stopwatch stopwatch;
         Table rows = run(pending[i]);
         if (sweep_interrupted()) return;
         save_rows(options.directory, search.key, rows);
+        // one search is what a plan has for all settings of the curve
+        const std::size_t settings = search.curve->settings.size();
+        for (std::size_t rank = 0; rank < settings; ++rank)
+            save_duration(options.directory,
+                          words_of(plan, Case{&plan.scenes[search.scene], search.curve, rank, search.key}),
+                          stopwatch.seconds() / static_cast<double>(settings));
         search.rows = std::move(rows);
         advance(plan.scenes[search.scene].label + " " + std::string(search.curve->method->name));
     });

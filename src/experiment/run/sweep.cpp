@@ -11,6 +11,7 @@
 #include "experiment/run/locks.h"
 #include "experiment/run/progress.h"
 #include "experiment/run/timing.h"
+#include "experiment/run/versions.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/run/watch.h"
 #include "integrators/truth/reference.h"
@@ -24,10 +25,11 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 
 std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
     std::vector<Case> cases;
-    const Pattern filter(options.filter);
+    const AskedFor is_asked_for(plan, options);
     for (std::size_t s = 0; s < plan.scenes.size(); ++s)
-        for (const PlannedCurve& curve : plan.curves) {
-            if (!is_asked_for(plan, s, curve, filter, options)) continue;
+        for (std::size_t k = 0; k < plan.curves.size(); ++k) {
+            if (!is_asked_for(s, k)) continue;
+            const PlannedCurve& curve = plan.curves[k];
             for (std::size_t rank = 0; rank < curve.settings.size(); ++rank) {
                 Case c{
                     &plan.scenes[s], &curve, rank, case_key(plan, plan.scenes[s], curve, curve.settings[rank]), {}, {}};
@@ -144,7 +146,9 @@ class SceneSweep {
     }
 
     void store(Case& c) {
+        static const std::string machine = processor_name();
         c.result->floors = floors_;
+        c.result->machine = machine;
         ErrorSeries& series = c.result->series;
         if (conditioning_.available)
             for (std::size_t k = 0; k < series.t.size(); ++k)
@@ -172,10 +176,17 @@ void interrupt_sweep() { interrupted = true; }
 bool sweep_interrupted() { return interrupted; }
 void allow_sweeps() { interrupted = false; }
 
-bool is_asked_for(const Plan& plan, std::size_t scene, const PlannedCurve& curve, const Pattern& filter,
-                  const RunOptions& options) {
-    return static_cast<int>(scene % static_cast<std::size_t>(options.shards)) == options.shard - 1 &&
-           filter.matches(plan.scenes[scene].label + "/" + std::string(curve.method->name));
+AskedFor::AskedFor(const Plan& plan, const RunOptions& options)
+    : plan_(plan), filter_(options.filter), shard_(options.shard), shards_(options.shards), none_(options.only_gather) {
+    if (options.costs && shards_ > 1) dealt_ = deal_out(plan, *options.costs, shards_);
+}
+
+bool AskedFor::operator()(std::size_t scene, std::size_t curve) const {
+    if (none_) return false;
+    const int taken_by =
+        dealt_.empty() ? static_cast<int>(scene % static_cast<std::size_t>(shards_)) : dealt_[scene][curve];
+    return taken_by == shard_ - 1 &&
+           filter_.matches(plan_.scenes[scene].label + "/" + std::string(plan_.curves[curve].method->name));
 }
 
 std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options) {
@@ -216,8 +227,10 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
         if (interrupted) return;
         const Scene& scene = scenes[i].cases.front()->scene->scene;
+        const Stopwatch stopwatch;
         scenes[i].truth = reference(scene, plan.experiment.samples);
         scenes[i].conditioning = conditioning_of(scene, plan.experiment.samples);
+        save_truth_duration(options.directory, plan, *scenes[i].cases.front()->scene, stopwatch.seconds());
     });
     for (SceneAtHand& known : scenes) {
         if (interrupted) break;

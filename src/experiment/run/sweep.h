@@ -1,11 +1,13 @@
 // Runs the cases of a plan: errors first, then timings, interleaved over the methods.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiment/plan/pattern.h"
+#include "experiment/run/costs.h"
 #include "experiment/run/result.h"
 
 namespace polhode {
@@ -16,11 +18,25 @@ struct RunOptions {
     int jobs = 1;           ///< threads for truths and errors; timings always run alone
     int shard = 1, shards = 1;
     bool quick = false, quiet = false;
+    std::shared_ptr<const Costs> costs{};  ///< by which shards share the cases out; none: every N-th scene to each
+    bool only_gather = false;              ///< runs no case: tables are made of what stands in the directory
 };
 
-/// Whether this shard and the filter take a curve on a scene, given by its place in the plan.
-bool is_asked_for(const Plan& plan, std::size_t scene, const PlannedCurve& curve, const Pattern& filter,
-                  const RunOptions& options);
+/// Which curves on which scenes the shard and the filter of the options take.
+class AskedFor {
+  public:
+    /// The plan must outlive it. Throws std::invalid_argument where the filter is no regular expression.
+    AskedFor(const Plan& plan, const RunOptions& options);
+    /// By the places of scene and curve in the plan.
+    bool operator()(std::size_t scene, std::size_t curve) const;
+
+  private:
+    const Plan& plan_;
+    Pattern filter_;
+    int shard_, shards_;
+    bool none_;
+    std::vector<std::vector<int>> dealt_;  // by costs, where they are known
+};
 
 struct SweepCount {
     long cases = 0, run = 0;  ///< asked for by the options; run now (the others were there already)

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <boost/version.hpp>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "integrators/gsl/gsl.h"
@@ -29,6 +30,13 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
     };
     if (const std::string gsl = gsl_library_version(); !gsl.empty()) versions.emplace_back("GSL (GPL)", gsl);
     return versions;
+}
+
+std::string processor_name() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
+    return "unknown";
 }
 
 }  // namespace polhode

@@ -1,0 +1,139 @@
+// polhode submit: an experiment in shards, as text for the engines that run such.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/submit_scripts.h"
+#include "experiment/plan/experiment.h"
+#include "experiment/run/costs.h"
+#include "experiment/run/run_experiment.h"
+#include "integrators/engines/engine_methods.h"
+#include "table/table.h"
+#include "text/message.h"
+#include "text/named_file.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SubmitOptions {
+    std::string engine, experiment, output, measured, program;
+    std::vector<std::string> engine_files;
+    int shards = 0, jobs = 1;
+    bool quick = false, allow_outside = false, quiet = false;
+};
+
+std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+std::string own_path() {
+    std::error_code none;
+    const fs::path path = fs::read_symlink("/proc/self/exe", none);
+    return none ? "polhode" : path.string();
+}
+
+// What the dearest shard is expected to take, s.
+double dearest_shard(const Plan& plan, const Costs& costs, int shards) {
+    std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
+    const std::vector<std::vector<int>> dealt = deal_out(plan, costs, shards);
+    for (std::size_t s = 0; s < dealt.size(); ++s) {
+        std::vector<int> with_truth;
+        for (std::size_t c = 0; c < dealt[s].size(); ++c) {
+            const int shard = dealt[s][c];
+            seconds[static_cast<std::size_t>(shard)] += costs.of_curve(plan, plan.scenes[s], plan.curves[c]);
+            if (std::find(with_truth.begin(), with_truth.end(), shard) != with_truth.end()) continue;
+            with_truth.push_back(shard);
+            seconds[static_cast<std::size_t>(shard)] += costs.of_truth(plan, plan.scenes[s]);
+        }
+    }
+    return *std::max_element(seconds.begin(), seconds.end());
+}
+
+int submit_command(const SubmitOptions& options) {
+    constexpr int most_shards = 999'999, most_jobs = 4096;
+    require_count("--shards", options.shards, most_shards);
+    require_count("--jobs", options.jobs, most_jobs);
+    const Plan plan = make_plan(find_experiment(options.experiment), options.experiment, options.quick);
+    const std::string output =
+        absolute(options.output.empty() ? (options.quick ? "build/quick" : "build/results") : options.output);
+    for (const std::string& text : {output, options.experiment, options.program})
+        if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }))
+            throw UsageError(
+                "--output, --program or the experiment's file holds control characters; give a name without");
+    std::error_code none;
+    Submission submission;
+    submission.name = plan.experiment.name;
+    submission.program = options.program.empty() ? own_path() : options.program;
+    submission.experiment = fs::exists(options.experiment, none) ? absolute(options.experiment) : options.experiment;
+    submission.output = output;
+    submission.plan = (fs::path(output) / (submission.name + ".plan.csv")).string();
+    if (options.quick) submission.options.emplace_back("--quick");
+    for (const std::string& file : options.engine_files)
+        for (std::vector<std::string>* list : {&submission.options, &submission.merge_options})
+            list->insert(list->end(), {"--engines", absolute(file)});
+    for (std::vector<std::string>* list : {&submission.options, &submission.merge_options})
+        if (options.allow_outside) list->emplace_back("--allow-outside");
+    submission.shards = options.shards, submission.jobs = options.jobs;
+    const Table costs = costs_of_work(plan, options.measured.empty() ? output : options.measured);
+    double whole = 0;
+    // what is made as a whole is the first shard's
+    if (costs.rows.size() == 1) whole = std::get<double>(costs.rows.front()[costs.rows.front().size() - 2]);
+    const double dearest =
+        std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
+    submission.seconds = std::lround(std::min(1e8, std::ceil(3 * dearest + 600)));
+    const std::string path = (fs::path(output) / (submission.name + (options.engine == "slurm"      ? ".slurm.sh"
+                                                                     : options.engine == "parallel" ? ".parallel.sh"
+                                                                                                    : ".Snakefile")))
+                                 .string();
+    fs::create_directories(output);
+    write_output(submission.plan, csv(costs));
+    write_output(path, options.engine == "slurm"      ? slurm_script(submission)
+                       : options.engine == "parallel" ? parallel_script(submission)
+                                                      : snakefile(submission));
+    if (!options.quiet)
+        fmt::print(stderr, "{}: the dearest of {} shards is expected to take {:.3g} s; run {}\n", submission.name,
+                   options.shards, dearest,
+                   options.engine == "snakemake" ? "snakemake --snakefile " + shell_word(path) + " --cores all"
+                                                 : "bash " + shell_word(path));
+    return 0;
+}
+
+}  // namespace
+
+void add_submit(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand(
+        "submit",
+        "Writes an experiment's shards, evenly shared out by measured run times, and their merge as a script "
+        "for a cluster or for many processes. Runs nothing itself.");
+    const auto options = std::make_shared<SubmitOptions>();
+    command->add_option("ENGINE", options->engine, "slurm, parallel (GNU parallel) or snakemake")
+        ->required()
+        ->check(CLI::IsMember({"slurm", "parallel", "snakemake"}));
+    command->add_option("EXPERIMENT", options->experiment, "An experiment: a name (polhode list experiments) or a file")
+        ->required();
+    command->add_option("--shards", options->shards, "Into how many parts")->required();
+    command->add_option("--output", options->output,
+                        "The folder of script, plan, shards and merged tables (default: that of polhode run)");
+    command->add_option("--measured", options->measured,
+                        "A folder of results whose run times the plan takes (default: --output)");
+    command->add_option("--jobs", options->jobs, "Threads of each shard")->capture_default_str();
+    command->add_option("--program", options->program, "polhode where the shards run (default: this program's path)");
+    command->add_flag("--quick", options->quick, "Every third setting, short runs");
+    command->add_option("--engines", options->engine_files, "As of polhode run; passed on to each shard")
+        ->each([](const std::string& path) { add_engines(path); });
+    command->add_flag("--allow-outside", options->allow_outside,
+                      "Scene and experiment files may name files outside their own folders; passed on to each shard");
+    command->add_flag("--quiet", options->quiet, "No summary");
+    command->callback([options, &exit_code] {
+        if (options->allow_outside) allow_outside_files(true);
+        exit_code = submit_command(*options);
+    });
+}
+
+}  // namespace polhode

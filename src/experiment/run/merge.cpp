@@ -1,0 +1,295 @@
+#include "experiment/run/merge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "experiment/plan/kind.h"
+#include "experiment/run/case_store.h"
+#include "experiment/run/locks.h"
+#include "experiment/run/provenance.h"
+#include "experiment/run/run_experiment.h"
+#include "table/table.h"
+#include "text/atomic_file.h"
+#include "text/decimal.h"
+#include "text/json_document.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* record_ending = ".experiment.json";
+constexpr std::size_t largest_case_file = std::size_t{1} << 30;
+
+struct Record {
+    std::string file, text, program;
+    bool quick = false;
+
+    bool operator==(const Record&) const = default;
+};
+
+std::string record_text(const Record& record) {
+    const nlohmann::ordered_json json{
+        {"file", record.file}, {"quick", record.quick}, {"program", record.program}, {"text", record.text}};
+    return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Record read_record(const std::string& path) {
+    const JsonDocument document(read_text(path), path);
+    const JsonNode& root = document.root();
+    root.only({"file", "quick", "program", "text"});
+    return {root.required("file", "the experiment's name or file").string(),
+            root.required("text", "the experiment's text").string(),
+            root.required("program", "the program's key").string(), root.required("quick", "true or false").boolean()};
+}
+
+std::string cases_folder(const std::string& directory) { return (fs::path(directory) / ".cases").string(); }
+
+// names of the files in the folder, in order
+std::vector<std::string> files_in(const std::string& directory) {
+    std::vector<std::string> names;
+    std::error_code none;
+    for (fs::directory_iterator entry(cases_folder(directory), none), end; !none && entry != end; entry.increment(none))
+        if (std::error_code fault; entry->is_regular_file(fault)) names.push_back(entry->path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+bool is_key(std::string_view text) {
+    return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+enum class CaseFile { none, table, seconds };
+
+// rows, series and searches are tables; what marks a whole as done is taken with its tables
+CaseFile kind_of(const std::string& name) {
+    const std::size_t dot = name.find('.');
+    if (dot == name.npos || !is_key(std::string_view(name).substr(0, dot))) return CaseFile::none;
+    const std::string ending = name.substr(dot);
+    if (ending == ".csv" || ending == ".series.csv" || ending == ".rows.csv") return CaseFile::table;
+    return ending == ".seconds" ? CaseFile::seconds : CaseFile::none;
+}
+
+std::string content(const std::string& path) {
+    return read_text(path, largest_case_file, "a readable file of a finished case");
+}
+
+bool is_of_time(const std::string& column) {
+    return column.starts_with("seconds") || column == "repeats" || column == "machine";
+}
+
+double least_seconds(const Table& table) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+        if (table.columns[c] == "seconds_min")
+            for (const auto& row : table.rows) least = std::min(least, parse_decimal(text_of(row[c])).value_or(least));
+    return least;
+}
+
+std::string case_words(const Table& table, std::size_t row) {
+    std::string words;
+    for (const char* column : {"scene", "method", "setting_kind", "setting", "formulation"})
+        for (std::size_t c = 0; c < table.columns.size(); ++c)
+            if (table.columns[c] == column && !text_of(table.rows[row][c]).empty())
+                words += (words.empty() ? "" : " ") + text_of(table.rows[row][c]);
+    return words;
+}
+
+// What two tables of one case say differently, times aside; empty where it is nothing.
+std::string difference(const Table& a, const Table& b) {
+    if (a.columns != b.columns) return "their columns are not the same";
+    if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
+    for (std::size_t r = 0; r < a.rows.size(); ++r) {
+        std::string cells;
+        for (std::size_t c = 0; c < a.columns.size(); ++c)
+            if (!is_of_time(a.columns[c]) && text_of(a.rows[r][c]) != text_of(b.rows[r][c]))
+                cells += fmt::format("{}{} is {} and {}", cells.empty() ? "" : ", ", a.columns[c],
+                                     one_line(text_of(a.rows[r][c]), 60), one_line(text_of(b.rows[r][c]), 60));
+        if (!cells.empty()) return fmt::format("{}: {}", one_line(case_words(a, r), 200), one_line(cells, 400));
+    }
+    return "";
+}
+
+// Of two files of one case, that which stands: by what is in them, never by where they lie.
+bool is_better(const std::string& path, const std::string& other) {
+    const std::string a = content(path), b = content(other);
+    if (a == b) return false;
+    Table first, second;
+    for (const auto& [table, text, from] : {std::tuple(&first, &a, &path), std::tuple(&second, &b, &other)}) {
+        try {
+            *table = parse_csv(*text);
+        } catch (const std::invalid_argument& fault) {
+            throw InputError(*from, "", one_line(fault.what(), 200), "remove it, and the case is run again");
+        }
+    }
+    if (const std::string differs = difference(first, second); !differs.empty())
+        throw InputError(path, "", fmt::format("is of the same case as {} and differs: {}", other, differs),
+                         "find out which is right, and remove the other");
+    const double least_a = least_seconds(first), least_b = least_seconds(second);
+    return least_a != least_b ? least_a < least_b : a < b;
+}
+
+double seconds_in(const std::string& path) {
+    std::string text = content(path);
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return parse_decimal(text).value_or(0);
+}
+
+using Records = std::map<std::string, std::pair<Record, std::string>>;  // by name; and where it stands
+
+void read_records(const std::string& directory, Records& records) {
+    for (const std::string& name : files_in(directory)) {
+        if (!name.ends_with(record_ending)) continue;
+        const std::string path = (fs::path(cases_folder(directory)) / name).string();
+        Record record = read_record(path);
+        const std::string experiment = name.substr(0, name.size() - std::string_view(record_ending).size());
+        if (record.program != running_program_key())
+            throw InputError(path, "/program", "is another build of polhode than this",
+                             "merge by the program that ran the cases, or run them again");
+        const auto [known, is_new] = records.try_emplace(experiment, std::pair(record, path));
+        if (!is_new && known->second.first != record)
+            throw InputError(path, "", "is another experiment, or another part of it, than " + known->second.second,
+                             "merge folders of one experiment, all quick or none, run from one file");
+    }
+}
+
+struct Source {
+    std::string path;
+    bool is_there = false;  // in the output already
+};
+
+struct Gathering {
+    std::map<std::string, Source> chosen;  // by the name of the file
+    long repeated = 0;
+};
+
+void gather(const std::string& directory, bool is_output, Gathering& gathering) {
+    for (const std::string& name : files_in(directory)) {
+        const CaseFile kind = kind_of(name);
+        if (kind == CaseFile::none) continue;
+        const std::string path = (fs::path(cases_folder(directory)) / name).string();
+        const auto [known, is_new] = gathering.chosen.try_emplace(name, Source{path, is_output});
+        if (is_new) continue;
+        ++gathering.repeated;
+        Source& source = known->second;
+        const bool better =
+            kind == CaseFile::seconds ? seconds_in(path) > seconds_in(source.path) : is_better(path, source.path);
+        if (better) source = {path, is_output};
+    }
+}
+
+// Tables and pictures of what is made as a whole, by the shard that made it. False where none did.
+bool take_whole(const Plan& plan, const std::vector<std::string>& directories, const std::string& output) {
+    // of several the one with the least content: any would do, but not by the order in which they are given
+    std::optional<std::pair<std::map<std::string, std::string>, std::string>> least;
+    for (const std::string& directory : directories) {
+        if (!is_whole_done(plan, directory)) continue;
+        std::map<std::string, std::string> files;
+        for (const std::string& name : recorded_files(directory, plan.experiment.name))
+            files[name] = content((fs::path(directory) / name).string());
+        if (!least || files < least->first) least.emplace(std::move(files), directory);
+    }
+    if (!least) return is_whole_done(plan, output);
+    fs::create_directories(output);
+    for (const auto& [name, text] : least->first) write_atomically((fs::path(output) / name).string(), text);
+    record_scenes(output, plan);
+    copy_provenance(least->second, output, plan.experiment.name);
+    save_whole_done(plan, output);
+    return true;
+}
+
+}  // namespace
+
+void record_experiment(const Plan& plan, const std::string& directory) {
+    if (plan.experiment.text.empty()) return;
+    std::error_code none;
+    // a file is found from wherever the folders are gathered
+    const bool is_file = fs::exists(plan.file, none);
+    const Record record{is_file ? fs::absolute(plan.file, none).string() : plan.file, plan.experiment.text,
+                        running_program_key(), plan.quick};
+    const std::string path = (fs::path(cases_folder(directory)) / (plan.experiment.name + record_ending)).string();
+    try {
+        if (read_record(path) == record) return;
+    } catch (const InputError&) {
+        // none there yet, or not a whole one
+    }
+    fs::create_directories(cases_folder(directory));
+    write_atomically(path, record_text(record));
+}
+
+bool has_results(const std::string& directory) {
+    const std::vector<std::string> names = files_in(directory);
+    return std::any_of(names.begin(), names.end(),
+                       [](const std::string& name) { return name.ends_with(record_ending); });
+}
+
+Merged merge_results(const std::vector<std::string>& directories, const RunOptions& options,
+                     const std::string& command_line) {
+    static const std::atomic<bool> patient{false};
+    const std::string& output = options.directory;
+    Merged merged;
+    Records records;
+    std::vector<std::string> sources;
+    for (const std::string& directory : directories) {
+        if (!fs::is_directory(directory))
+            throw InputError(one_line(directory, 300), "", "is no folder",
+                             "give folders that `polhode run` has written");
+        std::error_code none;
+        if (fs::equivalent(directory, output, none)) continue;
+        if (!has_results(directory)) {
+            merged.remarks.push_back(one_line(directory, 300) + " holds no results yet");
+            continue;
+        }
+        sources.push_back(directory);
+        read_records(directory, records);
+    }
+    if (fs::is_directory(output)) read_records(output, records);
+    if (records.empty())
+        throw InputError(one_line(directories.front(), 300), "", "holds no results, and no other folder does",
+                         "give folders that `polhode run` has written");
+    std::vector<Plan> plans;
+    for (const auto& [name, known] : records) {
+        const Record& record = known.first;
+        plans.push_back(make_plan(parse_experiment(record.text, record.file), record.file, record.quick));
+    }
+    {
+        Gathering gathering;
+        gather(output, true, gathering);
+        for (const std::string& directory : sources) gather(directory, false, gathering);
+        fs::create_directories(cases_folder(output));
+        const FileLock one_writer(report_lock_file(output), FileLock::Kind::exclusive, patient);
+        for (const Plan& plan : plans) record_experiment(plan, output);
+        for (const auto& [name, source] : gathering.chosen) {
+            if (source.is_there) continue;
+            write_atomically((fs::path(cases_folder(output)) / name).string(), content(source.path));
+            ++merged.taken;
+        }
+        merged.repeated = gathering.repeated;
+    }
+    for (const Plan& plan : plans) {
+        MergedExperiment one{plan.experiment.name, 0, ""};
+        const Kind& kind = *plan.experiment.kind;
+        if (kind.make && !kind.resumable) {
+            if (!take_whole(plan, sources, output)) one.missing = 1, one.first_missing = plan.experiment.name;
+        } else {
+            RunOptions each = options;
+            each.quick = plan.quick;
+            const GatheredExperiment gathered = gather_experiment(plan, each, command_line);
+            one.missing = gathered.missing, one.first_missing = gathered.first_missing;
+        }
+        merged.experiments.push_back(std::move(one));
+    }
+    return merged;
+}
+
+}  // namespace polhode

@@ -77,12 +77,14 @@ case ${1:-} in
 shard)
     shard=$(($2 + SLURM_ARRAY_TASK_ID))
     task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
-    out_of_time=0 status=0
+    out_of_time=0 status=0 child=""
     # told a minute before the end: the case at hand is finished, and the rest left to the next start
-    trap 'out_of_time=1; kill -TERM "$child" 2>/dev/null || true' USR1
+    trap 'out_of_time=1; [[ -z $child ]] || kill -TERM "$child" 2>/dev/null || true' USR1
     "$program" run "$experiment" "${options[@]}" --shard "$shard/$shards" --plan "$plan" \
         --output "$output/shards/$shard" --jobs "$jobs" --quiet &
     child=$!
+    # it may have been told before there was a child
+    ((!out_of_time)) || kill -TERM "$child" 2>/dev/null || true
     wait "$child" || status=$?
     if ((out_of_time)); then
         wait "$child" || true

@@ -111,11 +111,16 @@ std::string difference(const Table& a, const Table& b) {
     if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
     for (std::size_t r = 0; r < a.rows.size(); ++r) {
         std::string cells;
-        for (std::size_t c = 0; c < a.columns.size(); ++c)
-            if (!is_of_time(a.columns[c]) && text_of(a.rows[r][c]) != text_of(b.rows[r][c]))
-                cells += fmt::format("{}{} is {} and {}", cells.empty() ? "" : ", ", a.columns[c],
-                                     one_line(text_of(a.rows[r][c]), 60), one_line(text_of(b.rows[r][c]), 60));
-        if (!cells.empty()) return fmt::format("{}: {}", one_line(case_words(a, r), 200), one_line(cells, 400));
+        long differing = 0;
+        for (std::size_t c = 0; c < a.columns.size(); ++c) {
+            const std::string one = text_of(a.rows[r][c]), other = text_of(b.rows[r][c]);
+            if (is_of_time(a.columns[c]) || one == other) continue;
+            if (++differing <= 2)
+                cells += fmt::format("{}{} is {} and {}", cells.empty() ? "" : ", ", a.columns[c], one_line(one, 40),
+                                     one_line(other, 40));
+        }
+        if (differing > 2) cells += fmt::format(", and {} more", differing - 2);
+        if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 100), cells);
     }
     return "";
 }

@@ -138,7 +138,8 @@ bool is_better(const std::string& path, const std::string& other) {
         }
     }
     if (const std::string differs = difference(first, second); !differs.empty())
-        throw InputError(path, "", fmt::format("is of the same case as {} and differs: {}", other, differs),
+        throw InputError(path, "",
+                         fmt::format("is of the same case as {} and differs: {}", one_line(other, 100), differs),
                          "find out which is right, and remove the other");
     const double least_a = least_seconds(first), least_b = least_seconds(second);
     return least_a != least_b ? least_a < least_b : a < b;

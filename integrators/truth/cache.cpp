@@ -16,6 +16,7 @@
 #include "scene/scene_file.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
+#include "text/sealed.h"
 
 namespace polhode::truth {
 namespace {
@@ -250,7 +251,9 @@ std::optional<Truth> cached(const std::string& key) {
     const std::string path = cache_path(key);
     std::ifstream file(path, std::ios::binary);
     if (path.empty() || !file) return {};
-    return decode(key, std::string{std::istreambuf_iterator<char>(file), {}});
+    std::optional<Truth> truth = decode(key, std::string{std::istreambuf_iterator<char>(file), {}});
+    if (!truth) tell_damaged(path);
+    return truth;
 }
 
 void keep(const std::string& key, const Truth& truth) {

@@ -27,7 +27,8 @@ std::string cache_key(const Scene& scene, long samples, int digits, const std::s
 std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits,
                       const std::string& by = program());
 
-/// The truth kept under `key`; nothing where there is none, or the file is torn or foreign.
+/// The truth kept under `key`; nothing where there is none, or the file is torn or foreign: of that one line on
+/// standard error tells.
 std::optional<Truth> cached(const std::string& key);
 
 /// The text of a cache file: lines of a mark, key and message, then numbers, then a checksum over all of it.

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 
 #include "integrators/engines/engine_methods.h"
@@ -12,19 +14,33 @@
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
 #include "text/json_document.h"
+#include "text/message.h"
+#include "text/sealed.h"
 
 namespace polhode {
 namespace {
+
+constexpr const char* done_text = "done\n";
 
 std::filesystem::path path_of(const std::string& directory, const std::string& key, const char* ending) {
     return std::filesystem::path(directory) / ".cases" / (key + ending);
 }
 
+// a file, sealed: whoever reads it back knows that it is as it was written
+void save(const std::filesystem::path& path, std::string_view text) {
+    std::error_code fault;
+    std::filesystem::create_directories(path.parent_path(), fault);
+    if (fault)
+        throw std::runtime_error(
+            fmt::format("{}: cannot be created: {}", one_line(path.parent_path().string(), 500), fault.message()));
+    write_atomically(path.string(), seal(text));
+}
+
 std::optional<Table> load_table(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return {};
+    const std::optional<std::string> text = read_sealed(path.string());
+    if (!text) return {};
     try {
-        return parse_csv(std::string(std::istreambuf_iterator<char>(file), {}));
+        return parse_csv(*text);
     } catch (const std::invalid_argument&) {
         return {};
     }
@@ -66,7 +82,11 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
     if (!row || row->rows.size() != 1) return {};
     try {
         Result result = result_of(*row, 0);
-        if (const auto series = load_table(path_of(directory, key, ".series.csv"))) result.series = series_of(*series);
+        const std::filesystem::path path = path_of(directory, key, ".series.csv");
+        if (const auto series = load_table(path))
+            result.series = series_of(*series);
+        else if (std::filesystem::exists(path))
+            return {};
         return result;
     } catch (const std::invalid_argument&) {
         return {};
@@ -75,12 +95,10 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
 
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result) {
-    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
     // the series first: a row is there only once all of the case is
-    if (!result.series.t.empty())
-        write_atomically(path_of(directory, key, ".series.csv").string(), csv(series_table(result.series)));
-    write_atomically(path_of(directory, key, ".csv").string(),
-                     csv({result_columns(TableOf::stored), {row_of(experiment, result, TableOf::stored)}}));
+    if (!result.series.t.empty()) save(path_of(directory, key, ".series.csv"), csv(series_table(result.series)));
+    save(path_of(directory, key, ".csv"),
+         csv({result_columns(TableOf::stored), {row_of(experiment, result, TableOf::stored)}}));
 }
 
 std::optional<Table> load_rows(const std::string& directory, const std::string& key) {
@@ -88,28 +106,32 @@ std::optional<Table> load_rows(const std::string& directory, const std::string& 
 }
 
 void save_rows(const std::string& directory, const std::string& key, const Table& rows) {
-    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
-    write_atomically(path_of(directory, key, ".rows.csv").string(), csv(rows));
+    save(path_of(directory, key, ".rows.csv"), csv(rows));
 }
 
 void save_done(const std::string& directory, const std::string& key) {
-    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
-    write_atomically(path_of(directory, key, ".done").string(), "done\n");
+    save(path_of(directory, key, ".done"), done_text);
 }
 
 bool is_done(const std::string& directory, const std::string& key) {
-    return std::filesystem::exists(path_of(directory, key, ".done"));
+    return read_sealed(path_of(directory, key, ".done").string()) == done_text;
 }
 
 void save_duration(const std::string& directory, const std::string& words, double seconds) {
-    std::filesystem::create_directories(std::filesystem::path(directory) / ".cases");
-    write_atomically(path_of(directory, content_hash(words), ".seconds").string(), fmt::format("{:.3g}\n", seconds));
+    save(path_of(directory, content_hash(words), ".seconds"), fmt::format("{:.3g}\n", seconds));
 }
 
 std::optional<double> load_duration(const std::string& directory, const std::string& words) {
-    std::ifstream file(path_of(directory, content_hash(words), ".seconds"));
+    const std::string path = path_of(directory, content_hash(words), ".seconds").string();
+    std::ifstream file(path, std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    const std::optional<std::string> sealed = unseal(text);
+    // found by words, whatever program wrote it: an older one's has no seal, and no comment
+    if (!sealed && text.find('#') != text.npos) tell_damaged(path);
+    std::istringstream number(sealed.value_or(""));
+    number.imbue(std::locale::classic());
     double seconds = 0;
-    if (!(file >> seconds)) return {};
+    if (!(number >> seconds)) return {};
     return seconds;
 }
 

@@ -1,6 +1,6 @@
 // Finished cases of a sweep, one file each under DIR/.cases, so that an interrupted run goes on from where it was and
 // several processes may share a folder. A case is found by a key of program, scene, experiment and setting, never by
-// its name.
+// its name. Each file is sealed (text/sealed.h): one that is damaged is told of and counts as none.
 #pragma once
 
 #include <optional>

@@ -22,6 +22,7 @@
 #include "text/decimal.h"
 #include "text/json_document.h"
 #include "text/message.h"
+#include "text/sealed.h"
 
 namespace polhode {
 namespace {
@@ -132,7 +133,7 @@ bool is_better(const std::string& path, const std::string& other) {
     Table first, second;
     for (const auto& [table, text, from] : {std::tuple(&first, &a, &path), std::tuple(&second, &b, &other)}) {
         try {
-            *table = parse_csv(*text);
+            *table = parse_csv(unseal(*text).value_or(""));
         } catch (const std::invalid_argument& fault) {
             throw InputError(*from, "", one_line(fault.what(), 200), "remove it, and the case is run again");
         }
@@ -146,7 +147,7 @@ bool is_better(const std::string& path, const std::string& other) {
 }
 
 double seconds_in(const std::string& path) {
-    std::string text = content(path);
+    std::string text = unseal(content(path)).value_or("");
     while (!text.empty() && text.back() == '\n') text.pop_back();
     return parse_decimal(text).value_or(0);
 }
@@ -184,6 +185,9 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
         const CaseFile kind = kind_of(name);
         if (kind == CaseFile::none) continue;
         const std::string path = (fs::path(cases_folder(directory)) / name).string();
+        // what is damaged counts as missing, and so does the row of a damaged series
+        const std::string series = path.substr(0, path.find(".csv", path.size() - 4)) + ".series.csv";
+        if (!read_sealed(path) || (fs::exists(series) && !read_sealed(series))) continue;
         const auto [known, is_new] = gathering.chosen.try_emplace(name, Source{path, is_output});
         if (is_new) continue;
         ++gathering.repeated;

@@ -100,6 +100,28 @@ TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
     EXPECT_EQ(rows(), before);
 }
 
+TEST_F(Sweep, FindsAFlippedBitTellsOfItOnceAndRunsTheCaseAgain) {
+    const Plan p = plan(R"(, "kind": "drift")", R"("odeint_rk4")");
+    const long cases = run_sweep(p, options_).run;
+    std::vector<std::string> files;
+    for (const fs::path& file : stored()) files.push_back(file.string());
+    std::sort(files.begin(), files.end());
+    ASSERT_EQ(files.size(), 2 * static_cast<std::size_t>(cases));  // rows and series
+    for (const std::string& damaged : {files[0], files[1]}) {
+        std::fstream file(damaged, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekg(100);
+        const int byte = file.get();
+        file.seekp(100);
+        file.put(static_cast<char>(byte ^ 1));
+        file.close();
+        ::testing::internal::CaptureStderr();
+        EXPECT_EQ(run_sweep(p, options_).run, 1) << damaged;
+        EXPECT_EQ(finished_results(p, options_.directory).size(), static_cast<std::size_t>(cases));
+        EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+                  "polhode: " + damaged + ": damaged (its checksum does not fit); computed again\n");
+    }
+}
+
 TEST_F(Sweep, DoesNotTakeAnotherScenesCase) {
     run_sweep(plan(), options_);
     EXPECT_EQ(pending_cases(plan(R"(, "max_steps": 500000)"), options_).size(), 12U);

@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 
 #include "scene/scene_file.h"
 #include "text/atomic_file.h"
@@ -256,11 +259,23 @@ std::optional<Truth> cached(const std::string& key) {
     return truth;
 }
 
+CacheClaim::CacheClaim(const std::string& key, const std::function<bool()>& is_over) {
+    const fs::path directory = cache_directory();
+    if (directory.empty()) return;
+    std::error_code none;
+    fs::create_directories(directory, none);
+    claims_.emplace((directory / "claims").string());
+    while (!(claim_ = claims_->take(key)) && !is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
 void keep(const std::string& key, const Truth& truth) {
     const std::string path = cache_path(key);
     if (path.empty()) return;
     try {
-        fs::create_directories(fs::path(path).parent_path());
+        const fs::path directory = fs::path(path).parent_path();
+        fs::create_directories(directory);
+        static std::once_flag once;  // a cache is long to list
+        std::call_once(once, [&] { remove_abandoned(directory.string()); });
         write_atomically(path, encode(key, truth));
     } catch (const std::exception&) {
         // left uncached

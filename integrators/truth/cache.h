@@ -1,6 +1,7 @@
 // The truth on disk, by content: computed once for a scene, whoever asks.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "integrators/truth/attempt.h"
 #include "scene/scene.h"
+#include "text/claims.h"
 
 namespace polhode::truth {
 
@@ -39,6 +41,17 @@ std::optional<Truth> decode(const std::string& key, std::string_view text);
 
 /// Keeps it, atomically. A cache that cannot be written is no fault: the truth is computed again.
 void keep(const std::string& key, const Truth& truth);
+
+/// While it lives, no other process that uses this cache computes the truth of its key.
+class CacheClaim {
+  public:
+    /// Waits while another process has the claim, but no longer than until is_over() says so.
+    CacheClaim(const std::string& key, const std::function<bool()>& is_over);
+
+  private:
+    std::optional<Claims> claims_;
+    std::optional<Claims::Claim> claim_;
+};
 
 /// Where the file of `key` is or would be; empty where there is no place for a cache.
 std::string cache_path(const std::string& key);

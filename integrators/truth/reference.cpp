@@ -16,6 +16,7 @@
 #include "motion/problem.h"
 #include "scene/scene_file.h"
 #include "text/content_hash.h"
+#include "text/interruption.h"
 
 namespace polhode {
 namespace {
@@ -90,10 +91,15 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
                       double seconds_limit) {
     if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
     const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    const truth::CacheClaim claim(key, [&] { return seconds() > seconds_limit || Interruption::is_wanted(); });
+    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
     const truth::Allowance allowance(seconds_limit);
     const truth::KeptConstants constants;
     Truth made = compute(scene, times, digits);
-    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    made.seconds = seconds();
     // of the other thread's time, its fault tells
     made.limit_reached = !made.reference.available &&
                          (truth::Allowance::is_spent() || made.reference.message.ends_with(truth::Allowance::fault));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <sstream>
 
@@ -73,6 +74,8 @@ Convention convention_option(const std::string& words) {
 
 void write_output(const std::string& path, std::string_view text) {
     if (!path.empty()) {
+        const std::string folder = std::filesystem::path(path).parent_path().string();
+        remove_abandoned(folder.empty() ? "." : folder);
         write_atomically(path, text);
         return;
     }

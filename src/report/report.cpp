@@ -84,6 +84,8 @@ ReportMade write_report_page(const ReportRequest& request) {
 
     ReportMade made;
     made.path = request.output.empty() ? (fs::path(request.directory) / "report.html").string() : request.output;
+    const std::string made_in = fs::path(made.path).parent_path().string();
+    remove_abandoned(made_in.empty() ? "." : made_in);
     const ReportContent content{
         folder, scenes, motions, checked.list, other ? &*other : nullptr, comparison ? &*comparison : nullptr};
     for (const Detail& detail : details) {

@@ -4,13 +4,22 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
+#include <vector>
 
 namespace polhode {
 namespace {
@@ -30,27 +39,114 @@ std::string directory_of(const std::string& path) {
     return parent.empty() ? "." : parent;
 }
 
+// A system call again for as long as a signal cuts it off.
+template <class Call>
+auto uncut(Call&& call) {
+    auto result = call();
+    while (result < 0 && errno == EINTR) result = call();
+    return result;
+}
+
 // Returns 0 or the error number.
 int write_all(int file, std::string_view text) {
     while (!text.empty()) {
-        const ssize_t count = ::write(file, text.data(), text.size());
-        if (count < 0 && errno == EINTR) continue;
+        const ssize_t count = uncut([&] { return ::write(file, text.data(), text.size()); });
         if (count < 0) return errno;
+        if (count == 0) return EIO;  // a file that takes nothing and does not say why
         text.remove_prefix(static_cast<std::size_t>(count));
     }
     return 0;
 }
 
-// A new file beside `target`, under a name that no other thread or process has; the process's mask gives its mode.
-// Returns the descriptor, or -1 with errno set.
+// Returns 0 or the error number; a signal that comes meanwhile leaves the file closed, too.
+int close_file(int file) { return ::close(file) != 0 && errno != EINTR ? errno : 0; }
+
+// When the process began, in the kernel's ticks since it booted: with the number it tells processes apart. Nothing
+// where there is no such process, or what it is cannot be read. One that has ended and waits to be noticed has begun
+// never.
+constexpr unsigned long long never = std::numeric_limits<unsigned long long>::max();
+std::optional<unsigned long long> start_of(long process) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    // the program's name stands in brackets and may hold anything; what follows are words: the state, .., the start
+    std::size_t at = text.rfind(')');
+    const bool has_ended = at != text.npos && at + 2 < text.size() && (text[at + 2] == 'Z' || text[at + 2] == 'X');
+    for (int word = 0; word < 20 && at != text.npos; ++word) at = text.find(' ', at + 1);
+    if (at == text.npos) return {};
+    if (has_ended) return never;
+    unsigned long long start = 0;
+    if (std::from_chars(text.data() + at + 1, text.data() + text.size(), start).ec != std::errc{}) return {};
+    return start;
+}
+
+// The host, and where processes have their numbers from: two containers may share a name. Without dots.
+std::string this_host() {
+    std::array<char, 256> name{};
+    if (::gethostname(name.data(), name.size() - 1) != 0) name = {'h', 'o', 's', 't'};
+    std::string host(name.data());
+    host = host.substr(0, 64);
+    struct stat numbers {};
+    if (::stat("/proc/self/ns/pid", &numbers) == 0) host += "-" + std::to_string(numbers.st_ino);
+    for (char& c : host)
+        if (std::strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-", c) == nullptr) c = '_';
+    return host;
+}
+
+constexpr std::string_view temporary_ending = ".new";
+
+// HOST.PROCESS.START of this process
+std::string writer() {
+    static const std::string host = this_host();
+    // not kept: after a fork it is another
+    const long process = ::getpid();
+    return host + "." + std::to_string(process) + "." + std::to_string(start_of(process).value_or(0));
+}
+
+// A new file beside `target`, under a name that no other thread or process has and that tells who writes it:
+// TARGET.HOST.PROCESS.START.NUMBER.new. The process's mask gives its mode. Returns the descriptor, or -1 with errno.
 int create_beside(const std::string& target, std::string& name) {
     static std::atomic<unsigned> counter{0};
+    constexpr std::size_t longest_name = 255;
+    const std::string by = "." + writer() + ".";
+    const std::filesystem::path path(target);
     for (int attempt = 0; attempt < 1000; ++attempt) {
-        name = target + "." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".new";
-        const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const std::string ending = by + std::to_string(counter++) + std::string(temporary_ending);
+        const std::string beginning = path.filename().string().substr(0, longest_name - ending.size());
+        name = (path.parent_path() / (beginning + ending)).string();
+        const int file = uncut([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
         if (file >= 0 || errno != EEXIST) return file;
     }
     return -1;
+}
+
+std::optional<unsigned long long> number(const std::string& text) {
+    unsigned long long value = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (fault != std::errc{} || end != text.data() + text.size()) return {};
+    return value;
+}
+
+// Whether the file of this name is a temporary that nobody will finish; `age` in seconds.
+bool is_abandoned(const std::string& name, double age) {
+    constexpr double day = 86400;
+    // from behind, since a target's name may hold dots: NUMBER, START, PROCESS, HOST
+    if (!name.ends_with(temporary_ending)) return false;
+    std::string rest = name.substr(0, name.size() - temporary_ending.size());
+    std::vector<std::string> words;
+    for (int word = 0; word < 4; ++word) {
+        const std::size_t dot = rest.rfind('.');
+        if (dot == rest.npos || dot == 0) return false;
+        words.push_back(rest.substr(dot + 1));
+        rest.resize(dot);
+    }
+    const auto start = number(words[1]), process = number(words[2]);
+    if (!number(words[0]) || !start || !process || *process == 0 || *process > 0x7fffffff || words[3].empty())
+        return false;
+    if (words[3] != this_host()) return age > day;
+    const auto id = static_cast<pid_t>(*process);
+    if (::kill(id, 0) != 0 && errno == ESRCH) return true;
+    const auto began = start_of(id);
+    return began && *start != 0 && *began != *start;
 }
 
 }  // namespace
@@ -61,30 +157,55 @@ void write_atomically(const std::string& path, std::string_view text) {
     const bool exists = ::stat(target.c_str(), &old) == 0;
     if (exists && S_ISDIR(old.st_mode)) fail(path, "cannot be written", EISDIR);
     if (exists && !S_ISREG(old.st_mode)) {
-        const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+        const int file = uncut([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
         if (file < 0) fail(path, "cannot be opened", errno);
-        const int error = write_all(file, text);
-        ::close(file);
+        int error = write_all(file, text);
+        if (const int fault = close_file(file); error == 0) error = fault;
         if (error != 0) fail(path, "cannot be written", error);
         return;
     }
+    // the new name lasts through a power failure once its directory is on disk. What may be written to but not read
+    // cannot be synced; any other fault is known before something has changed
+    const int directory =
+        uncut([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    if (directory < 0 && errno != EACCES) fail(path, "cannot be created", errno);
     std::string temporary;
     const int file = create_beside(target, temporary);
-    if (file < 0) fail(path, "cannot be created", errno);
+    if (file < 0) {
+        const int error = errno;
+        if (directory >= 0) ::close(directory);
+        fail(path, "cannot be created", error);
+    }
     int error = write_all(file, text);
-    if (error == 0 && exists && ::fchmod(file, old.st_mode & 07777) != 0) error = errno;
-    if (error == 0 && ::fsync(file) != 0) error = errno;
-    if (::close(file) != 0 && error == 0) error = errno;
-    if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+    if (error == 0 && exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
+    if (error == 0 && uncut([&] { return ::fsync(file); }) != 0) error = errno;
+    if (const int fault = close_file(file); error == 0) error = fault;
+    if (error == 0 && uncut([&] { return ::rename(temporary.c_str(), target.c_str()); }) != 0) error = errno;
     if (error != 0) {
         ::unlink(temporary.c_str());
+        if (directory >= 0) ::close(directory);
         fail(path, "cannot be written", error);
     }
-    // the new name lasts through a power failure once its directory is on disk; some file systems cannot sync one
-    const int directory = ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (directory < 0) return;
-    ::fsync(directory);
+    // some file systems cannot sync a directory, and say so
+    if (uncut([&] { return ::fsync(directory); }) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS)
+        error = errno;
     ::close(directory);
+    if (error != 0) fail(path, "is written, but its folder cannot be synced", error);
+}
+
+void remove_abandoned(const std::string& directory) {
+    namespace fs = std::filesystem;
+    std::error_code fault;
+    for (fs::directory_iterator entry(directory, fault), end; !fault && entry != end; entry.increment(fault)) {
+        const std::string name = entry->path().filename().string();
+        std::error_code none;
+        if (!name.ends_with(temporary_ending) || !fs::is_regular_file(entry->symlink_status(none))) continue;
+        const auto written = fs::last_write_time(entry->path(), none);
+        if (none) continue;
+        const double age = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
+        if (is_abandoned(name, age)) ::unlink(entry->path().c_str());
+    }
 }
 
 void require_writable(const std::string& path) {

@@ -6,9 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -124,6 +127,68 @@ TEST_F(AtomicFile, TellsBeforehandWhereNothingCanBeWritten) {
     EXPECT_THROW(require_writable(directory_.string()), std::runtime_error);
     EXPECT_NO_THROW(require_writable(path("f")));
     EXPECT_NO_THROW(require_writable("/dev/null"));
+}
+
+// what is left by a process that was killed as it wrote, by its name
+std::string left_by_a_killed_process(const fs::path& directory, const std::string& target) {
+    std::set<std::string> before, after;
+    const auto names = [&] {
+        std::set<std::string> found;
+        for (const auto& entry : fs::directory_iterator(directory)) found.insert(entry.path().filename().string());
+        return found;
+    };
+    before = names();
+    const std::string text(64 << 20, 'x');
+    for (unsigned attempt = 0; attempt < 200; ++attempt) {
+        const pid_t child = fork();
+        if (child == 0)
+            for (;;) write_atomically(target, text);
+        usleep(5000 + 100 * attempt);
+        kill(child, SIGKILL);
+        waitpid(child, nullptr, 0);
+        after = names();
+        for (const std::string& name : after)
+            if (!before.contains(name) && name.ends_with(".new")) return name;
+    }
+    return "";
+}
+
+TEST_F(AtomicFile, WhatDeadProcessesLeftIsRemovedAndNothingElse) {
+    const std::string left = left_by_a_killed_process(directory_, path("f.csv"));
+    ASSERT_TRUE(left.starts_with("f.csv.")) << left;
+    // HOST.PROCESS.START.NUMBER
+    const std::string start = std::to_string(std::numeric_limits<int>::max());
+    const std::size_t host_end = left.find('.', 6);
+    const std::string host = left.substr(6, host_end - 6), own = std::to_string(getpid());
+    std::ifstream stat("/proc/self/stat");
+    std::string word;
+    for (int i = 0; i < 22; ++i) stat >> word;  // the test's own name holds no blank
+    const std::string living = "g." + host + "." + own + "." + word + ".0.new";
+    const std::string reused = "g." + host + "." + own + ".1.0.new";
+    const std::string of_another = "g.elsewhere-1." + own + "." + start + ".0.new";
+    const std::string old_of_another = "h.elsewhere-1." + own + "." + start + ".0.new";
+    const std::string future_of_another = "i.elsewhere-1." + own + "." + start + ".0.new";
+    for (const std::string& name : {living, reused, of_another, old_of_another, future_of_another,
+                                    std::string("notes.new"), std::string("a.1.2.new"), std::string(".new")})
+        std::ofstream(path(name)) << "x";
+    const auto now = fs::file_time_type::clock::now();
+    fs::last_write_time(path(old_of_another), now - std::chrono::hours(25));
+    fs::last_write_time(path(future_of_another), now + std::chrono::hours(1000));
+    fs::create_directory(path("within." + host + ".999999999.1.0.new"));
+    remove_abandoned(directory_.string());
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(directory_)) names.insert(entry.path().filename().string());
+    names.erase("f.csv");
+    EXPECT_EQ(names, (std::set<std::string>{living, of_another, future_of_another, "notes.new", "a.1.2.new", ".new",
+                                            "within." + host + ".999999999.1.0.new"}));
+    remove_abandoned(path("missing"));
+}
+
+TEST_F(AtomicFile, WritesUnderTheLongestNames) {
+    const std::string name(255, 'n');
+    write_atomically(path(name), "text");
+    EXPECT_EQ(content(path(name)), "text");
+    EXPECT_EQ(entries(), 1u);
 }
 
 // killed at any moment, what is there is a whole old file or a whole new one

@@ -7,7 +7,7 @@
 namespace polhode {
 
 /// An advisory lock on a file (flock), given back at the end of its life and by the death of the process. Where the
-/// file cannot be opened there is nothing to lock, and the work goes on without.
+/// file cannot be opened, or the file system has no locks, the work goes on without; one line on standard error tells.
 class FileLock {
   public:
     enum class Kind { shared, exclusive };
@@ -23,10 +23,16 @@ class FileLock {
 };
 
 /// The file by which all runs of this user on this machine keep other work away from timings: computing holds it
-/// shared, timing exclusively.
+/// shared, timing exclusively. In TMPDIR, or in /tmp where that is no directory.
 std::string machine_lock_file();
 
 /// The file by which one process at a time gathers a folder's cases into tables.
 std::string report_lock_file(const std::string& directory);
+
+/// The file by which processes over one folder claim its cases, searches and studies by their keys (text/claims.h).
+std::string claims_file(const std::string& directory);
+
+/// Removes what killed runs have left in the folder and in its cases: remove_abandoned().
+void remove_abandoned_of_runs(const std::string& directory);
 
 }  // namespace polhode

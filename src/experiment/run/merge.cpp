@@ -277,6 +277,7 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
         gather(output, true, gathering);
         for (const std::string& directory : sources) gather(directory, false, gathering);
         fs::create_directories(cases_folder(output));
+        remove_abandoned_of_runs(output);
         const FileLock one_writer(report_lock_file(output), FileLock::Kind::exclusive, patient);
         for (const Plan& plan : plans) record_experiment(plan, output);
         for (const auto& [name, source] : gathering.chosen) {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <iterator>
 #include <set>
+#include <thread>
 
 #include "experiment/plan/kind.h"
 #include "experiment/run/case_store.h"
@@ -16,6 +18,7 @@
 #include "experiment/run/report.h"
 #include "integrators/run/march.h"
 #include "integrators/sundials/build.h"
+#include "text/claims.h"
 #include "text/content_hash.h"
 #include "text/interruption.h"
 #include "text/message.h"
@@ -94,7 +97,15 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
     const std::string& name = plan.experiment.name;
     const Kind& kind = *plan.experiment.kind;
     const std::string key = whole_key(plan, options.quick);
-    const bool done = is_done(options.directory, key);
+    bool done = is_done(options.directory, key);
+    // what is made as a whole one process makes, and others wait for; the others share their searches out themselves
+    const Claims claims(claims_file(options.directory));
+    std::optional<Claims::Claim> claim;
+    if (!done && !kind.resumable && options.shard == 1) {
+        while (!(claim = claims.take(key)) && !sweep_interrupted())
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        done = is_done(options.directory, key);
+    }
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)
             fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
@@ -116,9 +127,9 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
     write_and_tell(plan, findings, options, command_line,
                    fmt::format("{} tables, {} pictures in {}, {:.3g} s", findings.tables.size(),
                                findings.figures.size(), options.directory, seconds));
+    if (!options.only_gather) save_duration(options.directory, name, seconds);
     // the first shard also makes what is no search's
     if (findings.missing == 0 && options.shard == 1) save_done(options.directory, key);
-    if (!options.only_gather) save_duration(options.directory, name, seconds);
     return findings.missing;
 }
 
@@ -236,6 +247,7 @@ Table costs_of_work(const Plan& plan, const std::string& measured) {
 }
 
 bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+    remove_abandoned_of_runs(options.directory);
     record_experiment(plan, options.directory);
     return plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
                                       : run_cases(plan, options, command_line);

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <mutex>
+#include <thread>
 
 #include "experiment/run/case.h"
 #include "experiment/run/case_store.h"
+#include "experiment/run/locks.h"
 #include "experiment/run/progress.h"
 #include "integrators/run/watch.h"
+#include "text/claims.h"
 #include "text/content_hash.h"
 #include "text/parallel.h"
 
@@ -51,22 +55,36 @@ void run_searches(const Plan& plan, const RunOptions& options, std::vector<Searc
         if (needed[s]) save_truth_duration(options.directory, plan, plan.scenes[s], stopwatch.seconds());
         advance(plan.scenes[s].label);
     });
-    parallel_for(pending.size(), options.jobs, [&](std::size_t i) {
+    const Claims claims(claims_file(options.directory));
+    const auto run_one = [&](std::size_t i) {
         Search& search = searches[pending[i]];
         if (sweep_interrupted()) return;
-        const Stopwatch stopwatch;
-        Table rows = run(pending[i]);
-        if (sweep_interrupted()) return;
-        save_rows(options.directory, search.key, rows);
-        // one search is what a plan has for all settings of the curve
-        const std::size_t settings = search.curve->settings.size();
-        for (std::size_t rank = 0; rank < settings; ++rank)
-            save_duration(options.directory,
-                          words_of(plan, Case{&plan.scenes[search.scene], search.curve, rank, search.key}),
-                          stopwatch.seconds() / static_cast<double>(settings));
-        search.rows = std::move(rows);
+        const std::optional<Claims::Claim> claim = claims.take(search.key);
+        if (!claim) return;
+        search.rows = load_rows(options.directory, search.key);
+        if (!search.rows) {
+            const Stopwatch stopwatch;
+            Table rows = run(pending[i]);
+            if (sweep_interrupted()) return;
+            // one search is what a plan has for all settings of the curve
+            const std::size_t settings = search.curve->settings.size();
+            for (std::size_t rank = 0; rank < settings; ++rank)
+                save_duration(options.directory,
+                              words_of(plan, Case{&plan.scenes[search.scene], search.curve, rank, search.key}),
+                              stopwatch.seconds() / static_cast<double>(settings));
+            save_rows(options.directory, search.key, rows);
+            search.rows = std::move(rows);
+        }
         advance(plan.scenes[search.scene].label + " " + std::string(search.curve->method->name));
-    });
+    };
+    // what other processes are at is looked at again once all else is done: they store it, or leave it to this one
+    while (!pending.empty() && !sweep_interrupted()) {
+        const std::size_t before = pending.size();
+        parallel_for(pending.size(), options.jobs, run_one);
+        std::erase_if(pending, [&](std::size_t i) { return searches[i].rows.has_value(); });
+        if (pending.size() == before && !sweep_interrupted())
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
 }
 
 }  // namespace polhode

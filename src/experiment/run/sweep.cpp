@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <map>
+#include <thread>
+#include <utility>
 
 #include "experiment/run/case.h"
 #include "experiment/run/case_store.h"
@@ -15,6 +18,7 @@
 #include "integrators/analysis/conditioning.h"
 #include "integrators/run/watch.h"
 #include "integrators/truth/reference.h"
+#include "text/claims.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -52,7 +56,7 @@ Conditioning conditioning_of(const Scene& scene, long samples) {
 class SceneSweep {
   public:
     SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Reference& truth,
-               const Conditioning& conditioning, Progress& progress)
+               const Conditioning& conditioning, const Claims& claims, Progress& progress)
         : plan_(plan),
           options_(options),
           cases_(std::move(cases)),
@@ -60,8 +64,10 @@ class SceneSweep {
           conditioning_(conditioning),
           floors_(floors_of(conditioning)),
           kappa_(conditioning.available ? std::optional(conditioning.attitude.back()) : std::nullopt),
+          claims_(claims),
           progress_(progress) {}
 
+    // Runs what no other process is at; how many cases those were.
     long run() {
         const Scene& scene = cases_.front()->scene->scene;
         std::size_t ranks = 0;
@@ -87,12 +93,27 @@ class SceneSweep {
         return nullptr;
     }
 
+    // whether a coarser case of its curve has no result yet: another process is at it, and it may be the last
+    bool waits(const Case& c) const {
+        return std::any_of(cases_.begin(), cases_.end(), [&](const Case* other) {
+            return other->curve == c.curve && other->rank < c.rank && !other->result;
+        });
+    }
+
     const Problem& problem_of(const Case& c) const { return problems_.at(c.curve->formulation); }
 
     long run_rank(const std::vector<Case*>& all) {
         std::vector<Case*> now;
+        std::vector<Claims::Claim> held;  // until all are stored
         for (Case* c : all) {
-            if (const Case* at = cut_before(*c)) {
+            if (waits(*c)) continue;
+            std::optional<Claims::Claim> claim = claims_.take(c->key);
+            if (!claim) continue;
+            held.push_back(std::move(*claim));
+            if ((c->result = load_case(options_.directory, c->key))) {
+                // another process has stored it since
+                progress_.advance(words_of(plan_, *c));
+            } else if (const Case* at = cut_before(*c)) {
                 cut_curve(*at, *c);
                 store(*c);
             } else {
@@ -154,8 +175,9 @@ class SceneSweep {
             for (std::size_t k = 0; k < series.t.size(); ++k)
                 series.float64_floor.push_back(conditioning_.floor(k, float64_roundoff));
         const std::string words = words_of(plan_, c);
-        save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
+        // the case last: once it is there, nothing of it is missing
         save_duration(options_.directory, words, c.spent);
+        save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
         progress_.advance(words);
     }
 
@@ -167,6 +189,7 @@ class SceneSweep {
     const Floors floors_;
     const std::optional<double> kappa_;  // of the attitude at T
     std::map<Formulation, Problem> problems_;
+    const Claims& claims_;
     Progress& progress_;
 };
 
@@ -232,10 +255,23 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         scenes[i].conditioning = conditioning_of(scene, plan.experiment.samples);
         save_truth_duration(options.directory, plan, *scenes[i].cases.front()->scene, stopwatch.seconds());
     });
-    for (SceneAtHand& known : scenes) {
-        if (interrupted) break;
-        sweep.run += SceneSweep(plan, options, known.cases, known.truth, known.conditioning, progress).run();
-        known = {};
+    // what other processes are at is looked at again once all else is done: they store it, or leave it to this one
+    const Claims claims(claims_file(options.directory));
+    while (!scenes.empty() && !interrupted) {
+        const auto missing = [](const SceneAtHand& known) {
+            return std::count_if(known.cases.begin(), known.cases.end(), [](const Case* c) { return !c->result; });
+        };
+        bool none_moved = true;
+        for (SceneAtHand& known : scenes) {
+            if (interrupted) break;
+            const auto before = missing(known);
+            sweep.run +=
+                SceneSweep(plan, options, known.cases, known.truth, known.conditioning, claims, progress).run();
+            none_moved = none_moved && missing(known) == before;
+            if (missing(known) == 0) known = {};
+        }
+        std::erase_if(scenes, [](const SceneAtHand& known) { return known.cases.empty(); });
+        if (none_moved && !scenes.empty() && !interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return sweep;
 }

@@ -249,8 +249,11 @@ Table costs_of_work(const Plan& plan, const std::string& measured) {
 bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     remove_abandoned_of_runs(options.directory);
     record_experiment(plan, options.directory);
-    return plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
-                                      : run_cases(plan, options, command_line);
+    const bool ended = plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
+                                                  : run_cases(plan, options, command_line);
+    // of other runs in the folder that were killed meanwhile
+    remove_abandoned_of_runs(options.directory);
+    return ended;
 }
 
 }  // namespace polhode

@@ -12,6 +12,7 @@
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/cache.h"
 #include "integrators/truth/rounded_decimal.h"
+#include "integrators/truth/shared.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
@@ -44,10 +45,13 @@ bool is_long(const Problem& problem) {
            truth::closed_form_serves(problem);
 }
 
+// the arithmetic carries at least six digits more than a step does
+bool is_narrow(double local_digits) { return local_digits <= 44; }
+constexpr double least_broad_digits = 45;
+
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
     if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
-    // the arithmetic carries at least six digits more than a step does
-    const bool narrow = local_digits <= 44;
+    const bool narrow = is_narrow(local_digits);
     if (is_mechanism(problem.scene))
         return narrow ? truth::attempt_at_mechanism<50>(problem, times, local_digits)
                       : truth::attempt_at_mechanism<100>(problem, times, local_digits);
@@ -58,6 +62,36 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
                   : truth::attempt_by_taylor<100>(problem, times, local_digits);
 }
 
+// What the arithmetic takes of what both runs of a truth are given.
+class SharedData {
+  public:
+    SharedData(const Problem& problem, double duration)
+        : problem_(problem), radians_(problem.scales.angular_velocity * duration) {}
+
+    /// The least error of a truth by steps to so many digits.
+    double error(double local_digits, double difference = 0) {
+        const bool narrow = !is_long(problem_) && is_narrow(local_digits);
+        std::optional<double>& rounding = narrow ? narrow_ : broad_;
+        if (!rounding)
+            rounding =
+                narrow ? truth::shared_rounding<50>(problem_.scene) : truth::shared_rounding<100>(problem_.scene);
+        return truth::shared_error(*rounding, radians_, difference, narrow ? 50 : 100, local_digits);
+    }
+    /// Counts it in an attempt's bound.
+    void count(Attempt& attempt, double local_digits) {
+        double& bound = attempt.truth.reference.bound;
+        const double least = error(local_digits, bound);
+        if (least <= bound) return;
+        bound = least;
+        attempt.agreed_digits = std::min(attempt.agreed_digits, -std::log10(least));
+    }
+
+  private:
+    const Problem& problem_;
+    double radians_;
+    std::optional<double> narrow_, broad_;
+};
+
 // Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
@@ -65,13 +99,24 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         return none("no truth: a stiff motion is followed by collocation, which knows no planes");
     double local = digits + 8, most_agreed = 0;
     std::string fault;
+    SharedData shared(problem, times.back());
+    const double wanted = std::pow(10.0, -digits);
+    if (shared.error(local) > wanted) local = std::max(local, least_broad_digits);
+    if (!(shared.error(local) <= wanted))
+        return none(
+            fmt::format("no truth to {} digits: what the body's mass, moments, axes and start are loses them to "
+                        "cancellation in 100 digits; a tensor about the centre of mass that is larger beside "
+                        "the mass times the pivot's distance squared loses fewer",
+                        digits));
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
         Attempt made = attempt(problem, times, local);
         fault = made.fault;
         if (!fault.empty()) break;
+        shared.count(made, local);
         // no digit agrees: what the motion hangs on may be lost in one of the two formulations
         if (made.agreed_digits < 1 && attempts == 0 && !is_mechanism(scene) && truth::closed_form_serves(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
+            if (other.fault.empty()) shared.count(other, std::max(local, least_broad_digits));
             if (other.fault.empty() && other.agreed_digits > made.agreed_digits) made = std::move(other);
         }
         most_agreed = std::max(most_agreed, made.agreed_digits);

@@ -1,5 +1,6 @@
 #include "motion/needs.h"
 
+#include <cmath>
 #include <optional>
 
 namespace polhode {
@@ -119,7 +120,13 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
                 const std::vector<Forcing<Wide>>& forcings) {
     Needs& needs = problem.needs;
     const Vector3<double>& I = problem.body.principal.moments;
-    const int equal = (I[0] == I[1]) + (I[1] == I[2]) + (I[2] == I[0]);
+    // moments that agree in binary64 may turn a body that has hardly any inertia about the third axis
+    const auto agree = [&](int i, int j) {
+        constexpr double hardly = 1e-10, negligible = 0x1p-50;
+        const int k = 3 - i - j;
+        return I[i] == I[j] && (I[k] > hardly * I[i] || std::abs(problem.body.principal.gyroscopic[k]) <= negligible);
+    };
+    const int equal = agree(0, 1) + agree(1, 2) + agree(2, 0);
     needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
 
     needs.torque_free = true;

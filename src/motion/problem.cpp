@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "motion/contact.h"
+#include "motion/finer_frame.h"
 #include "motion/mechanism.h"
 #include "motion/needs.h"
 #include "motion/own_system.h"
@@ -54,8 +55,15 @@ Problem pose(const Scene& scene, Formulation formulation) {
     problem.body.wide_initial_angular_velocity =
         rotate_back(problem.body.wide_principal.q_BP, exact.angular_velocity_B);
     problem.body.principal = rounded(problem.body.wide_principal);
-    problem.body.principal_inertia = {problem.body.principal.gyroscopic, problem.body.principal.inverse_moments, false};
     problem.body.full_inertia = {problem.body.inertia_B, cast<double>(inverse(exact.inertia_B))};
+    const bool moved = exact.pivoted && !(exact.arm == Vector3<Wide>());
+    if (needs_finer_frame(exact.inertia_B, moved, problem.body.principal.moments)) {
+        const FinerFrame finer = finer_frame(scene);
+        problem.body.wide_principal = finer.wide, problem.body.principal = finer.nearest;
+        problem.body.wide_initial_angular_velocity = finer.angular_velocity_B;
+        problem.body.full_inertia.inverse = finer.inverse_inertia;
+    }
+    problem.body.principal_inertia = {problem.body.principal.gyroscopic, problem.body.principal.inverse_moments, false};
     problem.body.q_BP = formulation == Formulation::full ? Quaternion<double>{} : problem.body.principal.q_BP;
 
     const Quaternion<Wide> q_BP = normalized(cast<Wide>(problem.body.q_BP));

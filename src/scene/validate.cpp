@@ -15,7 +15,17 @@ namespace polhode {
 namespace {
 
 constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
+constexpr double least_moment = 1e-30;     // of the largest, where they are found by diagonalisation
 constexpr double start_tolerance = 1e-12;  // of the body's reach: how deep in a plane rounding may put its start
+
+template <class S>
+bool is_diagonal(const Matrix3<S>& J) {
+    bool all_vanish = true;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (i != j) all_vanish = all_vanish && J[i][j] == 0;
+    return all_vanish;
+}
 
 // The three moments of a body exist for some distribution of mass: each positive, none above the sum of the others.
 void check_moments(const SceneCheck& check, const Vector3<double>& I, const std::string& place, bool single_places) {
@@ -37,19 +47,16 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
     const bool given = !body.source;
     const std::string place = given ? body_place + "/inertia" : body_place;
     const Matrix3<double>& J = body.inertia_B;
-    bool is_diagonal = true;
+    const bool axes_are_principal = is_diagonal(J);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            if (i != j) is_diagonal = is_diagonal && J[i][j] == 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (!is_diagonal) check.finite(fmt::format("{}/{}/{}", place, i, j), J[i][j]);
+            if (!axes_are_principal) check.finite(fmt::format("{}/{}/{}", place, i, j), J[i][j]);
     if (!given)
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
                 if (!std::isfinite(J[i][j]))
                     check.fail(place, "has moments of inertia beyond binary64", "give smaller sizes or masses");
-    if (is_diagonal && given) {
+    if (axes_are_principal && given) {
         for (int i = 0; i < 3; ++i) check.positive(fmt::format("{}/{}", place, i), J[i][i], "a moment of inertia");
         check_moments(check, {J[0][0], J[1][1], J[2][2]}, place, true);
         return;
@@ -65,8 +72,8 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
                            "an inertia tensor is symmetric within 1e-12 of its largest moment");
     for (int i = 0; i < 3; ++i) {
         check.finite(place, I[i]);
-        // a moment below 1e-30 of the largest is a zero left over by the diagonalisation's 113 bits
-        if (!(I[i] > 1e-30 * largest) || !std::isfinite(1 / I[i]))
+        // what is smaller is a zero left over by the diagonalisation's 113 bits
+        if (!(I[i] > least_moment * largest) || !std::isfinite(1 / I[i]))
             check.fail(place, "has the principal moment " + shortest_decimal(I[i]),
                        "every principal moment must be > 0");
     }
@@ -77,12 +84,22 @@ void check_pivot(const SceneCheck& check, const Scene& scene) {
     if (!scene.pivot) return;
     check.finite("/pivot", *scene.pivot);
     const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
-    const Vector3<double> I =
-        principal_frame(cast<Wide>(scene.body.inertia_B) + parallel_axis(Wide(scene.body.mass), cast<Wide>(arm)))
-            .moments;
+    const Matrix3<Wide> about_pivot =
+        cast<Wide>(scene.body.inertia_B) + parallel_axis(Wide(scene.body.mass), cast<Wide>(arm));
+    const Vector3<double> I = principal_frame(about_pivot).moments;
     if (!std::isfinite(I[0] + I[1] + I[2]))
         check.fail("/pivot", "makes the inertia about it infinite as binary64",
                    "give a nearer pivot or a lighter body");
+    // Of a tensor that vanishes in 113 bits beside the mass times the squared distance nothing is left. A lesser moment
+    // alone is lost only where the axes have to be found.
+    const double largest = std::max({I[0], I[1], I[2]}), least = std::min({I[0], I[1], I[2]});
+    const Matrix3<double>& own = scene.body.inertia_B;
+    const double size = own[0][0] + own[1][1] + own[2][2];
+    if (!(size > least_moment * largest) || (!is_diagonal(about_pivot) && !(least > least_moment * largest)))
+        check.fail("/pivot",
+                   fmt::format("makes a principal moment about it less than 1e-30 of the largest, {}",
+                               shortest_decimal(largest)),
+                   "give a tensor that is larger beside the mass times the pivot's distance squared");
     const Initial& initial = scene.initial;
     const char* remedy = "leave it out: the pivot and the attitude say where the centre of mass is";
     if (!(initial.position_W == Vector3<double>())) check.fail("/initial/position", "stands beside a pivot", remedy);

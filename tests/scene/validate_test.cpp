@@ -95,6 +95,23 @@ TEST(Validate, RefusesWhatCannotBe) {
                   s.pivot = Vector3<double>(1e10, 0, 0);
               }).find("/pivot: makes the inertia"),
               std::string::npos);
+    // a tensor that 113 bits do not hold beside what the pivot's distance adds
+    for (const Vector3<double>& arm : {Vector3<double>(0.3, 0.4, 0.5), Vector3<double>(0, 0, 0.5)})
+        EXPECT_NE(fault_with([&](Scene& s) {
+                      s.body.mass = 1;
+                      s.body.inertia_B = diagonal(Vector3<double>(1e-55, 1.2e-55, 1.5e-55));
+                      s.body.center_of_mass = arm;
+                      s.pivot = Vector3<double>();
+                  }).find("/pivot: makes a principal moment about it less than 1e-30 of the largest, "),
+                  std::string::npos);
+    // but not a needle held at a point of its own axis
+    EXPECT_EQ(fault_with([](Scene& s) {
+                  s.body.mass = 1;
+                  s.body.inertia_B = diagonal(Vector3<double>(1e-55, 1, 1));
+                  s.body.center_of_mass = {0.5, 0, 0};
+                  s.pivot = Vector3<double>();
+              }),
+              "");
 }
 
 // The triangle inequality is that of the principal moments: a tensor turned to other axes is judged as it was before.

@@ -1,4 +1,5 @@
 // The rules of several bodies: names, trees of joints, loops, and what acts on them.
+#include <algorithm>
 #include <map>
 
 #include "scene/joint_file.h"
@@ -206,6 +207,10 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.loops.size(); ++i)
         joints.add(fmt::format("/loops/{}/name", i), scene.loops[i].name, i);
     check_bodies(check, scene, carriers(check, scene, bodies));
+    const auto is_fixed = [](const Joint& joint) { return joint.type == JointType::fixed; };
+    if (scene.joints.size() == scene.bodies.size() && std::ranges::all_of(scene.joints, is_fixed))
+        check.fail("/joints", "fix every body to the world, and nothing moves",
+                   "give one of them another type, or leave it out");
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const std::string place = fmt::format("/joints/{}", i);
         check_numbers(check, place, scene.joints[i]);

@@ -31,7 +31,7 @@ Quaternion<Wide> turn_by(const Vector3<double>& axis, Wide angle) {
     return {c, v[0], v[1], v[2]};
 }
 
-Body moderate_link() {
+Body any_moderate_body() {
     Body body;
     body.mass = 2.5 + middling();
     body.inertia_B = diagonal(Vector3<double>(3 + middling() / 4, 3 + middling() / 4, 3 + middling() / 4));
@@ -47,7 +47,7 @@ BodyMotion<Wide> moderate_motion() {
 Scene with_bodies(int count) {
     Scene scene;
     scene.name = "bodies", scene.duration = 1;
-    for (int i = 0; i < count; ++i) scene.bodies.push_back({"b" + std::to_string(i), moderate_link(), {}});
+    for (int i = 0; i < count; ++i) scene.bodies.push_back({"b" + std::to_string(i), any_moderate_body(), {}});
     return scene;
 }
 
@@ -77,7 +77,7 @@ std::vector<BodyMotion<Wide>> jointed(const Scene& scene, const Quaternion<Wide>
 
 RC_GTEST_PROP(MechanismMotion, OneBodyHasTheInvariantsOfABodyAlone, ()) {
     Scene alone;
-    alone.name = "alone", alone.duration = 1, alone.body = moderate_link();
+    alone.name = "alone", alone.duration = 1, alone.body = any_moderate_body();
     const Window window{-0.5 + middling(), 0.5 + middling()};
     alone.loads = {Gravity{moderate_vector(), {}},
                    Gravity{moderate_vector(), window},

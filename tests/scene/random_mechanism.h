@@ -1,6 +1,8 @@
 // Random valid scenes of several bodies for RapidCheck: trees and loops of every kind.
 #pragma once
 
+#include <algorithm>
+
 #include "scene/random_scene.h"
 
 namespace polhode {
@@ -94,6 +96,10 @@ inline Scene random_mechanism() {
                                        random_vector()};
         }
     }
+    // something has to move
+    const auto is_fixed = [](const Joint& joint) { return joint.type == JointType::fixed; };
+    if (scene.joints.size() == bodies && std::ranges::all_of(scene.joints, is_fixed))
+        scene.joints[0].type = JointType::spherical;
     const std::size_t loops = *rc::gen::inRange<std::size_t>(0, 3);
     for (std::size_t i = 0; i < loops; ++i) scene.loops.push_back(random_loop(scene, i));
     for (Joint& j : scene.joints)

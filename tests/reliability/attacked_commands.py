@@ -1,0 +1,138 @@
+"""Small runs of every command that writes files, for the scripts here that attack them from below."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+top = pathlib.Path(__file__).resolve().parents[2]
+
+sweep = {"name": "sweep", "about": "two methods", "scenes": ["symmetric"], "methods": ["odeint_rk4", "cvode_adams"],
+         "settings": {"steps": [0.1], "tolerances": [1e-6]}, "samples": 3, "repeats": 1}
+study = {"name": "study", "about": "three floats", "kind": "inertia_shortcuts", "scenes": ["l_shape"]}
+growth = {"name": "growth", "about": "with a curve over time", "kind": "conservation", "scenes": ["symmetric"],
+          "methods": ["odeint_rk4"], "settings": {"evaluations_per_revolution": [100]}, "samples": 5, "repeats": 1}
+short = ["--samples", "4", "--duration", "1"]
+run = ["--output", "results", "--jobs", "1", "--quiet"]
+
+# What is written, and by which command line; a name of prepare() where it is not the plain folder that it starts from
+commands: dict[str, tuple[str, list[str]]] = {
+    "solve": ("plain", ["solve", "mechanisms/double_pendulum", *short, "--output", "out.csv", "--reactions", "more.csv"]),
+    "truth": ("plain", ["truth", "symmetric", *short, "--output", "out.csv"]),
+    "truth as JSON": ("plain", ["truth", "symmetric", *short, "--certified", "--format", "json", "--output", "out.json"]),
+    "export": ("plain", ["export", "symmetric", *short, "--format", "cpp", "--output", "out.h"]),
+    "describe": ("plain", ["describe", "symmetric", "--output", "out.txt"]),
+    "describe --picture": ("plain", ["describe", "symmetric", "--picture", "out.svg"]),
+    "plot": ("plain", ["plot", "in.csv", "--scene", "symmetric", "--output", "out.svg"]),
+    "check --picture": ("plain", ["check", "symmetric", "in.csv", "--picture", "out.svg"]),
+    "ensemble": ("plain", ["ensemble", "symmetric", "--initial", "bodies.csv", "--duration", "1", "--samples", "2",
+                           "--threads", "1", "--output", "out.csv"]),
+    "run sweep": ("plain", ["run", "sweep.json", *run]),
+    "run study": ("plain", ["run", "study.json", *run]),
+    "run growth": ("plain", ["run", "growth.json", *run]),
+    "run resumed": ("half", ["run", "sweep.json", *run]),
+    "report": ("done", ["report", "results", "--jobs", "1", "--quiet", "--output", "out.html"]),
+}
+old_text = "what stood here before\n"
+# what commands write where there is an old one
+old_outputs = ["out.csv", "more.csv", "out.json", "out.h", "out.txt", "out.svg", "out.pdf", "out.html",
+               "results/sweep.csv", "results/sweep.json", "results/study.csv", "results/growth.csv"]
+bodies = "wx,wy,wz\n1,2,3\n2,3,4\n0.1,5,1\n"
+
+
+def environment(folder: pathlib.Path, **more: str) -> dict[str, str]:
+    """A small one, with nothing of the caller's but the path: the cache and temporary files lie in the folder."""
+    return {"PATH": os.environ.get("PATH", "/usr/bin:/bin"), "HOME": str(folder), "POLHODE_CACHE": str(folder / "cache"),
+            "TMPDIR": str(folder), "POLHODE_REPORT_PAGE": str(folder / "page.html"), "LC_ALL": "C.UTF-8", **more}
+
+
+def call(program: pathlib.Path, arguments: list[str], folder: pathlib.Path, limit: float = 120,
+         **more: str) -> subprocess.CompletedProcess:
+    """The program in the folder. Throws subprocess.TimeoutExpired."""
+    return subprocess.run([str(program), *arguments], cwd=folder, env=environment(folder, **more),
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=limit)
+
+
+def prepare(program: pathlib.Path, folder: pathlib.Path) -> None:
+    """Folders of `folder` to copy before each run: plain; done, with results; half, with part of them."""
+    plain = folder / "plain"
+    plain.mkdir(parents=True)
+    for experiment in (sweep, study, growth):
+        (plain / f"{experiment['name']}.json").write_text(json.dumps(experiment))
+    (plain / "bodies.csv").write_text(bodies)
+    # what stands for the page's front-end, which takes npm to build
+    (plain / "page.html").write_text("<title><!--polhode:title--></title><!--polhode:data-->\n")
+    made = call(program, ["solve", "symmetric", *short, "--output", "in.csv"], plain)
+    if made.returncode != 0:
+        raise SystemExit(f"{program} solve: {made.stderr.strip()}")
+    done = folder / "done"
+    shutil.copytree(plain, done)
+    made = call(program, commands["run sweep"][1], done)
+    if made.returncode != 0:
+        raise SystemExit(f"{program} run: {made.stderr.strip()}")
+    half = folder / "half"
+    shutil.copytree(done, half)
+    shutil.rmtree(half / "cache")
+    for file in half.glob("results/*"):
+        if file.is_file():
+            file.unlink()
+    cases = sorted(half.glob("results/.cases/*.csv"))
+    for file in cases[: len(cases) // 2]:
+        file.unlink()
+    for of in (plain, half, done):
+        for name in old_outputs:
+            if (of / name).parent != of:
+                (of / name).parent.mkdir(exist_ok=True)
+            if not (of / name).exists():
+                (of / name).write_text(old_text)
+
+
+def contents(folder: pathlib.Path) -> dict[str, bytes]:
+    """What every file holds, but for the cache, locks and times."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*"))
+            if path.is_file() and path.suffix not in (".lock", ".seconds") and "cache" not in path.parts}
+
+
+def temporaries(folder: pathlib.Path) -> list[str]:
+    return [str(path.relative_to(folder)) for path in folder.rglob("*") if path.name.endswith((".new", ".tmp"))]
+
+
+class Reference:
+    """What a command leaves when nothing is in its way, by two runs: where they differ, as times do, the differing
+    bytes are not compared, only what kind of file it is."""
+
+    def __init__(self, first: dict[str, bytes], second: dict[str, bytes]) -> None:
+        self.files, self.varies = first, {name for name in first if first[name] != second.get(name)}
+        if set(first) != set(second):
+            raise SystemExit(f"two runs leave different files: {sorted(set(first) ^ set(second))}")
+
+    @staticmethod
+    def outline(text: bytes) -> list[tuple[int, bytes]]:
+        """Of each line how many cells it has and the first of them, where that is no number."""
+        return [(line.count(b","), re.sub(rb"[-+0-9.e]+.*", b"", line.split(b",")[0])) for line in text.splitlines()]
+
+    def is_whole(self, name: str, text: bytes) -> bool:
+        if name not in self.files:
+            return False
+        if name not in self.varies:
+            return text == self.files[name]
+        if name.endswith(".csv"):
+            return self.outline(text) == self.outline(self.files[name])
+        if name.endswith(".json"):
+            try:
+                return json.loads(text).keys() == json.loads(self.files[name]).keys()
+            except (ValueError, AttributeError):
+                return False
+        return text != b"" and text[-8:].strip() == self.files[name][-8:].strip()
+
+    def differs(self, files: dict[str, bytes]) -> str:
+        """What is wrong with these files; nothing where they are complete and right."""
+        if missing := sorted(set(self.files) - set(files)):
+            return f"{missing[0]} is missing"
+        if extra := sorted(set(files) - set(self.files)):
+            return f"{extra[0]} is left"
+        wrong = [name for name in files if not self.is_whole(name, files[name])]
+        return f"{wrong[0]} is not as it is without the fault" if wrong else ""

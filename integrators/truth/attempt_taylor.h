@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <future>
+#include <system_error>
 
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/compare.h"
@@ -12,16 +13,21 @@
 namespace polhode::truth {
 
 /// Runs f in a thread of its own, with as much time as is left and interrupted with this one; the caches that mpfr
-/// keeps for it go with it.
+/// keeps for it go with it. Where the system gives no thread, in the caller's, when the result is asked for.
 template <class F>
 auto in_thread(F f) {
-    return std::async(std::launch::async, [f, seconds = Allowance::left(), interruption = Interruption::current()] {
+    const auto work = [f, seconds = Allowance::left(), interruption = Interruption::current()] {
         const Interruption inherited(interruption);
         const Allowance allowance(seconds);
         auto result = f();
         mpfr_free_cache();
         return result;
-    });
+    };
+    try {
+        return std::async(std::launch::async, work);
+    } catch (const std::system_error&) {
+        return std::async(std::launch::deferred, work);
+    }
 }
 
 /// Of one run.

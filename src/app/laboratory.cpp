@@ -4,11 +4,15 @@
 
 #include <array>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <new>
 
 #include "app/commands.h"
 #include "integrators/engines/engine_methods.h"
 #include "integrators/own_methods.h"
+#include "integrators/truth/memory.h"
 
 namespace polhode {
 namespace {
@@ -28,14 +32,25 @@ void add_engines_of_program() {
     if (!fault && std::filesystem::exists(list, fault)) add_engines(list.string());
 }
 
+// Where nothing can be thrown: as run_program() does it.
+[[noreturn]] void end_without_memory() {
+    std::fputs("polhode: out of memory\n", stderr);
+    std::_Exit(1);
+}
+
 }  // namespace
 
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
     hold_standard_streams();
     // a file beyond the limit on its size is a failed write, not the end of the process
     std::signal(SIGXFSZ, SIG_IGN);
-    add_methods(own);
-    add_engines_of_program();
+    truth::when_out_of_memory(end_without_memory);
+    try {
+        add_methods(own);
+        add_engines_of_program();
+    } catch (const std::bad_alloc&) {
+        end_without_memory();
+    }
     const std::array commands{
         add_solve, add_truth,  add_check, add_plot,   add_describe, add_show,   add_run,
         add_merge, add_submit, add_list,  add_export, add_ensemble, add_report,

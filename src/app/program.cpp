@@ -27,6 +27,12 @@ int complain(int exit_code, std::string_view message) {
     return exit_code;
 }
 
+// Asks for no memory itself.
+int complain_of_memory() {
+    std::fputs("polhode: out of memory\n", stderr);
+    return failed;
+}
+
 std::string versions() {
     std::string text = "polhode " POLHODE_VERSION;
     for (const auto& [name, version] : library_versions()) text += fmt::format("\n{} {}", name, version);
@@ -118,7 +124,9 @@ int print_help(const CLI::App& program, const CLI::ParseError& request) {
 
 }  // namespace
 
-int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands) {
+namespace {
+
+int run_command(int argc, const char* const* argv, std::span<const AddCommand> commands) {
     CLI::App program{
         "polhode: poses a rigid body's motion as a differential equation, solves it and measures how "
         "wrong each method is for how much time.",
@@ -145,9 +153,23 @@ int run_program(int argc, const char* const* argv, std::span<const AddCommand> c
     } catch (const InputError& error) {
         return complain(bad_usage, error.what());
     } catch (const std::bad_alloc&) {
-        return complain(failed, "out of memory");
+        return complain_of_memory();
     } catch (const std::exception& error) {
         return complain(failed, error.what());
+    }
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands) {
+    // where memory is out before the command line is read, or while another fault is told
+    try {
+        return run_command(argc, argv, commands);
+    } catch (const std::bad_alloc&) {
+        return complain_of_memory();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "polhode: %s\n", error.what());
+        return failed;
     }
 }
 

@@ -1,7 +1,5 @@
 #include "figure/figure.h"
 
-#include <stdexcept>
-
 #include "figure/gnuplot.h"
 #include "text/atomic_file.h"
 
@@ -13,12 +11,8 @@ std::string draw(const Figure& figure, const std::string& path_without_extension
     if (!svg.fault.empty()) return svg.fault;
     const GnuplotRun pdf = gnuplot_picture(gnuplot_script(figure, "pdf", ""), "pdf", time_limit);
     if (!pdf.fault.empty()) return pdf.fault;
-    try {
-        write_atomically(path_without_extension + ".svg", svg.output);
-        write_atomically(path_without_extension + ".pdf", pdf.output);
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
+    write_atomically(path_without_extension + ".svg", svg.output);
+    write_atomically(path_without_extension + ".pdf", pdf.output);
     return "";
 }
 

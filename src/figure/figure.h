@@ -85,6 +85,7 @@ std::string gnuplot_script(const Figure& figure, const std::string& terminal, co
 
 /// Draws PATH.svg and PATH.pdf (through temporaries, renamed); the same figure gives the same bytes. Returns an empty
 /// string, or what went wrong, such as gnuplot missing or silent beyond the time limit: tables do not depend on it.
+/// Throws std::runtime_error where a file cannot be written.
 std::string draw(const Figure& figure, const std::string& path_without_extension,
                  std::chrono::milliseconds time_limit = std::chrono::seconds(60));
 

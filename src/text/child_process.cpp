@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,6 +26,15 @@ struct CloseFile {
 };
 /// An unlinked temporary file. Unlike a pipe it needs no reader beside the writer, and nobody can hold it open.
 using File = std::unique_ptr<std::FILE, CloseFile>;
+
+// In memory where the system has such files, so that no full or read-only folder is in the way.
+File temporary_file() {
+    const int memory = ::memfd_create("polhode", MFD_CLOEXEC);
+    if (memory < 0) return File(std::tmpfile());
+    File file(::fdopen(memory, "w+"));
+    if (!file) ::close(memory);
+    return file;
+}
 
 std::string content(std::FILE* file) {
     std::string text;
@@ -90,7 +100,7 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
         run.fault = "no program is named", run.was_not_found = true;
         return run;
     }
-    const File streams[] = {File(std::tmpfile()), File(std::tmpfile()), File(std::tmpfile())};
+    const File streams[] = {temporary_file(), temporary_file(), temporary_file()};
     const auto& [in, out, errors] = streams;
     if (!in || !out || !errors || std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() ||
         std::fflush(in.get()) != 0) {

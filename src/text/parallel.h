@@ -5,6 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -28,20 +29,29 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
     {
         // before the threads, which outlive what is declared behind them
         const Interruption::Question* interruption = Interruption::current();
-        std::vector<std::jthread> pool;
-        for (std::size_t k = 0; k < threads; ++k)
-            pool.emplace_back([&] {
-                const Interruption inherited(interruption);
-                for (std::size_t i = next++; i < count; i = next++) {
-                    try {
-                        work(i);
-                    } catch (...) {
-                        const std::lock_guard lock(failure_mutex);
-                        if (!failure) failure = std::current_exception();
-                        next = count;
-                    }
+        const auto help = [&] {
+            const Interruption inherited(interruption);
+            for (std::size_t i = next++; i < count; i = next++) {
+                try {
+                    work(i);
+                } catch (...) {
+                    const std::lock_guard lock(failure_mutex);
+                    if (!failure) failure = std::current_exception();
+                    next = count;
                 }
-            });
+            }
+        };
+        std::vector<std::jthread> pool;
+        pool.reserve(threads);
+        try {
+            while (pool.size() < threads) pool.emplace_back(help);
+        } catch (const std::system_error&) {
+            // with as many as the system gives, and with this one where it gives none
+            if (pool.empty()) help();
+        } catch (...) {
+            next = count;
+            throw;
+        }
     }
     if (failure) std::rethrow_exception(failure);
 }

@@ -1,0 +1,41 @@
+#include "integrators/truth/memory.h"
+
+#include <gmp.h>
+
+#include <cstddef>
+#include <cstdlib>
+
+// FLINT's, which is there where certified truths are
+extern "C" [[gnu::weak]] void __flint_set_memory_functions(  // NOLINT(bugprone-reserved-identifier)
+    void* (*)(std::size_t), void* (*)(std::size_t, std::size_t), void* (*)(void*, std::size_t), void (*)(void*));
+
+namespace polhode::truth {
+namespace {
+
+void (*end_of_process)() = nullptr;
+
+// GMP asks for no block of size 0, FLINT does, and takes any pointer for one
+void* checked(void* block, std::size_t size) {
+    if (!block && size > 0) {
+        end_of_process();
+        std::abort();
+    }
+    return block;
+}
+
+void* allocate(std::size_t size) { return checked(std::malloc(size), size); }
+void* allocate_zeros(std::size_t count, std::size_t size) { return checked(std::calloc(count, size), count * size); }
+void* reallocate(void* block, std::size_t size) { return checked(std::realloc(block, size), size); }
+void* reallocate_sized(void* block, std::size_t, std::size_t size) { return reallocate(block, size); }
+void release(void* block) { std::free(block); }
+void release_sized(void* block, std::size_t) { std::free(block); }
+
+}  // namespace
+
+void when_out_of_memory(void (*ends)()) {
+    end_of_process = ends;
+    mp_set_memory_functions(allocate, reallocate_sized, release_sized);
+    if (__flint_set_memory_functions) __flint_set_memory_functions(allocate, allocate_zeros, reallocate, release);
+}
+
+}  // namespace polhode::truth

@@ -384,8 +384,13 @@ TEST_F(Draw, StopsAGnuplotThatHangs) {
     EXPECT_EQ(draw(small_figure(), path("a"), std::chrono::milliseconds(200)), "gnuplot was stopped after 0.2 s");
 }
 
-TEST_F(Draw, ReportsADirectoryThatIsNotThere) {
-    EXPECT_NE(draw(small_figure(), path("missing/a")).find("missing/a.svg"), std::string::npos);
+TEST_F(Draw, FailsWhereADirectoryIsNotThere) {
+    try {
+        draw(small_figure(), path("missing/a"));
+        FAIL() << "nothing is thrown";
+    } catch (const std::runtime_error& fault) {
+        EXPECT_NE(std::string(fault.what()).find("missing/a.svg"), std::string::npos) << fault.what();
+    }
 }
 
 }  // namespace

@@ -2,26 +2,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <thread>
 
 #include "app/commands.h"
+#include "app/ensemble_parts.h"
+#include "app/ensemble_rows.h"
 #include "app/lookup.h"
+#include "experiment/run/case_store.h"
 #include "integrators/own/mechanism_ensemble.h"
-#include "motion/ensemble_table.h"
+#include "motion/ensemble_stream.h"
 #include "scene/scene_file.h"
+#include "text/atomic_file.h"
+#include "text/atomic_stream.h"
+#include "text/content_hash.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-constexpr long most_threads = 4096, most_steps = 1'000'000'000, most_samples = 10'000;
+constexpr long most_threads = 4096, most_steps = 1'000'000'000, most_samples = 10'000, most_rows_at_once = 10'000'000;
 
 struct EnsembleOptions {
     std::string scene, initial, output;
@@ -29,119 +35,201 @@ struct EnsembleOptions {
     std::optional<long> threads;
     long max_steps = EnsembleSettings{}.max_steps;
     double max_seconds = EnsembleSettings{}.seconds_limit;
-    long samples = 1;
+    long samples = 1, rows_at_once = 65'536;
+    std::string shard;
 };
 
-// A number, or nothing where there is none.
-void append(std::string& text, double value) {
-    text += ',';
-    if (!std::isfinite(value)) return;
-    char buffer[32];
-    text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-}
+constexpr std::size_t most_told = 100;
 
-void append(std::string& text, const Vector3<double>& v) {
-    for (int i = 0; i < 3; ++i) append(text, v[i]);
-}
-
-void append_message(std::string& text, const std::string& message) {
-    text += ',';
-    if (message.empty()) return;
-    text += '"';
-    for (const char c : one_line(message, 500)) text.append(c == '"' ? 2 : 1, c);
-    text += '"';
-}
-
-// A body's numbers at one time.
-void append_numbers(std::string& text, const Sample& s) {
-    for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append(text, value);
-    append(text, (1 / squared_norm(s.q)) * rotate(s.q, s.angular_velocity_B));
-    append(text, s.position_W);
-    append(text, s.velocity_W);
-}
-
-// A body's row at one time.
-void append_row(std::string& text, std::size_t number, const std::string* id, const EnsembleRow& row) {
-    const Sample& s = row.end;
-    text += std::to_string(number);
-    if (id) text.append(",").append(*id);
-    text.append(",").append(name_of(row.status));
-    if (row.moved) {
-        append(text, s.t);
-        append_numbers(text, s);
-    } else {
-        text.append(14, ',');
-    }
-    append_message(text, row.message);
-    text += '\n';
-}
-
-// Where each body stands among the table's rows, counted from 1.
-std::vector<std::size_t> numbers_of(const EnsembleTable& table) {
-    std::vector<std::size_t> numbers;
-    auto refused = table.refused.begin();
-    for (std::size_t number = 1; numbers.size() < table.bodies.size(); ++number)
-        if (refused != table.refused.end() && refused->row == number)
-            ++refused;
-        else
-            numbers.push_back(number);
-    return numbers;
-}
-
-// The table's rows in their order, each at all times; `solved[k]` holds the bodies at the k-th time.
-std::string csv_of(const std::vector<std::vector<EnsembleRow>>& solved, const EnsembleTable& table,
-                   const std::vector<std::size_t>& numbers) {
-    std::string text = table.ids.empty() ? "row,status" : "row,id,status";
-    text += ",t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,message\n";
-    text.reserve(numbers.size() * solved.size() * 250 + text.size());
-    const std::string no_id;
-    auto refused = table.refused.begin();
-    for (std::size_t i = 0; i <= numbers.size(); ++i) {
-        for (; refused != table.refused.end() && (i == numbers.size() || refused->row < numbers[i]); ++refused)
-            append_row(text, refused->row, table.ids.empty() ? nullptr : &no_id,
-                       {Status::failed, false, {}, refused->fault});
-        if (i == numbers.size()) break;
-        for (const std::vector<EnsembleRow>& at : solved)
-            append_row(text, numbers[i], table.ids.empty() ? nullptr : &table.ids[i], at[i]);
-    }
-    return text;
-}
-
-// The first row that did not end well, and those that were refused, a line each.
+// The first row that did not end well, a line.
 template <class Row>
-void append_troubles(std::string& text, const std::vector<Row>& rows, const std::vector<std::size_t>& numbers,
-                     const std::vector<RefusedRow>& refused) {
+void append_failure(std::string& text, const std::vector<Row>& rows, const std::vector<std::size_t>& numbers) {
     const auto failed = std::ranges::find_if(rows, [](const Row& row) { return row.status != Status::ok; });
-    if (failed != rows.end())
-        text += fmt::format("first    row {}: {}: {}\n", numbers[static_cast<std::size_t>(failed - rows.begin())],
-                            name_of(failed->status), one_line(failed->message, 500));
-    constexpr std::size_t most_told = 100;
-    for (std::size_t i = 0; i < std::min(most_told, refused.size()); ++i)
-        text += fmt::format("refused  row {}: {}\n", refused[i].row, one_line(refused[i].fault, 500));
-    if (refused.size() > most_told)
-        text += fmt::format("refused  {} rows more; all stand in the table\n", refused.size() - most_told);
+    if (failed == rows.end()) return;
+    text += fmt::format("first    row {}: {}: {}\n", numbers[static_cast<std::size_t>(failed - rows.begin())],
+                        name_of(failed->status), one_line(failed->message, 500));
 }
 
-// What the run did, for people: a line each.
-std::string summary(const Scene& scene, const std::vector<EnsembleRow>& rows, const EnsembleTable& table,
-                    const std::vector<std::size_t>& numbers, const EnsembleSettings& settings, double seconds) {
-    std::map<Status, std::size_t> count;
-    for (const EnsembleRow& row : rows) ++count[row.status];
-    std::string text =
-        fmt::format("scene    {}: {} bodies, {} s\n", one_line(scene.name, 100), rows.size(), scene.duration);
-    text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} bodies a second\n", seconds, settings.threads,
-                        settings.threads == 1 ? "" : "s", name_of(settings.instructions),
-                        static_cast<double>(rows.size()) / seconds);
-    text += "status  ";
-    const char* separator = " ";
-    for (const auto& [status, bodies] : count) {
-        text += fmt::format("{}{} {}", separator, bodies, name_of(status));
-        separator = ", ";
-    }
-    text += '\n';
-    append_troubles(text, rows, numbers, table.refused);
-    return text;
+// Those that were refused, a line each: the first of so many.
+void append_refused(std::string& text, const std::vector<RefusedRow>& refused, std::size_t all) {
+    const std::size_t told = std::min(most_told, refused.size());
+    for (std::size_t i = 0; i < told; ++i)
+        text += fmt::format("refused  row {}: {}\n", refused[i].row, one_line(refused[i].fault, 500));
+    if (all > told) text += fmt::format("refused  {} rows more; all stand in the table\n", all - told);
 }
+
+// Where rows go: a file that is there whole or not at all, or stdout, which begins once the table has been read to its
+// end or a second piece is there.
+class RowSink {
+  public:
+    explicit RowSink(const std::string& path) {
+        if (!path.empty()) file_.emplace(path);
+    }
+
+    AtomicStream* file() { return file_ ? &*file_ : nullptr; }
+    void write(std::vector<std::string> texts) {
+        if (!file_) {
+            write_held();
+            held_ = std::move(texts);
+            return;
+        }
+        for (const std::string& text : texts) file_->write(text);
+    }
+    void commit() {
+        write_held();
+        if (file_) file_->commit();
+    }
+
+  private:
+    void write_held() {
+        for (const std::string& text : held_) write_output("", text);
+        held_.clear();
+    }
+
+    std::optional<AtomicStream> file_;
+    std::vector<std::string> held_;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// One table, piece by piece.
+class EnsembleRun {
+  public:
+    EnsembleRun(const Scene& scene, const EnsembleSettings& settings, const EnsembleOptions& options)
+        : scene_(scene),
+          settings_(settings),
+          options_(options),
+          table_(open_ensemble(options.initial, scene)),
+          format_(format_of(options.output, *table_, options.initial)) {}
+
+    int whole() {
+        solve(options_.output, std::numeric_limits<std::size_t>::max(), nullptr);
+        std::fputs(summary().c_str(), stderr);
+        return all_ok() ? 0 : 1;
+    }
+
+    int part(const Shard& shard) {
+        EnsemblePart part;
+        part.shard = shard;
+        part.output = std::filesystem::path(options_.output).filename().string();
+        part.table = identity_of(options_.initial, scene_);
+        part.scene = content_hash(write_scene(scene_));
+        part.program = running_program_key();
+        part.options = fmt::format("tolerance {}, samples {}, max-steps {}, max-seconds {}", settings_.tolerance,
+                                   options_.samples, settings_.max_steps, settings_.seconds_limit);
+        const auto [first, last] = rows_of_shard(part.table.rows, shard);
+        if (table_->skip(first) < first) throw std::runtime_error(options_.initial + ": changes while it is read");
+        const std::string path = part_path(options_.output, shard);
+        ContentHash hash;
+        solve(path, last - first, &hash);
+        if (table_->rows_passed() != last) throw std::runtime_error(options_.initial + ": changes while it is read");
+        part.rows = last - first, part.refused = refused_, part.bytes = bytes_, part.hash = hash.text();
+        for (const auto& [status, bodies] : count_) part.ok += status == Status::ok ? bodies : 0;
+        write_atomically(path + ".json", write_part(part));
+        std::fputs(fmt::format("part     {} of {}: rows {} to {} of {}\n", shard.part, shard.parts,
+                               std::min(first + 1, last), last, part.table.rows)
+                       .c_str(),
+                   stderr);
+        std::fputs(summary().c_str(), stderr);
+        return all_ok() ? 0 : 1;
+    }
+
+  private:
+    // The next rows of the table, `rows` at most, into a file; `hash`, where there is one, of what stands behind its
+    // header.
+    void solve(const std::string& path, std::size_t rows, ContentHash* hash) {
+        RowSink sink(path);
+        if (format_->counts_rows() && sink.file() && !sink.file()->is_regular())
+            throw UsageError(path + ": is no regular file; an .npy file is written into one");
+        sink.write({format_->header(0)});
+        // rows times samples are held at once
+        const auto most = static_cast<std::size_t>(std::max(64L, options_.rows_at_once / options_.samples));
+        SolvedPiece piece;
+        std::size_t done = 0;
+        while (done < rows) {
+            auto start = std::chrono::steady_clock::now();
+            piece.first_row = table_->rows_passed() + 1;
+            if (!table_->next(piece.table, std::min(most, rows - done))) break;
+            done += piece.table.bodies.size() + piece.table.refused.size();
+            reading_ += seconds_since(start);
+            solve(piece);
+            count(piece);
+            start = std::chrono::steady_clock::now();
+            std::vector<std::string> texts = rows_of(piece, *format_, settings_.threads);
+            for (const std::string& text : texts) {
+                bytes_ += text.size();
+                if (hash) hash->add(text);
+            }
+            sink.write(std::move(texts));
+            writing_ += seconds_since(start);
+        }
+        if (!hash) table_->require_bodies();
+        const auto start = std::chrono::steady_clock::now();
+        if (format_->counts_rows())
+            sink.file()->write_over_beginning(
+                format_->header(bodies_ * static_cast<std::uint64_t>(options_.samples) + refused_));
+        sink.commit();
+        writing_ += seconds_since(start);
+    }
+
+    void solve(SolvedPiece& piece) {
+        const auto start = std::chrono::steady_clock::now();
+        piece.at.resize(static_cast<std::size_t>(options_.samples));
+        for (long k = 1; k <= options_.samples; ++k) {
+            Scene until = scene_;
+            until.duration = sample_time(scene_.duration, k, options_.samples);
+            piece.at[static_cast<std::size_t>(k - 1)] = solve_ensemble(until, piece.table.bodies, settings_);
+        }
+        solving_ += seconds_since(start);
+    }
+
+    void count(const SolvedPiece& piece) {
+        const std::vector<EnsembleRow>& ends = piece.at.back();
+        for (const EnsembleRow& row : ends) ++count_[row.status];
+        bodies_ += ends.size();
+        if (first_failure_.empty()) append_failure(first_failure_, ends, piece.numbers());
+        for (const RefusedRow& row : piece.table.refused)
+            if (refused_++ < most_told) told_.push_back(row);
+    }
+
+    bool all_ok() const {
+        return refused_ == 0 &&
+               std::ranges::all_of(count_, [](const auto& status) { return status.first == Status::ok; });
+    }
+
+    // What the run did, for people: a line each.
+    std::string summary() const {
+        std::string text =
+            fmt::format("scene    {}: {} bodies, {} s\n", one_line(scene_.name, 100), bodies_, scene_.duration);
+        text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} bodies a second\n", solving_,
+                            settings_.threads, settings_.threads == 1 ? "" : "s", name_of(settings_.instructions),
+                            static_cast<double>(bodies_) / solving_);
+        text += fmt::format("tables   {:.3f} s to read, {:.3f} s to write\n", reading_, writing_);
+        text += "status  ";
+        const char* separator = " ";
+        for (const auto& [status, bodies] : count_) {
+            text += fmt::format("{}{} {}", separator, bodies, name_of(status));
+            separator = ", ";
+        }
+        text += '\n' + first_failure_;
+        append_refused(text, told_, refused_);
+        return text;
+    }
+
+    const Scene& scene_;
+    const EnsembleSettings& settings_;
+    const EnsembleOptions& options_;
+    std::unique_ptr<EnsembleStream> table_;
+    std::unique_ptr<EnsembleFormat> format_;
+    double reading_ = 0, solving_ = 0, writing_ = 0;  // s
+    std::map<Status, std::size_t> count_;
+    std::size_t bodies_ = 0, refused_ = 0;
+    std::uint64_t bytes_ = 0;       // behind the header
+    std::string first_failure_;     // a line, or empty
+    std::vector<RefusedRow> told_;  // the first of those that were refused
+};
 
 // The rows of a table of mechanisms in their order, each at all times, at each a line for each body. A run that ended
 // early has one more line, which says why.
@@ -170,7 +258,7 @@ std::string csv_of(const std::vector<MechanismRow>& solved, const MechanismTable
         const std::string id = table.ids.empty() ? "" : table.ids[k];
         for (std::size_t i = 0; i < row.samples.size(); ++i) {
             begin(table.row_numbers[k], id, Status::ok);
-            append(text, row.samples[i].t);
+            append_number(text, row.samples[i].t);
             text.append(",").append(scene.bodies[i % scene.bodies.size()].name);
             append_numbers(text, row.samples[i]);
             append_message(text, "");
@@ -194,7 +282,8 @@ std::string summary(const Scene& scene, const std::vector<MechanismRow>& rows, c
         "status   {}\n",
         one_line(scene.name, 100), rows.size(), scene.bodies.size(), scene.duration, seconds, settings.threads,
         settings.threads == 1 ? "" : "s", static_cast<double>(rows.size()) / seconds, fmt::join(words, ", "));
-    append_troubles(text, rows, table.row_numbers, table.refused);
+    append_failure(text, rows, table.row_numbers);
+    append_refused(text, table.refused, table.refused.size());
     return text;
 }
 
@@ -216,6 +305,7 @@ int ensemble_command(const EnsembleOptions& options) {
     require_count("--max-steps", options.max_steps, most_steps);
     require_positive("--max-seconds", options.max_seconds);
     require_count("--samples", options.samples, most_samples);
+    require_count("--rows-at-once", options.rows_at_once, most_rows_at_once);
     require_output(options.output);
     Scene scene = find_scene(options.scene);
     if (options.duration) scene.duration = *options.duration;
@@ -224,22 +314,16 @@ int ensemble_command(const EnsembleOptions& options) {
     settings.threads = static_cast<int>(
         options.threads.value_or(std::max<long>(1, static_cast<long>(std::thread::hardware_concurrency()))));
     settings.max_steps = options.max_steps, settings.seconds_limit = options.max_seconds;
-    if (is_mechanism(scene)) return mechanism_ensemble(options, scene, settings);
-    const EnsembleTable table = read_ensemble(options.initial, scene, BadRows::pass_over);
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<std::vector<EnsembleRow>> solved;
-    for (long k = 1; k <= options.samples; ++k) {
-        Scene until = scene;
-        until.duration = sample_time(scene.duration, k, options.samples);
-        solved.push_back(solve_ensemble(until, table.bodies, settings));
+    const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
+    if (!options.shard.empty() && options.output.empty()) throw UsageError("--shard: parts are files; give --output");
+    if (is_mechanism(scene)) {
+        if (!options.shard.empty()) throw UsageError("--shard: the scene is of several bodies; leave it out");
+        for (const std::string& path : {options.initial, options.output})
+            if (path.ends_with(".npy")) throw UsageError(path + ": the scene is of several bodies; give tables as CSV");
+        return mechanism_ensemble(options, scene, settings);
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::vector<std::size_t> numbers = numbers_of(table);
-    write_output(options.output, csv_of(solved, table, numbers));
-    const std::vector<EnsembleRow>& ends = solved.back();
-    std::fputs(summary(scene, ends, table, numbers, settings, seconds).c_str(), stderr);
-    const bool all_ok = std::ranges::all_of(ends, [](const EnsembleRow& row) { return row.status == Status::ok; });
-    return all_ok && table.refused.empty() ? 0 : 1;
+    EnsembleRun run(scene, settings, options);
+    return options.shard.empty() ? run.whole() : run.part(shard);
 }
 
 }  // namespace
@@ -254,7 +338,8 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--initial", options->initial,
-                     "CSV file, a body a line; columns among qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,ixx,iyy,izz,ixy,"
+                     "CSV file, a body a line, or NumPy's structured array (.npy); columns among "
+                     "qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,ixx,iyy,izz,ixy,"
                      "ixz,iyz,mass,id; the scene's values for those left out. Of a scene of several bodies a start a "
                      "line; columns "
                      "JOINT.angle, .rate, .displacement, .speed, .angle1, .angle2, .rate1, .rate2, .qw.., .wx.., "
@@ -275,7 +360,16 @@ void add_ensemble(CLI::App& program, int& exit_code) {
         ->add_option("--samples", options->samples,
                      "N: rows of each body at k T/N, k = 1..N, each solved from the start; the table has the start")
         ->capture_default_str();
-    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command
+        ->add_option("--rows-at-once", options->rows_at_once,
+                     "Rows times samples that are held in memory; the table may be of any length")
+        ->capture_default_str();
+    command->add_option("--shard", options->shard,
+                        "I/N: solves part I of N of the rows into OUTPUT.part-I-of-N, with a .json that says of what; "
+                        "polhode merge puts the parts together");
+    command->add_option("--output", options->output,
+                        "File to write, in place of stdout; one that ends in .npy is written as NumPy's structured "
+                        "array");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }

@@ -1,172 +1,27 @@
-// The strict reader of ensemble tables.
+// The rules that a body of an ensemble keeps, and tables that are read whole.
 #include "motion/ensemble_table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 
 #include "body/fast_principal_frame.h"
-#include "text/csv_lines.h"
+#include "motion/ensemble_stream.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
-#include "text/message.h"
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t largest_file = std::size_t{4} << 30, longest_id = 200;
+constexpr std::size_t largest_file = std::size_t{4} << 30;
 constexpr double norm_tolerance = 1e-6, shape_tolerance = 1e-12;
 
 bool is_diagonal(const Matrix3<double>& J) {
     return J[0][1] == 0 && J[0][2] == 0 && J[1][2] == 0 && J[1][0] == 0 && J[2][0] == 0 && J[2][1] == 0;
 }
-
-struct Column {
-    const char* name;
-    void (*put)(EnsembleBody&, double);  // nullptr: the id
-    int block;                           // columns of one block stand together
-};
-
-enum Block { block_q, block_w, block_p, block_v, block_moments, block_products, block_mass, block_id, blocks };
-constexpr const char* block_names[blocks] = {"qw,qx,qy,qz", "wx,wy,wz",    "px,py,pz", "vx,vy,vz",
-                                             "ixx,iyy,izz", "ixy,ixz,iyz", "mass",     "id"};
-
-const std::vector<Column>& known_columns() {
-    using B = EnsembleBody;
-    static const std::vector<Column> columns{
-        {"qw", [](B& b, double x) { b.orientation.w = x; }, block_q},
-        {"qx", [](B& b, double x) { b.orientation.x = x; }, block_q},
-        {"qy", [](B& b, double x) { b.orientation.y = x; }, block_q},
-        {"qz", [](B& b, double x) { b.orientation.z = x; }, block_q},
-        {"wx", [](B& b, double x) { b.angular_velocity[0] = x; }, block_w},
-        {"wy", [](B& b, double x) { b.angular_velocity[1] = x; }, block_w},
-        {"wz", [](B& b, double x) { b.angular_velocity[2] = x; }, block_w},
-        {"px", [](B& b, double x) { b.position_W[0] = x; }, block_p},
-        {"py", [](B& b, double x) { b.position_W[1] = x; }, block_p},
-        {"pz", [](B& b, double x) { b.position_W[2] = x; }, block_p},
-        {"vx", [](B& b, double x) { b.velocity_W[0] = x; }, block_v},
-        {"vy", [](B& b, double x) { b.velocity_W[1] = x; }, block_v},
-        {"vz", [](B& b, double x) { b.velocity_W[2] = x; }, block_v},
-        {"ixx", [](B& b, double x) { b.inertia_B[0][0] = x; }, block_moments},
-        {"iyy", [](B& b, double x) { b.inertia_B[1][1] = x; }, block_moments},
-        {"izz", [](B& b, double x) { b.inertia_B[2][2] = x; }, block_moments},
-        {"ixy", [](B& b, double x) { b.inertia_B[0][1] = b.inertia_B[1][0] = x; }, block_products},
-        {"ixz", [](B& b, double x) { b.inertia_B[0][2] = b.inertia_B[2][0] = x; }, block_products},
-        {"iyz", [](B& b, double x) { b.inertia_B[1][2] = b.inertia_B[2][1] = x; }, block_products},
-        {"mass", [](B& b, double x) { b.mass = x; }, block_mass},
-        {"id", nullptr, block_id},
-    };
-    return columns;
-}
-
-// One file, line by line.
-class Reader {
-  public:
-    Reader(std::string_view text, const std::string& file, const Scene& scene)
-        : lines_(text, file), file_(file), scene_(scene), start_(ensemble_body(scene)) {}
-
-    EnsembleTable read(BadRows bad) {
-        if (!lines_.next())
-            fail("", "is empty", "give a header line such as qw,qx,qy,qz,wx,wy,wz and a line for each body");
-        header();
-        while (lines_.next()) {
-            if (result_.bodies.empty()) {
-                const std::size_t rows = lines_.rows_left();
-                result_.bodies.reserve(rows);
-                if (has_id_) result_.ids.reserve(rows);
-            }
-            const std::size_t bodies = result_.bodies.size(), ids = result_.ids.size();
-            try {
-                body();
-            } catch (const InputError& fault) {
-                if (bad == BadRows::refuse_all) throw;
-                result_.bodies.resize(bodies), result_.ids.resize(ids);
-                result_.refused.push_back({bodies + result_.refused.size() + 1, fault.what()});
-            }
-        }
-        if (result_.bodies.empty() && !result_.refused.empty())
-            fail("", "has no row that is a body", "the first: " + result_.refused.front().fault);
-        if (result_.bodies.empty()) fail("", "has a header and no row", "give a line for each body");
-        return std::move(result_);
-    }
-
-  private:
-    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
-        throw InputError(file_, place, fault, remedy);
-    }
-    std::string here() const { return fmt::format("line {}", lines_.number()); }
-    std::string at(std::size_t column) const {
-        return fmt::format("line {}, column {}", lines_.number(), columns_[column]->name);
-    }
-
-    void header() {
-        std::vector<std::string> names;
-        for (const Column& known : known_columns()) names.emplace_back(known.name);
-        int seen[blocks] = {};
-        for (const std::size_t place : lines_.header(names)) {
-            columns_.push_back(&known_columns()[place]);
-            ++seen[columns_.back()->block];
-        }
-        for (const Column& known : known_columns()) {
-            if (seen[known.block] == 0 || std::find(columns_.begin(), columns_.end(), &known) != columns_.end())
-                continue;
-            fail(here(), fmt::format("column {} is missing", known.name),
-                 fmt::format("give all of {}, or none", block_names[known.block]));
-        }
-        has_id_ = seen[block_id] > 0;
-        if (has_id_ && columns_.size() == 1)
-            fail(here(), "has no column but id", "give at least one of qw,qx,qy,qz, wx,wy,wz, ixx,iyy,izz, mass, ..");
-        if (seen[block_products] > 0 && seen[block_moments] == 0)
-            fail(here(), "has products of inertia without moments", "give ixx,iyy,izz beside ixy,ixz,iyz");
-        if (scene_.pivot && (seen[block_p] > 0 || seen[block_v] > 0))
-            fail(here(),
-                 fmt::format("has columns {} in a scene with a pivot", block_names[seen[block_p] ? block_p : block_v]),
-                 "leave them out: the pivot and the attitude say where the centre of mass is");
-        // moments without products: about the body's own axes
-        if (seen[block_moments] > 0) start_.inertia_B = {};
-    }
-
-    void body() {
-        const auto& cells = lines_.cells();
-        if (cells.size() != columns_.size())
-            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
-                 "give a cell for each column");
-        EnsembleBody& b = result_.bodies.emplace_back(start_);
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (columns_[i]->put == nullptr) {
-                identify(i, cells[i]);
-                continue;
-            }
-            const std::optional<double> value = parse_decimal(cells[i]);
-            if (!value)
-                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
-                     "give a decimal number such as -1.5e-3");
-            if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
-            columns_[i]->put(b, *value);
-        }
-        if (const auto fault = fault_of(b, scene_.pivot.has_value()))
-            fail(fmt::format("{}, {} {}", here(), fault->columns.find(',') == std::string::npos ? "column" : "columns",
-                             fault->columns),
-                 fault->fault, fault->remedy);
-    }
-
-    void identify(std::size_t i, std::string_view cell) {
-        if (cell.size() > longest_id) fail(at(i), "has more than 200 bytes", "give shorter ids");
-        if (first_invalid_utf8(cell) != std::string_view::npos) fail(at(i), "is not UTF-8", "give UTF-8");
-        if (one_line(cell, cell.size()) != cell || cell.find('"') != cell.npos)
-            fail(at(i), one_line(cell, 60) + " holds quotes or control characters", "give plain text without commas");
-        result_.ids.emplace_back(cell);
-    }
-
-    CsvLines lines_;
-    const std::string& file_;
-    const Scene& scene_;
-    EnsembleBody start_;
-    bool has_id_ = false;
-    std::vector<const Column*> columns_;  // in the file's order
-    EnsembleTable result_;
-};
 
 }  // namespace
 
@@ -220,7 +75,11 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
 }
 
 EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene, BadRows bad) {
-    return Reader(text, file, scene).read(bad);
+    const std::unique_ptr<EnsembleStream> rows = ensemble_of_text(text, file, scene);
+    EnsembleTable table;
+    rows->next(table, std::numeric_limits<std::size_t>::max(), bad);
+    rows->require_bodies();
+    return table;
 }
 
 EnsembleTable read_ensemble(const std::string& path, const Scene& scene, BadRows bad) {

@@ -102,9 +102,10 @@ std::string writer() {
     return host + "." + std::to_string(process) + "." + std::to_string(start_of(process).value_or(0));
 }
 
-// A new file beside `target`, under a name that no other thread or process has and that tells who writes it:
-// TARGET.HOST.PROCESS.START.NUMBER.new. The process's mask gives its mode. Returns the descriptor, or -1 with errno.
-int create_beside(const std::string& target, std::string& name) {
+}  // namespace
+
+// TARGET.HOST.PROCESS.START.NUMBER.new
+int create_temporary(const std::string& target, std::string& name) {
     static std::atomic<unsigned> counter{0};
     constexpr std::size_t longest_name = 255;
     const std::string by = "." + writer() + ".";
@@ -118,6 +119,8 @@ int create_beside(const std::string& target, std::string& name) {
     }
     return -1;
 }
+
+namespace {
 
 std::optional<unsigned long long> number(const std::string& text) {
     unsigned long long value = 0;
@@ -170,7 +173,7 @@ void write_atomically(const std::string& path, std::string_view text) {
         uncut([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0 && errno != EACCES) fail(path, "cannot be created", errno);
     std::string temporary;
-    const int file = create_beside(target, temporary);
+    const int file = create_temporary(target, temporary);
     if (file < 0) {
         const int error = errno;
         if (directory >= 0) ::close(directory);

@@ -21,4 +21,8 @@ void remove_abandoned(const std::string& directory);
 /// or `path` a directory.
 void require_writable(const std::string& path);
 
+/// A new temporary file beside `target`, under a name that no other thread or process has and that tells who writes it;
+/// the process's mask gives its mode. Its descriptor, for writing, and `name`; or -1 with errno set.
+int create_temporary(const std::string& target, std::string& name);
+
 }  // namespace polhode

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t longest_line = 64u << 10;
+constexpr std::size_t longest_line = 64u << 10, block = 256u << 10;
 
 std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t");
@@ -19,17 +21,48 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) {
+CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) { read_past_mark(); }
+
+CsvLines::CsvLines(Source source, const std::string& file)
+    : source_(std::move(source)), held_(longest_line + 2 + block, '\0'), file_(file) {
+    // a pipe may give a byte at a time
+    while (rest_.size() < 3 && refill()) continue;
+    read_past_mark();
+}
+
+void CsvLines::read_past_mark() {
     if (!rest_.starts_with("\xef\xbb\xbf")) return;
     rest_.remove_prefix(3);
     note("line 1 begins with a byte order mark");
 }
 
+// More of the text behind what is left of it; false at the end.
+bool CsvLines::refill() {
+    if (!source_) return false;
+    const std::size_t kept = rest_.size();
+    if (kept > 0) std::memmove(held_.data(), rest_.data(), kept);
+    const std::size_t count = source_(held_.data() + kept, block);
+    rest_ = std::string_view(held_).substr(0, kept + count);
+    if (count == 0) source_ = nullptr;
+    return count > 0;
+}
+
+// Whether only blank lines follow.
+bool CsvLines::nothing_is_left() {
+    do {
+        if (rest_.find_first_not_of(" \t\r\n") != rest_.npos) return false;
+        rest_ = {};
+    } while (refill());
+    return true;
+}
+
 bool CsvLines::next() {
     const auto place = [&] { return fmt::format("line {}", number_); };
     for (;;) {
-        if (rest_.empty()) return false;
-        const std::size_t end = rest_.find('\n');
+        if (rest_.empty() && !refill()) return false;
+        std::size_t end = rest_.find('\n');
+        // a line that is too long is refused by its beginning
+        while (end == rest_.npos && rest_.size() <= longest_line + 1 && refill()) end = rest_.find('\n');
         line_ = rest_.substr(0, end);
         rest_ = end == rest_.npos ? std::string_view() : rest_.substr(end + 1);
         ++number_;
@@ -46,7 +79,7 @@ bool CsvLines::next() {
         if (line_.starts_with('#')) continue;
         if (!trimmed(line_).empty()) break;
         // blank lines may stand at the end alone
-        if (rest_.find_first_not_of(" \t\r\n") == rest_.npos) return false;
+        if (nothing_is_left()) return false;
         throw InputError(file_, place(), "is blank", "leave the line out");
     }
     split();

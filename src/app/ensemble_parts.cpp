@@ -1,0 +1,325 @@
+#include "app/ensemble_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "app/commands.h"
+#include "motion/ensemble_stream.h"
+#include "text/atomic_stream.h"
+#include "text/content_hash.h"
+#include "text/input_file.h"
+#include "text/json_document.h"
+#include "text/message.h"
+#include "text/npy.h"
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_parts = 1'000'000, block = std::size_t{1} << 20, largest_json = std::size_t{1} << 16;
+constexpr const char* kind = "part of an ensemble";
+
+// All bytes from where `input` stands, at most a block at a time.
+void for_each_block(InputFile& input, const std::function<void(std::string_view)>& use) {
+    std::vector<char> bytes(block);
+    while (const std::size_t count = input.read(bytes.data(), bytes.size())) use({bytes.data(), count});
+}
+
+// A part's file and what stands beside it.
+struct FoundPart {
+    EnsemblePart part;
+    std::string json, path;
+};
+
+bool is_part_json(const std::string& name) {
+    return name.ends_with(".json") && name.find(".part-") != name.npos && name.find("-of-") != name.npos;
+}
+
+std::vector<FoundPart> parts_in(const std::vector<std::string>& dirs) {
+    std::vector<FoundPart> found;
+    for (const std::string& dir : dirs) {
+        std::vector<std::string> names;
+        std::error_code error;
+        for (fs::directory_iterator entry(dir, error), end; !error && entry != end; entry.increment(error))
+            if (is_part_json(entry->path().filename().string())) names.push_back(entry->path().filename().string());
+        if (error)
+            throw InputError(dir, "", "cannot be read: " + error.message(), "give folders that parts were written to");
+        std::ranges::sort(names);
+        for (const std::string& name : names) {
+            FoundPart part;
+            part.json = (fs::path(dir) / name).string();
+            part.path = part.json.substr(0, part.json.size() - std::string_view(".json").size());
+            part.part = parse_part(read_text(part.json, largest_json, "what stands beside a part"), part.json);
+            found.push_back(std::move(part));
+        }
+    }
+    return found;
+}
+
+// Keeps the parts of one ensemble: of the one that is called so, or the only one that there is.
+void choose(std::vector<FoundPart>& found, const std::string& dir, const std::string& name) {
+    std::vector<std::string> names;
+    for (const FoundPart& part : found)
+        if (std::ranges::find(names, part.part.output) == names.end()) names.push_back(part.part.output);
+    if (names.empty()) throw InputError(dir, "", "holds no part of an ensemble", "give the folders of the parts");
+    if (names.size() == 1) return;
+    if (std::ranges::find(names, name) == names.end())
+        throw InputError(dir, "", "holds parts of " + one_line(listed(names), 300), "name one of them as output");
+    std::erase_if(found, [&](const FoundPart& part) { return part.part.output != name; });
+}
+
+// Throws InputError unless both are parts of the same.
+void require_same(const FoundPart& a, const FoundPart& b) {
+    const auto differ = [&](const char* what, const std::string& x, const std::string& y) {
+        if (x == y) return;
+        throw InputError(
+            a.json, "",
+            fmt::format("is of {} {}, and {} of {}", what, one_line(x, 200), one_line(b.json, 300), one_line(y, 200)),
+            "take away the parts that are not meant, or solve them again");
+    };
+    const EnsemblePart &p = a.part, &q = b.part;
+    differ("a number of parts,", std::to_string(p.shard.parts), std::to_string(q.shard.parts));
+    differ("a table with hash", p.table.hash, q.table.hash);
+    differ("a table with rows", std::to_string(p.table.rows), std::to_string(q.table.rows));
+    differ("a scene with hash", p.scene, q.scene);
+    differ("options", p.options, q.options);
+    differ("a program with key", p.program, q.program);
+}
+
+// The file behind its header, block by block, after it was seen to be what its JSON says.
+class PartReader {
+  public:
+    PartReader(const FoundPart& found, bool npy)
+        : found_(found), input_(found.path, found.path, "a part of an ensemble", FileKinds::regular) {
+        if (npy) {
+            std::string beginning = take(std::min(*input_.size(), longest_npy_header));
+            npy_ = parse_npy_header(beginning, *input_.size(), found.path);
+            input_.seek(npy_.data_offset);
+            header_size_ = npy_.data_offset;
+        } else {
+            const std::string beginning = take(std::min<std::size_t>(*input_.size(), 1024));
+            header_ = beginning.substr(0, std::min(beginning.find('\n'), beginning.size() - 1) + 1);
+            input_.seek(header_.size());
+            header_size_ = header_.size();
+        }
+        if (*input_.size() != header_size_ + found.part.bytes) damaged();
+    }
+
+    const NpyHeader& npy() const { return npy_; }
+    // A CSV file's first line.
+    const std::string& header() const { return header_; }
+
+    void read(const std::function<void(std::string_view)>& use) {
+        ContentHash hash;
+        for_each_block(input_, [&](std::string_view bytes) {
+            hash.add(bytes);
+            use(bytes);
+        });
+        if (hash.text() != found_.part.hash) damaged();
+    }
+
+  private:
+    [[noreturn]] void damaged() const {
+        const Shard& shard = found_.part.shard;
+        throw InputError(found_.path, "", "is not what its .json says",
+                         fmt::format("solve it again: --shard {}/{}", shard.part, shard.parts));
+    }
+    std::string take(std::size_t count) {
+        std::string bytes(count, '\0');
+        std::size_t read = 0;
+        while (read < count) {
+            const std::size_t more = input_.read(bytes.data() + read, count - read);
+            if (more == 0) break;
+            read += more;
+        }
+        bytes.resize(read);
+        return bytes;
+    }
+
+    const FoundPart& found_;
+    InputFile input_;
+    NpyHeader npy_;
+    std::string header_;
+    std::size_t header_size_ = 0;
+};
+
+// The parts in their order, each with its copies. Throws InputError where one is missing or differs from its copy.
+std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool npy) {
+    const std::size_t parts = found.front().part.shard.parts;
+    std::map<std::size_t, const FoundPart*> first;
+    for (const FoundPart& part : found) {
+        require_same(part, found.front());
+        const auto [known, is_new] = first.emplace(part.part.shard.part, &part);
+        if (is_new) continue;
+        if (known->second->part.hash != part.part.hash || known->second->part.bytes != part.part.bytes)
+            throw InputError(part.path, "", "differs from " + one_line(known->second->path, 300),
+                             "take away the one that is not meant, or solve it again");
+        PartReader(part, npy).read([](std::string_view) {});
+    }
+    std::vector<const FoundPart*> order;
+    std::vector<std::string> missing;
+    std::size_t count_missing = 0;
+    for (std::size_t i = 1; i <= parts; ++i) {
+        const auto part = first.find(i);
+        if (part != first.end()) {
+            order.push_back(part->second);
+        } else if (++count_missing <= 10) {
+            missing.push_back(std::to_string(i));
+        }
+    }
+    if (count_missing > 0)
+        throw InputError(found.front().part.output, "",
+                         fmt::format("lacks part{} {}{} of {}", count_missing == 1 ? "" : "s", listed(missing),
+                                     count_missing > 10 ? fmt::format(" and {} more", count_missing - 10) : "", parts),
+                         fmt::format("solve it: --shard {}/{}", missing.front(), parts));
+    return order;
+}
+
+}  // namespace
+
+Shard parse_shard(const std::string& text) {
+    Shard shard;
+    const char* const end = text.data() + text.size();
+    const auto part = std::from_chars(text.data(), end, shard.part);
+    if (part.ec == std::errc() && part.ptr != end && *part.ptr == '/') {
+        const auto parts = std::from_chars(part.ptr + 1, end, shard.parts);
+        if (parts.ec == std::errc() && parts.ptr == end && shard.part >= 1 && shard.part <= shard.parts &&
+            shard.parts <= most_parts)
+            return shard;
+    }
+    throw UsageError(fmt::format("--shard: {} is not I/N with 1 <= I <= N <= 1000000", one_line(text, 60)));
+}
+
+std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard) {
+    // the first rows % parts have one row more: no product that could overflow
+    const std::size_t least = rows / shard.parts, longer = rows % shard.parts;
+    const auto begin_of = [&](std::size_t i) { return i * least + std::min(i, longer); };
+    return {begin_of(shard.part - 1), begin_of(shard.part)};
+}
+
+std::string part_path(const std::string& output, const Shard& shard) {
+    const fs::path path(output);
+    const std::size_t digits = std::max<std::size_t>(4, std::to_string(shard.parts).size());
+    const std::string name = fmt::format("{}.part-{:0{}}-of-{:0{}}{}", path.stem().string(), shard.part, digits,
+                                         shard.parts, digits, path.extension().string());
+    return (path.parent_path() / name).string();
+}
+
+TableIdentity identity_of(const std::string& path, const Scene& scene) {
+    TableIdentity identity;
+    ContentHash hash;
+    InputFile input(path, path, "a table that is a regular file: a part reads it more than once", FileKinds::regular);
+    for_each_block(input, [&](std::string_view bytes) {
+        hash.add(bytes);
+        identity.bytes += bytes.size();
+    });
+    identity.hash = hash.text();
+    const std::unique_ptr<EnsembleStream> rows = open_ensemble(path, scene);
+    identity.rows = rows->skip(std::numeric_limits<std::size_t>::max());
+    if (identity.rows == 0) rows->require_bodies();
+    return identity;
+}
+
+std::string write_part(const EnsemblePart& p) {
+    return fmt::format(
+        "{{\"kind\": {}, \"part\": {}, \"parts\": {}, \"output\": {},\n"
+        " \"table\": {{\"rows\": {}, \"bytes\": {}, \"hash\": {}}},\n"
+        " \"scene\": {}, \"program\": {}, \"options\": {},\n"
+        " \"rows\": {}, \"ok\": {}, \"refused\": {}, \"bytes\": {}, \"hash\": {}}}\n",
+        json_string(kind), p.shard.part, p.shard.parts, json_string(p.output), p.table.rows, p.table.bytes,
+        json_string(p.table.hash), json_string(p.scene), json_string(p.program), json_string(p.options), p.rows, p.ok,
+        p.refused, p.bytes, json_string(p.hash));
+}
+
+EnsemblePart parse_part(const std::string& text, const std::string& file) {
+    const JsonDocument document(text, file);
+    const JsonNode& root = document.root();
+    const auto field = [](const JsonNode& node, const char* key) -> const JsonNode& {
+        return node.required(key, "what --shard has written");
+    };
+    const auto count = [&](const JsonNode& node, const char* key) {
+        const long number = field(node, key).whole_number();
+        if (number < 0) field(node, key).fail(fmt::format("is {}", number), "give a count");
+        return static_cast<std::size_t>(number);
+    };
+    if (field(root, "kind").string() != kind)
+        field(root, "kind").fail("is something else", fmt::format("give \"{}\"", kind));
+    root.only({"kind", "part", "parts", "output", "table", "scene", "program", "options", "rows", "ok", "refused",
+               "bytes", "hash"});
+    EnsemblePart p;
+    p.shard = {count(root, "part"), count(root, "parts")};
+    if (p.shard.part < 1 || p.shard.part > p.shard.parts || p.shard.parts > most_parts)
+        field(root, "part").fail("is none of the parts", "give one from 1 to parts, at most 1000000");
+    p.output = field(root, "output").string();
+    const JsonNode& table = field(root, "table");
+    table.only({"rows", "bytes", "hash"});
+    p.table = {count(table, "rows"), count(table, "bytes"), field(table, "hash").string()};
+    p.scene = field(root, "scene").string(), p.program = field(root, "program").string();
+    p.options = field(root, "options").string();
+    p.rows = count(root, "rows"), p.ok = count(root, "ok"), p.refused = count(root, "refused");
+    p.bytes = count(root, "bytes"), p.hash = field(root, "hash").string();
+    const auto [first, last] = rows_of_shard(p.table.rows, p.shard);
+    if (p.rows != last - first)
+        field(root, "rows").fail(fmt::format("is {}", p.rows), fmt::format("give {}", last - first));
+    return p;
+}
+
+bool has_ensemble_parts(const std::string& dir) {
+    std::error_code error;
+    for (fs::directory_iterator entry(dir, error), end; !error && entry != end; entry.increment(error))
+        if (is_part_json(entry->path().filename().string())) return true;
+    return false;
+}
+
+MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const std::string& output) {
+    std::vector<FoundPart> found = parts_in(dirs);
+    const bool into_folder = fs::is_directory(output);
+    choose(found, dirs.empty() ? output : dirs.front(), into_folder ? "" : fs::path(output).filename().string());
+    const std::string name = found.front().part.output;
+    if (name.empty() || fs::path(name).filename() != name)
+        throw InputError(found.front().json, "/output", "is no file's name", "give a name without a folder");
+    const bool npy = name.ends_with(".npy");
+    MergedEnsemble merged;
+    merged.output = into_folder ? (fs::path(output) / name).string() : output;
+    if (npy != merged.output.ends_with(".npy"))
+        throw InputError(merged.output, "", "is to hold the parts of " + one_line(name, 200),
+                         "give a name with the same ending");
+    const std::vector<const FoundPart*> order = in_order(found, npy);
+    for (const FoundPart* part : order) {
+        merged.rows += part->part.rows, merged.ok += part->part.ok, merged.refused += part->part.refused;
+    }
+    merged.parts = order.size();
+    if (merged.rows == merged.refused)
+        throw InputError(name, "", "has no row that is a body", "give a table of bodies");
+    AtomicStream stream(merged.output);
+    std::string header;
+    NpyHeader npy_header;
+    std::uint64_t npy_rows = 0;
+    for (const FoundPart* part : order) {
+        PartReader reader(*part, npy);
+        if (npy && part == order.front())
+            npy_header = reader.npy(), header = write_npy_header(npy_header.fields, 0);
+        else if (part == order.front())
+            header = reader.header();
+        const bool alike = npy ? write_npy_header(reader.npy().fields, 0) == header : reader.header() == header;
+        if (!alike)
+            throw InputError(part->path, "header", "is not that of " + one_line(order.front()->path, 300),
+                             "solve it again");
+        if (part == order.front()) stream.write(header);
+        npy_rows += reader.npy().rows;
+        reader.read([&](std::string_view bytes) { stream.write(bytes); });
+    }
+    if (npy) stream.write_over_beginning(write_npy_header(npy_header.fields, npy_rows));
+    stream.commit();
+    return merged;
+}
+
+}  // namespace polhode

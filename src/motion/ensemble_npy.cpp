@@ -1,0 +1,155 @@
+#include "motion/ensemble_npy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "motion/ensemble_columns.h"
+#include "text/decimal.h"
+#include "text/input_file.h"
+#include "text/message.h"
+#include "text/npy.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t block = std::size_t{1} << 20;  // bytes read at once, or one record
+
+// A file's bytes from an offset on: as many as were asked for, fewer only at its end.
+using Bytes = std::function<std::size_t(std::size_t offset, char* bytes, std::size_t count)>;
+
+class NpyEnsemble : public EnsembleStream {
+  public:
+    NpyEnsemble(Bytes bytes, std::size_t size, std::string file, const Scene& scene)
+        : bytes_(std::move(bytes)), file_(std::move(file)), pivoted_(scene.pivot.has_value()) {
+        std::string beginning(std::min(size, longest_npy_header), '\0');
+        beginning.resize(bytes_(0, beginning.data(), beginning.size()));
+        header_ = parse_npy_header(beginning, size, file_);
+        std::vector<const EnsembleColumn*> columns;
+        std::vector<std::string> names;
+        for (const EnsembleColumn& known : ensemble_columns()) names.emplace_back(known.name);
+        for (const NpyField& field : header_.fields) {
+            if (field.name.empty()) continue;
+            const auto known = std::ranges::find(names, field.name);
+            if (known == names.end()) {
+                const std::string meant = did_you_mean(field.name, names);
+                fail("header", "has a field " + one_line(field.name, 60),
+                     fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", fmt::join(names, ", ")));
+            }
+            columns.push_back(&ensemble_columns()[static_cast<std::size_t>(known - names.begin())]);
+            places_.push_back({columns.back(), field.offset});
+            const bool is_id = columns.back()->put == nullptr;
+            if (is_id != field.type.starts_with("|S") || (!is_id && field.type != "<f8"))
+                fail("header", fmt::format("has {} of type {}", field.name, field.type),
+                     is_id ? "give S1 to S200" : "give <f8");
+            if (is_id) has_ids_ = true, id_width_ = field.size;
+        }
+        start_ = start_under(columns, scene, file_, "header");
+        const std::size_t most = std::max<std::size_t>(1, block / header_.record_size);
+        held_.resize(std::min<std::size_t>(most, header_.rows) * header_.record_size);
+    }
+
+  protected:
+    bool advance() override { return advance_by(1) == 1; }
+
+    std::size_t advance_by(std::size_t rows) override {
+        const std::uint64_t left = header_.rows - passed_;
+        const std::size_t passed = static_cast<std::size_t>(std::min<std::uint64_t>(rows, left));
+        passed_ += passed;
+        if (passed == rows && rows > 0 && passed_ > held_end_) hold();
+        return passed;
+    }
+
+    void read_row(EnsembleTable& piece) const override {
+        const char* const record = held_.data() + (passed_ - 1 - held_begin_) * header_.record_size;
+        EnsembleBody& b = piece.bodies.emplace_back(start_);
+        for (const auto& [column, offset] : places_) {
+            if (column->put == nullptr) {
+                std::string_view id(record + offset, id_width_);
+                id = id.substr(0, id.find_last_not_of('\0') + 1);
+                if (id.find(',') != id.npos) refuse({"id", "holds a comma", "give plain text without commas"});
+                if (const auto fault = fault_of_id(id)) refuse(*fault);
+                piece.ids.emplace_back(id);
+                continue;
+            }
+            double value = 0;
+            std::memcpy(&value, record + offset, sizeof value);
+            if (!std::isfinite(value))
+                refuse({column->name, shortest_decimal(value) + " is not finite", "give a finite number"});
+            column->put(b, value);
+        }
+        if (const auto fault = fault_of(b, pivoted_)) refuse(*fault);
+    }
+
+    std::size_t rows_left() const override { return static_cast<std::size_t>(header_.rows - passed_ + 1); }
+    const std::string& file() const override { return file_; }
+
+  private:
+    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
+        throw InputError(file_, place, fault, remedy);
+    }
+    [[noreturn]] void refuse(const BodyFault& fault) const {
+        fail(fmt::format("row {}, {}", passed_, place_of(fault)), fault.fault, fault.remedy);
+    }
+
+    // Reads the records from the one at hand on.
+    void hold() {
+        held_begin_ = passed_ - 1;
+        const std::uint64_t rows =
+            std::min<std::uint64_t>(held_.size() / header_.record_size, header_.rows - held_begin_);
+        held_end_ = held_begin_ + rows;
+        const std::size_t count = static_cast<std::size_t>(rows) * header_.record_size;
+        const std::size_t offset = header_.data_offset + static_cast<std::size_t>(held_begin_) * header_.record_size;
+        // it was long enough when it was opened
+        if (bytes_(offset, held_.data(), count) < count)
+            fail(fmt::format("row {}", passed_), "is missing: the file has become shorter", "let nobody write to it");
+    }
+
+    struct Place {
+        const EnsembleColumn* column;
+        std::size_t offset;
+    };
+
+    Bytes bytes_;
+    const std::string file_;
+    bool pivoted_;
+    NpyHeader header_;
+    EnsembleBody start_;
+    std::vector<Place> places_;
+    std::uint64_t passed_ = 0;                     // the row at hand, counted from 1
+    std::uint64_t held_begin_ = 0, held_end_ = 0;  // the rows that are held, counted from 0
+    std::vector<char> held_;
+};
+
+}  // namespace
+
+std::unique_ptr<EnsembleStream> open_npy_ensemble(const std::string& path, const Scene& scene) {
+    const auto input = std::make_shared<InputFile>(path, path, "a readable .npy file", FileKinds::regular);
+    const Bytes bytes = [input](std::size_t offset, char* to, std::size_t count) {
+        input->seek(offset);
+        std::size_t read = 0;
+        while (read < count) {
+            const std::size_t more = input->read(to + read, count - read);
+            if (more == 0) break;
+            read += more;
+        }
+        return read;
+    };
+    return std::make_unique<NpyEnsemble>(bytes, *input->size(), path, scene);
+}
+
+std::unique_ptr<EnsembleStream> npy_ensemble_of(std::string_view content, const std::string& file, const Scene& scene) {
+    const Bytes bytes = [content](std::size_t offset, char* to, std::size_t count) {
+        const std::string_view part = content.substr(std::min(offset, content.size()), count);
+        std::copy(part.begin(), part.end(), to);
+        return part.size();
+    };
+    return std::make_unique<NpyEnsemble>(bytes, content.size(), file, scene);
+}
+
+}  // namespace polhode

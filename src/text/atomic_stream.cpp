@@ -1,0 +1,92 @@
+#include "text/atomic_stream.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "text/atomic_file.h"
+
+namespace polhode {
+
+AtomicStream::AtomicStream(std::string path) : path_(std::move(path)) {
+    // what a symbolic link points at, so that the link stays one
+    const std::unique_ptr<char, void (*)(void*)> resolved(::realpath(path_.c_str(), nullptr), &std::free);
+    target_ = resolved ? resolved.get() : path_;
+    struct stat old {};
+    const bool exists = ::stat(target_.c_str(), &old) == 0;
+    if (exists && S_ISDIR(old.st_mode)) fail("cannot be written", EISDIR);
+    if (exists && !S_ISREG(old.st_mode)) {
+        file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+        if (file_ < 0) fail("cannot be opened", errno);
+        return;
+    }
+    file_ = create_temporary(target_, temporary_);
+    if (file_ < 0) fail("cannot be created", errno);
+    if (!exists || ::fchmod(file_, old.st_mode & 07777) == 0) return;
+    const int error = errno;
+    ::close(file_);
+    ::unlink(temporary_.c_str());
+    fail("cannot be written", error);
+}
+
+AtomicStream::~AtomicStream() {
+    if (file_ >= 0) ::close(file_);
+    if (!committed_ && !temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void AtomicStream::fail(const char* what, int error) const {
+    throw std::runtime_error(path_ + ": " + what + ": " + std::strerror(error));
+}
+
+void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
+    while (!bytes.empty()) {
+        const ssize_t count = offset ? ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(*offset))
+                                     : ::write(file_, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) fail("cannot be written", errno);
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+        if (offset) *offset += static_cast<std::size_t>(count);
+    }
+}
+
+void AtomicStream::write(std::string_view bytes) {
+    write_at(bytes, nullptr);
+    written_ += bytes.size();
+    // the disk begins now what commit() would wait for
+    constexpr std::size_t step = std::size_t{16} << 20;
+    if (!is_regular() || written_ - started_ < step) return;
+    ::sync_file_range(file_, static_cast<off_t>(started_), static_cast<off_t>(written_ - started_),
+                      SYNC_FILE_RANGE_WRITE);
+    started_ = written_;
+}
+
+void AtomicStream::write_over_beginning(std::string_view bytes) {
+    if (!is_regular() || bytes.size() > written_) throw std::logic_error(path_ + ": nothing to write over");
+    std::size_t offset = 0;
+    write_at(bytes, &offset);
+}
+
+void AtomicStream::commit() {
+    int error = is_regular() && ::fsync(file_) != 0 ? errno : 0;
+    if (::close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
+    if (error == 0 && is_regular() && ::rename(temporary_.c_str(), target_.c_str()) != 0) error = errno;
+    if (error != 0) fail("cannot be written", error);
+    committed_ = true;
+    if (!is_regular()) return;
+    // the new name lasts through a power failure once its directory is on disk; some file systems cannot sync one
+    const std::string parent = std::filesystem::path(target_).parent_path().string();
+    const int directory = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (directory < 0) return;
+    ::fsync(directory);
+    ::close(directory);
+}
+
+}  // namespace polhode

@@ -1,0 +1,74 @@
+#include "text/input_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+// What a file is that is none to be read; empty where it may be. A shell hands over pipes and terminals in /dev and
+// /proc, and /dev/null, which ends at once; another device may go on for ever.
+std::string unfit(const struct stat& status, const std::string& path, FileKinds kinds, int descriptor) {
+    const bool handed = kinds == FileKinds::streamed && (path.starts_with("/dev/") || path.starts_with("/proc/"));
+    if (S_ISREG(status.st_mode)) return "";
+    if (S_ISDIR(status.st_mode)) return std::string("cannot be read: ") + std::strerror(EISDIR);
+    if (S_ISFIFO(status.st_mode)) return handed ? "" : "is a FIFO and no regular file";
+    if (S_ISSOCK(status.st_mode)) return handed ? "" : "is a socket and no regular file";
+    const bool ends = S_ISCHR(status.st_mode) && (::isatty(descriptor) == 1 || status.st_rdev == makedev(1, 3));
+    return handed && ends ? "" : "is a device and no regular file";
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::string& path, std::string called, std::string expected, FileKinds kinds)
+    : called_(std::move(called)), expected_(std::move(expected)) {
+    // a device may do something when it is opened: it is looked at first, and what was opened once more
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0 && S_ISBLK(status.st_mode)) refuse("is a device and no regular file");
+    // a FIFO that nobody writes to, or a line without a carrier, is not waited for
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (descriptor_ < 0) {
+        const int reason = errno;
+        refuse(reason == ENXIO ? "is a socket and no regular file"
+                               : fmt::format("cannot be opened: {}", std::strerror(reason)));
+    }
+    std::string fault = ::fstat(descriptor_, &status) != 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
+                                                           : unfit(status, path, kinds, descriptor_);
+    if (!fault.empty()) {
+        ::close(descriptor_);
+        refuse(fault);
+    }
+    // what is read from now on is waited for
+    if (const int flags = ::fcntl(descriptor_, F_GETFL); flags >= 0) ::fcntl(descriptor_, F_SETFL, flags & ~O_NONBLOCK);
+    if (S_ISREG(status.st_mode)) size_ = static_cast<std::size_t>(status.st_size);
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+std::size_t InputFile::read(char* bytes, std::size_t count) {
+    for (;;) {
+        const ssize_t got = ::read(descriptor_, bytes, count);
+        if (got >= 0) return static_cast<std::size_t>(got);
+        if (errno != EINTR) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
+    }
+}
+
+void InputFile::seek(std::size_t offset) {
+    if (::lseek(descriptor_, static_cast<off_t>(offset), SEEK_SET) < 0)
+        refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
+}
+
+void InputFile::refuse(const std::string& fault) const {
+    throw InputError(called_, "", fault, fmt::format("give the path of {}", expected_));
+}
+
+}  // namespace polhode

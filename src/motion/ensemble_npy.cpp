@@ -72,7 +72,8 @@ class NpyEnsemble : public EnsembleStream {
             if (column->put == nullptr) {
                 std::string_view id(record + offset, id_width_);
                 id = id.substr(0, id.find_last_not_of('\0') + 1);
-                if (id.find(',') != id.npos) refuse({"id", "holds a comma", "give plain text without commas"});
+                if (id.find(',') != id.npos || id.starts_with(' ') || id.ends_with(' '))
+                    refuse({"id", "holds a comma, or a space at an end", "give plain text without them"});
                 if (const auto fault = fault_of_id(id)) refuse(*fault);
                 piece.ids.emplace_back(id);
                 continue;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <stdexcept>
 #include <utility>
 
 #include "text/message.h"
@@ -184,6 +185,7 @@ std::string write_npy_header(const std::vector<NpyField>& fields, std::uint64_t 
     text.append(most_digits - count.size(), ' ');
     text.append(63 - (start + text.size()) % 64, ' ');
     text += '\n';
+    if (text.size() > 65535) throw std::length_error("an .npy header of more than 64 KiB");
     std::string header(magic);
     header += {'\x01', '\x00', static_cast<char>(text.size() & 255), static_cast<char>(text.size() >> 8)};
     return header + text;

@@ -1,9 +1,14 @@
 // polhode ensemble: a body a row, from table to table.
+#include <fmt/format.h>
+
 #include <cmath>
+#include <csignal>
+#include <cstring>
 
 #include "app/program_fixture.h"
 #include "integrators/scenes.h"
 #include "motion/trajectory_csv.h"
+#include "text/npy.h"
 
 namespace polhode {
 namespace {
@@ -136,6 +141,101 @@ TEST_F(EnsembleCommand, SamplesOverTime) {
                                    std::stod(rows[k][6])};
         EXPECT_LT(testing::attitude_error({q.w, q.x, q.y, q.z}, alone[k].q), 1e-13);
         EXPECT_EQ(rows[4 + k][0], "2");
+    }
+}
+
+// Some thousand rows of every kind: each eleventh is no body, and each thirteenth takes too many steps.
+std::string many_rows() {
+    std::string text = "id,wx,wy,wz,ixx,iyy,izz\n";
+    for (int i = 1; i <= 5000; ++i) {
+        const int a = i * 7919 % 1000, b = i * 104729 % 1000;
+        text += fmt::format("b{},{},{},{},1,{},{}\n", i, a / 500.0 - 1, i % 13 == 0 ? 1e5 : b / 500.0 - 1, i / 5000.0,
+                            1 + a / 1000.0, i % 11 == 0 ? 4.0 : 1.5);
+    }
+    return text;
+}
+
+TEST_F(EnsembleCommand, TheSameBytesInPiecesOfAnySizeByAnyThreads) {
+    const std::string table = write("many.csv", many_rows());
+    const auto written = [&](const char* rows, const char* threads, const char* samples) {
+        const Outcome outcome = run({"ensemble", scene(), "--initial", table, "--rows-at-once", rows, "--threads",
+                                     threads, "--samples", samples, "--output", "out.csv"});
+        EXPECT_EQ(outcome.exit_code, 1);
+        EXPECT_NE(outcome.err.find("refused  354 rows more"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find("refused  row 11: "), std::string::npos) << outcome.err;
+        return read(directory / "out.csv");
+    };
+    const std::string whole = written("100000", "1", "2");
+    EXPECT_EQ(lines(whole), 1 + 2 * (5000 - 454) + 454);
+    for (const auto& [rows, threads] : {std::pair("1", "1"), std::pair("2000", "3"), std::pair("9999", "2")})
+        EXPECT_EQ(written(rows, threads, "2"), whole) << rows << " rows, " << threads << " threads";
+    // stdout and a pipe say the same
+    const Outcome piped =
+        run({"ensemble", scene(), "--initial", "/dev/stdin", "--samples", "2", "--rows-at-once", "500"},
+            [&] { ::dup2(::open(table.c_str(), O_RDONLY), 0); });
+    EXPECT_EQ(piped.exit_code, 1) << piped.err;
+    const auto without_faults = [](std::string text) {
+        for (std::size_t at; (at = text.find('"')) != text.npos;) text.erase(at, text.find('"', at + 1) + 1 - at);
+        return text;
+    };
+    EXPECT_EQ(without_faults(piped.out), without_faults(whole));
+}
+
+TEST_F(EnsembleCommand, AFaultFarBehindLeavesNothing) {
+    const std::string table = write("t.csv", many_rows() + "\nb1,0,0,1,1,1,1\n");
+    for (const char* rows : {"100", "100000"})
+        expect_refused({"ensemble", scene(), "--initial", table, "--output", "out.csv", "--rows-at-once", rows},
+                       "t.csv: line 5002: is blank; leave the line out");
+    expect_refused({"ensemble", scene(), "--initial", table}, "t.csv: line 5002: is blank; leave the line out");
+    expect_refused({"ensemble", scene(), "--initial", table, "--rows-at-once", "0"}, "--rows-at-once");
+    // a disk that is full
+    const Outcome full = run({"ensemble", scene(), "--initial", write("good.csv", many_rows()), "--output", "out.csv",
+                              "--rows-at-once", "500"},
+                             [] {
+                                 const rlimit small{100'000, 100'000};
+                                 ::setrlimit(RLIMIT_FSIZE, &small);
+                                 std::signal(SIGXFSZ, SIG_IGN);
+                             });
+    EXPECT_EQ(full.exit_code, 1);
+    EXPECT_EQ(full.err, "polhode: out.csv: cannot be written: File too large\n");
+    EXPECT_TRUE(fs::is_empty(directory));
+}
+
+TEST_F(EnsembleCommand, NumpysFormat) {
+    const std::string header = write_npy_header({{"id", "|S3"}, {"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, 3);
+    std::string content = header;
+    for (const auto& [id, wz] : {std::pair("a\0\0", 2.0), std::pair("bcd", HUGE_VAL), std::pair("e\0\0", -1.0)}) {
+        const double w[3]{0.3, 1, wz};
+        content.append(id, 3).append(reinterpret_cast<const char*>(w), sizeof w);
+    }
+    const std::string table = write("t.npy", content);
+    const auto csv = cells_of(run({"ensemble", scene(), "--initial", table, "--samples", "2"}).out);
+    ASSERT_EQ(csv.size(), 6u);
+    const Outcome outcome = run({"ensemble", scene(), "--initial", table, "--samples", "2", "--output", "out.npy"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("row 2: " + table + ": row 2, column wz: inf is not finite"), std::string::npos)
+        << outcome.err;
+    const std::string out = read(directory / "out.npy");
+    const NpyHeader read = parse_npy_header(out, out.size(), "out.npy");
+    ASSERT_EQ(read.rows, 5u);
+    ASSERT_EQ(read.record_size, 131u);
+    std::vector<std::string> names;
+    for (const NpyField& field : read.fields) names.push_back(field.name);
+    EXPECT_EQ(fmt::format("{}", fmt::join(names, ",")), "row,status,t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,id");
+    for (std::size_t i = 0; i < read.rows; ++i) {
+        const char* record = out.data() + read.data_offset + i * read.record_size;
+        const std::vector<std::string>& cells = csv[i + 1];
+        std::int64_t whole[2];
+        double numbers[14];
+        std::memcpy(whole, record, sizeof whole), std::memcpy(numbers, record + 16, sizeof numbers);
+        EXPECT_EQ(std::to_string(whole[0]), cells[0]);
+        EXPECT_EQ(name_of(static_cast<Status>(whole[1])), cells[2]);
+        EXPECT_EQ(std::string(record + 128, ::strnlen(record + 128, 3)), cells[1]);
+        for (std::size_t k = 0; k < 14; ++k)
+            if (cells[3 + k].empty())
+                EXPECT_TRUE(std::isnan(numbers[k]));
+            else
+                EXPECT_EQ(numbers[k], std::stod(cells[3 + k]));
     }
 }
 

@@ -61,7 +61,7 @@ TEST(Limits, AreThoseOfTheReadme) {
         {"parentheses in one another of experiment, --filter", count(deepest_parentheses)},
         {"repetitions multiplied of experiment, --filter", count(most_unrolled)},
         {"trajectory of check, plot", mebibytes(largest_file)},
-        {"ensemble of ensemble", "4096 MiB"},
+        {"table of mechanisms of ensemble", "4096 MiB"},
     };
     EXPECT_EQ(limits_of_readme(), expected);
 }

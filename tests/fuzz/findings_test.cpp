@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(
         Target{"experiment", oracles::experiment, {top + "/experiments", top + "/tests/experiment/bad"}},
         Target{"body", oracles::body, {top + "/tests/scene/bodies"}},
         Target{"trajectory", oracles::trajectory, {top + "/tests/motion/bad"}},
-        Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}},
+        Target{"ensemble", oracles::ensemble, {top + "/tests/motion/ensemble/bad"}}, Target{"npy", oracles::npy, {}},
         Target{"engine", oracles::engine, {}}, Target{"table", oracles::table, {}}, Target{"tape", oracles::tape, {}},
         Target{"cache", oracles::cache, {}}, Target{"mechanisms", oracles::mechanisms, {}},
         Target{"columns", oracles::columns, {}}, Target{"words", oracles::words, {}},

@@ -26,6 +26,7 @@
 #include "integrators/engines/engine_methods.h"
 #include "integrators/own/ensemble.h"
 #include "integrators/truth/cache.h"
+#include "motion/ensemble_npy.h"
 #include "motion/ensemble_table.h"
 #include "motion/mechanism_table.h"
 #include "motion/problem.h"
@@ -42,6 +43,7 @@
 #include "text/content_hash.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
+#include "text/npy.h"
 
 namespace polhode::oracles {
 
@@ -176,6 +178,48 @@ inline void ensemble(std::string_view text) {
         require((row.status == Status::ok) == row.message.empty(), "a status without its message");
         require(row.status != Status::ok || squared_norm(row.end.q) * 0 == 0, "a row that is not finite is ok");
     }
+}
+
+/// Tables of ensembles in NumPy's format: what is taken gives the same rows in pieces of any size and after rows that
+/// are left out, its header is written again as it was read, and as CSV it says the same.
+inline void npy(std::string_view content) {
+    Scene scene;
+    scene.name = "fuzz", scene.duration = 1;
+    if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
+    auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
+    if (header) {
+        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
+        // names are ours where a header is written, and need no escapes
+        for (NpyField& field : header->fields) std::erase(field.name, '\'');
+        const std::string again = write_npy_header(header->fields, header->rows);
+        const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
+        require(read.rows == header->rows && read.record_size == header->record_size, "a header does not read back");
+    }
+    const auto rows = parsed([&] { return npy_ensemble_of(content, "fuzz", scene); });
+    if (!rows) return;
+    require(header.has_value(), "a table without a header");
+    EnsembleTable whole, piece;
+    (*rows)->next(whole, content.size() + 1);
+    require(whole.bodies.size() + whole.refused.size() == header->rows, "rows are lost");
+    require(whole.ids.empty() || whole.ids.size() == whole.bodies.size(), "ids are lost");
+    for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
+    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
+    const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
+    require(left_out == header->rows, "rows that are left out are not counted");
+    const auto pieces = npy_ensemble_of(content, "fuzz", scene);
+    const std::size_t skipped = pieces->skip(1);
+    std::vector<EnsembleBody> bodies;
+    std::size_t refused = 0;
+    while (pieces->next(piece, 3)) {
+        bodies.insert(bodies.end(), piece.bodies.begin(), piece.bodies.end());
+        refused += piece.refused.size();
+    }
+    require(skipped + bodies.size() + refused == header->rows, "pieces lose rows");
+    require(std::equal(bodies.rbegin(), bodies.rend(), whole.bodies.rbegin()), "pieces differ from the whole");
+    const auto as_comment = [](const std::string& id) { return id.starts_with('#'); };
+    if (whole.bodies.empty() || std::any_of(whole.ids.begin(), whole.ids.end(), as_comment)) return;
+    const EnsembleTable csv = parse_ensemble(write_ensemble(whole, scene.pivot.has_value()), "written", scene);
+    require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
 }
 
 /// Bodies joined in every way that has coordinates, and one that is free.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "app/commands.h"
+#include "app/ensemble_parts.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -22,9 +23,28 @@ struct MergeOptions {
     bool quiet = false;
 };
 
+// Parts of ensembles, where the folders hold such. 0, or 1 where not all of their bodies ended well.
+int merge_ensembles(const MergeOptions& options, const std::vector<std::string>& directories) {
+    const MergedEnsemble merged = merge_ensemble_parts(directories, options.output);
+    if (!options.quiet)
+        fmt::print(stderr, "{}: {} rows of {} parts\n", one_line(merged.output, 300), merged.rows, merged.parts);
+    if (merged.all_ok()) return 0;
+    fmt::print(stderr, "polhode: {}: {} of {} rows did not end well\n", one_line(merged.output, 300),
+               merged.rows - merged.ok, merged.rows);
+    return 1;
+}
+
 int merge_command(const MergeOptions& options) {
     if (options.jobs < 0 || options.jobs > 4096)
         throw UsageError(fmt::format("--jobs is {}; give 1 to 4096", options.jobs));
+    std::vector<std::string> with_parts, with_results;
+    for (const std::string& directory : options.directories) {
+        if (has_ensemble_parts(directory)) with_parts.push_back(directory);
+        if (has_results(directory)) with_results.push_back(directory);
+    }
+    int ensembles = 0;
+    if (!with_parts.empty()) ensembles = merge_ensembles(options, with_parts);
+    if (!with_parts.empty() && with_results.empty()) return ensembles;
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(options.output, none)) &&
                               !std::filesystem::is_directory(options.output, none))
         throw UsageError(fmt::format("--output {} is no directory", one_line(options.output, 200)));
@@ -45,7 +65,7 @@ int merge_command(const MergeOptions& options) {
         fmt::print(stderr, "polhode: {}: {} cases are missing, the first: {}; run their shards again and merge again\n",
                    one.name, one.missing, one_line(one.first_missing, 300));
     }
-    return complete ? 0 : 1;
+    return complete && ensembles == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -56,10 +76,16 @@ void add_merge(CLI::App& program, int& exit_code) {
         "Gathers what the shards of experiments have left in several folders, in any order and number, and "
         "makes the tables of all.");
     const auto options = std::make_shared<MergeOptions>();
-    command->add_option("DIR", options->directories, "Folders that `polhode run --shard I/N` has written")->required();
+    command
+        ->add_option("DIR", options->directories,
+                     "Folders that `polhode run --shard I/N` or `polhode ensemble --shard I/N` has written")
+        ->required();
     engines_option(*command);
     outside_option(*command);
-    command->add_option("--output", options->output, "Where to: may be one of them, or a new folder")->required();
+    command
+        ->add_option("--output", options->output,
+                     "Where to: one of them, or a new folder; of an ensemble a file or the folder of one")
+        ->required();
     command->add_option("--jobs", options->jobs, "Threads (default: all cores)");
     command->add_flag("--quiet", options->quiet, "No summary");
     command->callback([options, &exit_code] { exit_code = merge_command(*options); });

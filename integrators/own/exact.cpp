@@ -1,6 +1,7 @@
 // The closed form of a motion, where it has one: no steps, no error but round-off.
 #include "integrators/own/exact.h"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -35,8 +36,20 @@ bool starts_next_to_separatrix(const Problem& problem) {
     return std::abs(a - b) < next_to * b;
 }
 
+// How small the least moment of a free body at a pivot off its centre of mass is beside the largest: of what turns the
+// body about the third axis, the difference of the other two, rounding takes the inverse of that.
+double least_beside_arm(const Problem& problem) {
+    const Segment& segment = problem.segments.front();
+    if (!problem.body.pivoted || problem.body.arm == Vector3<double>() || segment.forcing.any_torque()) return 1;
+    const Vector3<double>& I = problem.body.principal.moments;
+    return std::min({I[0], I[1], I[2]}) / std::max({I[0], I[1], I[2]});
+}
+
 std::optional<Form> form_of(const Problem& problem, const Segment& segment, const double* y) {
-    if (segment.begin == 0 && starts_next_to_separatrix(problem)) {
+    constexpr double small = 1e-5;
+    if (segment.begin == 0 &&
+        (starts_next_to_separatrix(problem) || (segment.impulses.empty() && least_beside_arm(problem) < small &&
+                                                problem.needs.symmetry == Symmetry::asymmetric))) {
         const FreeAsymmetricBody<Wide> form(problem.body.wide_principal.moments,
                                             problem.body.wide_initial_angular_velocity,
                                             cast<Wide>(FreeRotation::attitude(y)));
@@ -84,6 +97,10 @@ std::string refused(const Problem& problem) {
     if (problem.needs.user_torque) return "a user's torque has no closed form";
     if (problem.needs.translation == Translation::integrated)
         return "the forces tie translation and rotation together: no closed form";
+    constexpr double least = 1e-18;
+    if (least_beside_arm(problem) < least && problem.needs.symmetry == Symmetry::asymmetric)
+        return "no closed form: the moments about the pivot are known to 113 bits, which do not hold the difference of "
+               "two of them that turns the body about the third axis";
     double at = 0;
     // a state that is not finite is the run's to tell
     if (through_pieces(problem, at, [](const Segment&, const Form&) { return true; }) == Passed::no_form)

@@ -34,7 +34,7 @@ TEST(FinerFrame, KeepsAMomentThatIsNothingBesideTheArms) {
         EXPECT_NEAR(problem.body.principal.inverse_moments[least] * right, 1, 10 * size + 1e-15) << size;
         // w along n is the start's: of the unit vector that the frame has for its axis of the least moment
         const double along = std::abs(problem.body.initial_angular_velocity[least]);
-        EXPECT_NEAR(along, std::abs(dot(n, scene.initial.angular_velocity)), 1e-14) << size;
+        EXPECT_NEAR(along, std::abs(dot(n, scene.initial.angular_velocity)), 10 * size + 1e-14) << size;
     }
 }
 
@@ -43,7 +43,7 @@ TEST(FinerFrame, KeepsADifferenceThatTheMomentsDoNotShow) {
     for (const double size : {1e-12, 1e-20, 1e-28}) {
         const Problem problem = pose(nearly_a_point(size, {0, 0, 0.5}));
         EXPECT_NEAR(problem.body.principal.gyroscopic[2], -0.2 / 1.5, 1e-15) << size;
-        EXPECT_DOUBLE_EQ(problem.body.principal.gyroscopic[0], 1) << size;
+        EXPECT_NEAR(problem.body.principal.gyroscopic[0], 1, 10 * size + 1e-15) << size;
         EXPECT_EQ(problem.needs.symmetry, Symmetry::asymmetric) << size;
     }
 }

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <limits>
 #include <map>
 #include <memory>
@@ -35,7 +37,7 @@ struct EnsembleOptions {
     std::optional<long> threads;
     long max_steps = EnsembleSettings{}.max_steps;
     double max_seconds = EnsembleSettings{}.seconds_limit;
-    long samples = 1, rows_at_once = 65'536;
+    long samples = 1, rows_at_once = 32'768;
     std::string shard;
 };
 
@@ -138,39 +140,61 @@ class EnsembleRun {
 
   private:
     // The next rows of the table, `rows` at most, into a file; `hash`, where there is one, of what stands behind its
-    // header.
+    // header. With several threads the next piece is read and the last one written while one is solved.
     void solve(const std::string& path, std::size_t rows, ContentHash* hash) {
+        const auto start = std::chrono::steady_clock::now();
         RowSink sink(path);
         if (format_->counts_rows() && sink.file() && !sink.file()->is_regular())
             throw UsageError(path + ": is no regular file; an .npy file is written into one");
         sink.write({format_->header(0)});
-        // rows times samples are held at once
-        const auto most = static_cast<std::size_t>(std::max(64L, options_.rows_at_once / options_.samples));
-        SolvedPiece piece;
-        std::size_t done = 0;
-        while (done < rows) {
-            auto start = std::chrono::steady_clock::now();
-            piece.first_row = table_->rows_passed() + 1;
-            if (!table_->next(piece.table, std::min(most, rows - done))) break;
-            done += piece.table.bodies.size() + piece.table.refused.size();
-            reading_ += seconds_since(start);
+        const std::launch beside = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
+        std::size_t left = rows;
+        const auto read_next = [&] {
+            SolvedPiece piece = read(left);
+            left -= piece.table.bodies.size() + piece.table.refused.size();
+            return piece;
+        };
+        std::future<void> written;
+        for (SolvedPiece piece = read_next(); !piece.is_empty();) {
+            std::future<SolvedPiece> next = std::async(beside, std::ref(read_next));
             solve(piece);
             count(piece);
-            start = std::chrono::steady_clock::now();
-            std::vector<std::string> texts = rows_of(piece, *format_, settings_.threads);
-            for (const std::string& text : texts) {
-                bytes_ += text.size();
-                if (hash) hash->add(text);
-            }
-            sink.write(std::move(texts));
-            writing_ += seconds_since(start);
+            if (written.valid()) written.get();
+            written = std::async(beside, [&, solved = std::move(piece)] { write(sink, solved, hash); });
+            if (beside == std::launch::deferred) written.get();
+            piece = next.get();
         }
+        if (written.valid()) written.get();
         if (!hash) table_->require_bodies();
-        const auto start = std::chrono::steady_clock::now();
+        const auto written_all = std::chrono::steady_clock::now();
         if (format_->counts_rows())
             sink.file()->write_over_beginning(
                 format_->header(bodies_ * static_cast<std::uint64_t>(options_.samples) + refused_));
         sink.commit();
+        writing_ += seconds_since(written_all);
+        in_all_ += seconds_since(start);
+    }
+
+    // The next rows, at most `left`.
+    SolvedPiece read(std::size_t left) {
+        const auto start = std::chrono::steady_clock::now();
+        // rows times samples are held at once
+        const auto most = static_cast<std::size_t>(std::max(64L, options_.rows_at_once / options_.samples));
+        SolvedPiece piece;
+        piece.first_row = table_->rows_passed() + 1;
+        if (left > 0) table_->next(piece.table, std::min(most, left));
+        reading_ += seconds_since(start);
+        return piece;
+    }
+
+    void write(RowSink& sink, const SolvedPiece& piece, ContentHash* hash) {
+        const auto start = std::chrono::steady_clock::now();
+        std::vector<std::string> texts = rows_of(piece, *format_, settings_.threads);
+        for (const std::string& text : texts) {
+            bytes_ += text.size();
+            if (hash) hash->add(text);
+        }
+        sink.write(std::move(texts));
         writing_ += seconds_since(start);
     }
 
@@ -206,7 +230,8 @@ class EnsembleRun {
         text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} bodies a second\n", solving_,
                             settings_.threads, settings_.threads == 1 ? "" : "s", name_of(settings_.instructions),
                             static_cast<double>(bodies_) / solving_);
-        text += fmt::format("tables   {:.3f} s to read, {:.3f} s to write\n", reading_, writing_);
+        text +=
+            fmt::format("tables   {:.3f} s to read, {:.3f} s to write; {:.3f} s in all\n", reading_, writing_, in_all_);
         text += "status  ";
         const char* separator = " ";
         for (const auto& [status, bodies] : count_) {
@@ -223,7 +248,7 @@ class EnsembleRun {
     const EnsembleOptions& options_;
     std::unique_ptr<EnsembleStream> table_;
     std::unique_ptr<EnsembleFormat> format_;
-    double reading_ = 0, solving_ = 0, writing_ = 0;  // s
+    double reading_ = 0, solving_ = 0, writing_ = 0, in_all_ = 0;  // s; with several threads side by side
     std::map<Status, std::size_t> count_;
     std::size_t bodies_ = 0, refused_ = 0;
     std::uint64_t bytes_ = 0;       // behind the header

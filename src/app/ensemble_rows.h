@@ -19,6 +19,8 @@ struct SolvedPiece {
     std::size_t first_row = 1;                 ///< the number of the first among all rows
     std::vector<std::vector<EnsembleRow>> at;  ///< at each time, the last one being the end: a row a body
 
+    /// Whether there is no row.
+    bool is_empty() const { return table.bodies.empty() && table.refused.empty(); }
     /// The number of each body's row among all rows.
     std::vector<std::size_t> numbers() const;
 };

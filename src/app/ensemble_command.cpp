@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/ensemble_parts.h"
@@ -69,13 +71,20 @@ class RowSink {
     }
 
     AtomicStream* file() { return file_ ? &*file_ : nullptr; }
-    void write(std::vector<std::string> texts) {
-        if (!file_) {
-            write_held();
-            held_ = std::move(texts);
+    // What stands in front of the first piece.
+    void begin(std::string header) {
+        if (file_)
+            file_->write(header);
+        else
+            held_.push_back(std::move(header));
+    }
+    void write(std::vector<std::string> piece) {
+        if (file_) {
+            for (const std::string& text : piece) file_->write(text);
             return;
         }
-        for (const std::string& text : texts) file_->write(text);
+        if (std::exchange(has_piece_, true)) write_held();
+        held_.insert(held_.end(), std::make_move_iterator(piece.begin()), std::make_move_iterator(piece.end()));
     }
     void commit() {
         write_held();
@@ -90,6 +99,7 @@ class RowSink {
 
     std::optional<AtomicStream> file_;
     std::vector<std::string> held_;
+    bool has_piece_ = false;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -146,7 +156,7 @@ class EnsembleRun {
         RowSink sink(path);
         if (format_->counts_rows() && sink.file() && !sink.file()->is_regular())
             throw UsageError(path + ": is no regular file; an .npy file is written into one");
-        sink.write({format_->header(0)});
+        sink.begin(format_->header(0));
         const std::launch beside = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
         std::size_t left = rows;
         const auto read_next = [&] {

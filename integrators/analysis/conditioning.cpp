@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/run/processor_time.h"
 #include "integrators/run/stiffness.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/sensitivity_session.h"
 #include "text/interruption.h"
 

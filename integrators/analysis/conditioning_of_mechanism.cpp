@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/processor_time.h"
+#include "integrators/series/linear_algebra.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 #include "motion/own_system.h"

@@ -1,9 +1,9 @@
 // The derivative of a motion by its start where the motion has a closed form: no steps, at any time.
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
+#include "integrators/series/linear_algebra.h"
 #include "motion/problem.h"
 
 namespace polhode {

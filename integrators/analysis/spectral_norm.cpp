@@ -1,9 +1,10 @@
 #include "integrators/analysis/spectral_norm.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

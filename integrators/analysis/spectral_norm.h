@@ -1,7 +1,7 @@
 // The spectral norm of a small matrix.
 #pragma once
 
-#include <Eigen/Core>
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

@@ -3,7 +3,6 @@
 // Every quadratic form that f keeps is kept, since (y+ - y) . Q (y+ + y) = 2 h k . Q (y + h k/2) = 0 (G. J. Cooper
 // 1987, IMA J. Numer. Anal. 7, 1): |q|^2; |I w|^2 and energy of a free body; energy where gravity acts about a pivot or
 // springs do, as the right-hand side's rotations |q|^2 R(q) make it quadratic in q.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -12,6 +11,7 @@
 #include "integrators/run/binary32.h"
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
+#include "integrators/series/linear_algebra.h"
 #include "motion/dual.h"
 #include "motion/numbers.h"
 

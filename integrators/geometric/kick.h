@@ -4,9 +4,9 @@
 //   dy/dt = tau - D I^-1 y,   dv/dt = a - k v
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "integrators/series/linear_algebra.h"
 #include "motion/equations.h"
 
 namespace polhode {

@@ -1,10 +1,10 @@
 // What FourSystems is for a Jacobian of a size that only the running program knows.
 #pragma once
 
-#include <Eigen/Dense>
 #include <array>
 
 #include "integrators/own/four_systems.h"
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

@@ -1,11 +1,11 @@
 #include "integrators/points/point_body.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
 
+#include "integrators/series/linear_algebra.h"
 #include "scene/body_source.h"
 
 namespace polhode {

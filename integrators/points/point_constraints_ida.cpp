@@ -6,10 +6,9 @@
 #include <ida/ida.h>
 #include <ida/ida_ls.h>
 
-#include <Eigen/Dense>
-
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/ida_counts.h"
 #include "integrators/sundials/sundials_run.h"
 

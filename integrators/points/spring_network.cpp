@@ -1,10 +1,10 @@
 #include "integrators/points/spring_network.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "integrators/points/stiffness.h"
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

@@ -3,9 +3,8 @@
 // Dampers take energy from vibrations alone: a rigid motion does not move them.
 #pragma once
 
-#include <Eigen/Core>
-
 #include "integrators/points/point_body.h"
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

@@ -1,7 +1,6 @@
 #include "integrators/run/eigenvalues.h"
 
-#include <Eigen/Dense>
-
+#include "integrators/series/linear_algebra.h"
 #include "motion/dual.h"
 #include "motion/systems.h"
 

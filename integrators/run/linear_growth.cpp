@@ -1,9 +1,10 @@
 #include "integrators/run/linear_growth.h"
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 

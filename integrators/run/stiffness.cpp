@@ -1,6 +1,5 @@
 #include "integrators/run/stiffness.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,6 +7,7 @@
 
 #include "integrators/method.h"
 #include "integrators/run/eigenvalues.h"
+#include "integrators/series/linear_algebra.h"
 #include "motion/own_system.h"
 
 namespace polhode {

@@ -4,10 +4,10 @@
 
 #include <sundials/sundials_matrix.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <new>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/direct_solver.h"
 #include "integrators/sundials/fixed_vector.h"
 

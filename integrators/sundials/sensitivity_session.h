@@ -5,13 +5,13 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <new>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/cvode_session.h"
 #include "motion/dual.h"
 

@@ -5,9 +5,9 @@
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_matrix.h>
 
-#include <Eigen/Sparse>
 #include <new>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/direct_solver.h"
 
 namespace polhode {

@@ -3,12 +3,12 @@
 // iterative refinement, which gains some ten digits an iteration.
 #pragma once
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/series/radau_nodes.h"
 #include "integrators/truth/taylor.h"
 #include "motion/dual.h"

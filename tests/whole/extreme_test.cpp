@@ -2,7 +2,6 @@
 // name says, by formulas of their own.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include "catalogue.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
+#include "integrators/series/linear_algebra.h"
 #include "measure/errors.h"
 #include "motion/dual.h"
 #include "motion/systems.h"

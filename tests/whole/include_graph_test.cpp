@@ -85,4 +85,9 @@ TEST_F(SmallTree, FailsOnAFolderWithoutAFloor) {
     expect_fault("attic stands on no floor");
 }
 
+TEST_F(SmallTree, FailsWhereEigenSeesTheProcessor) {
+    std::ofstream(top_ / "src/body/shape.h") << "#pragma once\n#include <Eigen/Dense>\n";
+    expect_fault("src/body/shape.h:2: Eigen is to be included by integrators/series/linear_algebra.h");
+}
+
 }  // namespace

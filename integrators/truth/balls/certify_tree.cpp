@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <cmath>
 #include <utility>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/balls/scout.h"

@@ -2,10 +2,10 @@
 
 #include <arb_mat.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/series/series.h"
 #include "integrators/truth/balls/matrix.h"
 #include "integrators/truth/balls/scout.h"

@@ -1,12 +1,12 @@
 #include "integrators/truth/balls/parallelepiped.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/truth/balls/matrix.h"
 
 namespace polhode::truth {

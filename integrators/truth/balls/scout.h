@@ -2,13 +2,13 @@
 // for the proof.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/series/series.h"
 #include "integrators/truth/balls/norm.h"
 #include "integrators/truth/motion.h"

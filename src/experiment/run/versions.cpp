@@ -4,12 +4,12 @@
 #include <gmp.h>
 #include <mpfr.h>
 
-#include <Eigen/Core>
 #include <boost/version.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "integrators/gsl/gsl.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/build.h"
 #include "integrators/truth/balls/certified.h"
 

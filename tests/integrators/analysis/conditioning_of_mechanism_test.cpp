@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
 #include "integrators/method.h"
+#include "integrators/series/linear_algebra.h"
 #include "motion/mechanism.h"
 #include "scene/scene_file.h"
 

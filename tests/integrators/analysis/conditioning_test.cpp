@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,6 +13,7 @@
 
 #include "integrators/analysis/reference_conditioning.h"
 #include "integrators/scenes.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
 #include "motion/moderate_scene.h"

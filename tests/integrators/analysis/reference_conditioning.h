@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "integrators/analysis/conditioning.h"
 #include "integrators/analysis/spectral_norm.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/truth/taylor.h"
 #include "motion/body_equations.h"
 #include "motion/dual.h"

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
 #include <limits>
 #include <random>
+
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode {
 namespace {

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Dense>
 #include <vector>
 
 #include "integrators/maximal/sparse_ldl.h"
+#include "integrators/series/linear_algebra.h"
 
 namespace polhode::maximal {
 namespace {

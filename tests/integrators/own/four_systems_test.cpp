@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <complex>
 #include <random>
 
 #include "integrators/scenes.h"
+#include "integrators/series/linear_algebra.h"
 #include "motion/dual.h"
 #include "motion/systems.h"
 

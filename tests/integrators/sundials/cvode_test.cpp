@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "integrators/method.h"
+#include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/build.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/serial_vector_of.h"

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "integrators/series/linear_algebra.h"
 #include "integrators/truth/euler_form.h"
 #include "integrators/truth/loaded_scene.h"
 

@@ -5,13 +5,9 @@
 #include <optional>
 #include <string>
 
-namespace polhode {
+#include "text/named_file.h"
 
-/// What a file that is opened may be.
-enum class FileKinds {
-    regular,   ///< a regular file
-    streamed,  ///< also what a shell hands over in /dev or /proc: a pipe, a terminal, /dev/null
-};
+namespace polhode {
 
 /// An open file. Whatever is wrong with it is an InputError that calls it `called` and asks for what was `expected`.
 class InputFile {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "text/input_file.h"
 #include "text/message.h"
 
 namespace polhode {

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <string>
 
-#include "text/input_file.h"
-
 namespace polhode {
 
 /// Whether files may name files outside their own folders: not unless a program's user allows it. It holds for the
@@ -29,6 +27,12 @@ void require_inside(const std::string& folder, const std::string& path);
 /// Throws InputError; the remedy names what was `expected`.
 std::string read_named_text(const std::string& folder, const std::string& name, std::size_t largest,
                             const char* expected);
+
+/// What a file that is opened may be.
+enum class FileKinds {
+    regular,   ///< a regular file
+    streamed,  ///< also what a shell hands over in /dev or /proc: a pipe, a terminal, /dev/null
+};
 
 /// The text of a file, of at most `largest` bytes: a device, a socket, a directory or a FIFO is refused without
 /// waiting for it. Throws InputError, in which the file is called `called`; the remedy names what was `expected`.

@@ -59,6 +59,26 @@ TEST(Exact, IsAsGoodAsItsDataNextToTheSeparatrix) {
     EXPECT_GT(largest, 1e8) << "nothing was next to the separatrix";
 }
 
+// Two moments agree but for what turns the body about the line from the pivot to its centre of mass.
+TEST(Exact, KnowsABodyThatIsNearlyAPointBesideItsPivot) {
+    const FreshCache cache;
+    for (const Vector3<double>& arm : {Vector3<double>(0.3, 0.4, 0.5), Vector3<double>(0, 0, 0.5)}) {
+        const auto made = [&](double size) {
+            Scene scene = free_scene({1 * size, 1.2 * size, 1.5 * size}, {1, 2, 0.5}, 2);
+            scene.body.mass = 1, scene.body.center_of_mass = arm, scene.pivot = Vector3<double>();
+            return scene;
+        };
+        for (const double size : {1e-15}) {
+            const Trajectory trajectory = solved(made(size));
+            ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
+            const Reference truth = reference(made(size), 10);
+            const Errors found = errors(error_series(made(size), trajectory, truth), trajectory, truth);
+            EXPECT_LT(found["attitude"].max.value(), 1e-14) << size;
+        }
+        EXPECT_EQ(solved(made(1e-25)).status, Status::unsupported);
+    }
+}
+
 TEST(Exact, IsAsGoodAsItsDataOnCatalogueScenes) {
     for (const char* name : {"free_asymmetric", "separatrix", "near_separatrix", "symmetric", "lagrange_top",
                              "t_handle", "nasa_brick", "feynman_plate", "sphere", "spin_up"}) {

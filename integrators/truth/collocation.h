@@ -137,11 +137,11 @@ class CollocationStep {
 
     // 1 - h A (x) J, each row brought to a largest entry of 1
     void factor(double h, const std::vector<double>& scales) {
-        const int s = table_.stages;
-        Eigen::MatrixXd M = Eigen::MatrixXd::Identity(s * n_, s * n_);
+        const Eigen::Index s = table_.stages, n = n_;
+        Eigen::MatrixXd M = Eigen::MatrixXd::Identity(s * n, s * n);
         for (int j = 0; j < s; ++j) {
             const Eigen::MatrixXd J = rows(&values_[(j + 1) * n_], scales);
-            for (int i = 0; i < s; ++i) M.block(i * n_, j * n_, n_, n_) -= (h * a_(i, j)) * J;
+            for (int i = 0; i < s; ++i) M.block(i * n, j * n, n, n) -= (h * a_(i, j)) * J;
         }
         row_scales_ = M.cwiseAbs().rowwise().maxCoeff().cwiseInverse();
         factors_.compute(row_scales_.asDiagonal() * M);

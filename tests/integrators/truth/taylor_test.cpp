@@ -111,5 +111,26 @@ TEST(TruthTaylor, EndsWhereItWouldTakeMoreStepsThanAreAllowed) {
     EXPECT_EQ(run.fault, "more steps than are allowed");
 }
 
+// y' = -y, whose coefficients change their sign from one to the next
+struct Decay {
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        for (int i = 0; i < 4; ++i) dy[i] = S(-1) * y[i];
+    }
+};
+
+TEST(TruthTaylor, NoBlockIsLongerWithinAStepThanItsBound) {
+    truth::Series<P> series(truth::record<P>(Decay{}, 4), 40);
+    const P start[] = {P(100), P(3), P(-4), P(12)};
+    series.expand(start);
+    for (const double length : {1e-3, 0.5, 2.0}) {
+        const P bound = truth::block_bound(series, 1, P(length));
+        // the block is longest where it starts: |(3, -4, 12)| = 13
+        EXPECT_GE(bound, P(13));
+        // the sum of all terms' sizes is that of growth
+        EXPECT_LT(abs(bound - P(13) * exp(P(length))), P(1e-25));
+    }
+}
+
 }  // namespace
 }  // namespace polhode

@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -106,6 +107,19 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// std::async, which leaves work to whoever asks for its result where the system gives no thread.
+template <class Work>
+auto begin_work(std::launch how, Work work) {
+    // one that it was moved into would be lost with it
+    const auto kept = std::make_shared<Work>(std::move(work));
+    const auto run = [kept] { return (*kept)(); };
+    try {
+        return std::async(how, run);
+    } catch (const std::system_error&) {
+        return std::async(std::launch::deferred, run);
+    }
+}
+
 // One table, piece by piece.
 class EnsembleRun {
   public:
@@ -166,11 +180,11 @@ class EnsembleRun {
         };
         std::future<void> written;
         for (SolvedPiece piece = read_next(); !piece.is_empty();) {
-            std::future<SolvedPiece> next = std::async(beside, std::ref(read_next));
+            std::future<SolvedPiece> next = begin_work(beside, std::ref(read_next));
             solve(piece);
             count(piece);
             if (written.valid()) written.get();
-            written = std::async(beside, [&, solved = std::move(piece)] { write(sink, solved, hash); });
+            written = begin_work(beside, [&, solved = std::move(piece)] { write(sink, solved, hash); });
             if (beside == std::launch::deferred) written.get();
             piece = next.get();
         }

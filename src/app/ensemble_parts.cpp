@@ -14,6 +14,7 @@
 #include "motion/ensemble_stream.h"
 #include "text/atomic_stream.h"
 #include "text/content_hash.h"
+#include "text/folder_names.h"
 #include "text/input_file.h"
 #include "text/json_document.h"
 #include "text/message.h"
@@ -48,11 +49,10 @@ std::vector<FoundPart> parts_in(const std::vector<std::string>& dirs) {
     for (const std::string& dir : dirs) {
         std::vector<std::string> names;
         std::error_code error;
-        for (fs::directory_iterator entry(dir, error), end; !error && entry != end; entry.increment(error))
-            if (is_part_json(entry->path().filename().string())) names.push_back(entry->path().filename().string());
+        for (const std::string& name : names_in(dir, error))
+            if (is_part_json(name)) names.push_back(name);
         if (error)
             throw InputError(dir, "", "cannot be read: " + error.message(), "give folders that parts were written to");
-        std::ranges::sort(names);
         for (const std::string& name : names) {
             FoundPart part;
             part.json = (fs::path(dir) / name).string();
@@ -274,9 +274,8 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
 
 bool has_ensemble_parts(const std::string& dir) {
     std::error_code error;
-    for (fs::directory_iterator entry(dir, error), end; !error && entry != end; entry.increment(error))
-        if (is_part_json(entry->path().filename().string())) return true;
-    return false;
+    const std::vector<std::string> names = names_in(dir, error);
+    return std::any_of(names.begin(), names.end(), is_part_json);
 }
 
 MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const std::string& output) {

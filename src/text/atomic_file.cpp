@@ -21,6 +21,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "text/folder_names.h"
+#include "text/system_calls.h"
+
 namespace polhode {
 namespace {
 
@@ -39,14 +42,6 @@ std::string directory_of(const std::string& path) {
     return parent.empty() ? "." : parent;
 }
 
-// A system call again for as long as a signal cuts it off.
-template <class Call>
-auto uncut(Call&& call) {
-    auto result = call();
-    while (result < 0 && errno == EINTR) result = call();
-    return result;
-}
-
 // Returns 0 or the error number.
 int write_all(int file, std::string_view text) {
     while (!text.empty()) {
@@ -57,9 +52,6 @@ int write_all(int file, std::string_view text) {
     }
     return 0;
 }
-
-// Returns 0 or the error number; a signal that comes meanwhile leaves the file closed, too.
-int close_file(int file) { return ::close(file) != 0 && errno != EINTR ? errno : 0; }
 
 // When the process began, in the kernel's ticks since it booted: with the number it tells processes apart. Nothing
 // where there is no such process, or what it is cannot be read. One that has ended and waits to be noticed has begun
@@ -190,9 +182,7 @@ void write_atomically(const std::string& path, std::string_view text) {
         fail(path, "cannot be written", error);
     }
     if (directory < 0) return;
-    // some file systems cannot sync a directory, and say so
-    if (uncut([&] { return ::fsync(directory); }) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS)
-        error = errno;
+    error = sync_folder(directory);
     ::close(directory);
     if (error != 0) fail(path, "is written, but its folder cannot be synced", error);
 }
@@ -200,14 +190,15 @@ void write_atomically(const std::string& path, std::string_view text) {
 void remove_abandoned(const std::string& directory) {
     namespace fs = std::filesystem;
     std::error_code fault;
-    for (fs::directory_iterator entry(directory, fault), end; !fault && entry != end; entry.increment(fault)) {
-        const std::string name = entry->path().filename().string();
+    for (const std::string& name : names_in(directory, fault)) {
+        if (!name.ends_with(temporary_ending)) continue;
+        const fs::path path = fs::path(directory) / name;
         std::error_code none;
-        if (!name.ends_with(temporary_ending) || !fs::is_regular_file(entry->symlink_status(none))) continue;
-        const auto written = fs::last_write_time(entry->path(), none);
+        if (!fs::is_regular_file(fs::symlink_status(path, none))) continue;
+        const auto written = fs::last_write_time(path, none);
         if (none) continue;
         const double age = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
-        if (is_abandoned(name, age)) ::unlink(entry->path().c_str());
+        if (is_abandoned(name, age)) ::unlink(path.c_str());
     }
 }
 

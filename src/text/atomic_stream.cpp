@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "text/atomic_file.h"
+#include "text/system_calls.h"
 
 namespace polhode {
 
@@ -28,9 +29,11 @@ AtomicStream::AtomicStream(std::string path) : path_(std::move(path)) {
         if (file_ < 0) fail("cannot be opened", errno);
         return;
     }
+    // what runs that were killed have left of it
+    remove_abandoned(folder());
     file_ = create_temporary(target_, temporary_);
     if (file_ < 0) fail("cannot be created", errno);
-    if (!exists || ::fchmod(file_, old.st_mode & 07777) == 0) return;
+    if (!exists || uncut([&] { return ::fchmod(file_, old.st_mode & 07777); }) == 0) return;
     const int error = errno;
     ::close(file_);
     ::unlink(temporary_.c_str());
@@ -42,16 +45,23 @@ AtomicStream::~AtomicStream() {
     if (!committed_ && !temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
+std::string AtomicStream::folder() const {
+    const std::string parent = std::filesystem::path(target_).parent_path().string();
+    return parent.empty() ? "." : parent;
+}
+
 void AtomicStream::fail(const char* what, int error) const {
     throw std::runtime_error(path_ + ": " + what + ": " + std::strerror(error));
 }
 
 void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
     while (!bytes.empty()) {
-        const ssize_t count = offset ? ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(*offset))
-                                     : ::write(file_, bytes.data(), bytes.size());
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) fail("cannot be written", errno);
+        const ssize_t count = uncut([&] {
+            return offset ? ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(*offset))
+                          : ::write(file_, bytes.data(), bytes.size());
+        });
+        // a file that takes nothing does not say why
+        if (count <= 0) fail("cannot be written", count < 0 ? errno : EIO);
         bytes.remove_prefix(static_cast<std::size_t>(count));
         if (offset) *offset += static_cast<std::size_t>(count);
     }
@@ -75,18 +85,18 @@ void AtomicStream::write_over_beginning(std::string_view bytes) {
 }
 
 void AtomicStream::commit() {
-    int error = is_regular() && ::fsync(file_) != 0 ? errno : 0;
-    if (::close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
-    if (error == 0 && is_regular() && ::rename(temporary_.c_str(), target_.c_str()) != 0) error = errno;
+    int error = is_regular() && uncut([&] { return ::fsync(file_); }) != 0 ? errno : 0;
+    if (const int fault = close_file(std::exchange(file_, -1)); error == 0) error = fault;
+    if (error == 0 && is_regular() && uncut([&] { return ::rename(temporary_.c_str(), target_.c_str()); }) != 0)
+        error = errno;
     if (error != 0) fail("cannot be written", error);
     committed_ = true;
     if (!is_regular()) return;
-    // the new name lasts through a power failure once its directory is on disk; some file systems cannot sync one
-    const std::string parent = std::filesystem::path(target_).parent_path().string();
-    const int directory = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory < 0) return;
-    ::fsync(directory);
+    const int directory = uncut([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    if (directory < 0) return;  // it may be written to but not read
+    error = sync_folder(directory);
     ::close(directory);
+    if (error != 0) fail("is written, but its folder cannot be synced", error);
 }
 
 }  // namespace polhode

@@ -29,6 +29,7 @@ class AtomicStream {
     void commit();
 
   private:
+    std::string folder() const;
     [[noreturn]] void fail(const char* what, int error) const;
     void write_at(std::string_view bytes, std::size_t* offset);
 

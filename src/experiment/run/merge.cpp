@@ -20,6 +20,7 @@
 #include "table/table.h"
 #include "text/atomic_file.h"
 #include "text/decimal.h"
+#include "text/folder_names.h"
 #include "text/json_document.h"
 #include "text/message.h"
 #include "text/sealed.h"
@@ -58,11 +59,11 @@ std::string cases_folder(const std::string& directory) { return (fs::path(direct
 
 // names of the files in the folder, in order
 std::vector<std::string> files_in(const std::string& directory) {
-    std::vector<std::string> names;
     std::error_code none;
-    for (fs::directory_iterator entry(cases_folder(directory), none), end; !none && entry != end; entry.increment(none))
-        if (std::error_code fault; entry->is_regular_file(fault)) names.push_back(entry->path().filename().string());
-    std::sort(names.begin(), names.end());
+    std::vector<std::string> names = names_in(cases_folder(directory), none);
+    std::erase_if(names, [&](const std::string& name) {
+        return !fs::is_regular_file(fs::path(cases_folder(directory)) / name, none);
+    });
     return names;
 }
 

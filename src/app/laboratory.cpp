@@ -3,9 +3,11 @@
 #include <fcntl.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <new>
 
@@ -38,6 +40,22 @@ void add_engines_of_program() {
     std::_Exit(1);
 }
 
+std::atomic<bool> was_short_of_memory{false};
+std::terminate_handler usual_end = nullptr;
+
+// The JSON library's copies and the standard library's walks through folders allocate in functions that may throw
+// nothing: what std::terminate() is called for is told there, if it is that.
+void end_by_terminate() {
+    if (was_short_of_memory) end_without_memory();
+    if (usual_end) usual_end();
+    std::abort();
+}
+
+void throw_out_of_memory() {
+    was_short_of_memory = true;
+    throw std::bad_alloc();
+}
+
 }  // namespace
 
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
@@ -45,6 +63,8 @@ int run_laboratory(int argc, const char* const* argv, std::span<const Method> ow
     // a file beyond the limit on its size is a failed write, not the end of the process
     std::signal(SIGXFSZ, SIG_IGN);
     truth::when_out_of_memory(end_without_memory);
+    std::set_new_handler(throw_out_of_memory);
+    usual_end = std::set_terminate(end_by_terminate);
     try {
         add_methods(own);
         add_engines_of_program();

@@ -1,20 +1,30 @@
 #include "text/folder_names.h"
 
+#include <dirent.h>
+
 #include <algorithm>
-#include <filesystem>
+#include <cerrno>
+#include <memory>
+#include <new>
 
 namespace polhode {
 
+// Not by std::filesystem::directory_iterator: GCC's ends the program where memory is short, since what it allocates in
+// may throw nothing.
 std::vector<std::string> names_in(const std::string& folder, std::error_code& fault) {
     std::vector<std::string> names;
     fault.clear();
-    try {
-        // not by increment(fault), which ends the program where memory is short: it may throw nothing, and allocates
-        for (const auto& entry : std::filesystem::directory_iterator(folder))
-            names.push_back(entry.path().filename().string());
-    } catch (const std::filesystem::filesystem_error& error) {
-        fault = error.code();
+    errno = 0;
+    const std::unique_ptr<DIR, int (*)(DIR*)> open(::opendir(folder.c_str()), &::closedir);
+    if (!open && errno == ENOMEM) throw std::bad_alloc();
+    while (open) {
+        errno = 0;
+        const dirent* entry = ::readdir(open.get());
+        if (!entry) break;
+        const std::string name(static_cast<const char*>(entry->d_name));
+        if (name != "." && name != "..") names.push_back(name);
     }
+    if (errno != 0) fault = std::error_code(errno, std::generic_category());
     std::sort(names.begin(), names.end());
     return names;
 }

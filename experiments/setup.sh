@@ -8,7 +8,7 @@
 build_packages=(cmake ninja-build g++ git ca-certificates dpkg-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libtinyxml2-dev libeigen3-dev libboost1.74-dev libmpfr-dev libflint-arb-dev libflint-dev libgsl-dev libasmjit-dev
     zlib1g-dev gnuplot-nox)
-test_packages=(libgtest-dev librapidcheck-dev pkgconf libbullet-dev libode-dev)
+test_packages=(libgtest-dev librapidcheck-dev pkgconf libbullet-dev libode-dev parallel)
 # the Python module, what its pictures and tables are made with, and its tests
 python_packages=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pandas python3-mpmath)
 # the pages of src/documentation

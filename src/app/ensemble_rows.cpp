@@ -65,7 +65,7 @@ class NpyFormat : public EnsembleFormat {
         struct {
             std::int64_t row, status;
             double numbers[14];
-        } record;
+        } record{};
         static_assert(sizeof record == 128);
         record.row = static_cast<std::int64_t>(number), record.status = static_cast<std::int64_t>(row.status);
         const Sample& s = row.end;

@@ -107,7 +107,8 @@ std::string case_words(const Table& table, std::size_t row) {
     return words;
 }
 
-// What two tables of one case say differently, times aside; empty where it is nothing.
+// What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a message
+// of 300 characters, so it is the first cell that differs.
 std::string difference(const Table& a, const Table& b) {
     if (a.columns != b.columns) return "their columns are not the same";
     if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
@@ -117,12 +118,11 @@ std::string difference(const Table& a, const Table& b) {
         for (std::size_t c = 0; c < a.columns.size(); ++c) {
             const std::string one = text_of(a.rows[r][c]), other = text_of(b.rows[r][c]);
             if (is_of_time(a.columns[c]) || one == other) continue;
-            if (++differing <= 2)
-                cells += fmt::format("{}{} is {} and {}", cells.empty() ? "" : ", ", a.columns[c], one_line(one, 40),
-                                     one_line(other, 40));
+            if (++differing == 1)
+                cells = fmt::format("{} is {} and {}", a.columns[c], one_line(one, 32), one_line(other, 32));
         }
-        if (differing > 2) cells += fmt::format(", and {} more", differing - 2);
-        if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 100), cells);
+        if (differing > 1) cells += fmt::format(", and {} more", differing - 1);
+        if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 60), cells);
     }
     return "";
 }
@@ -141,7 +141,7 @@ bool is_better(const std::string& path, const std::string& other) {
     }
     if (const std::string differs = difference(first, second); !differs.empty())
         throw InputError(path, "",
-                         fmt::format("is of the same case as {} and differs: {}", one_line(other, 100), differs),
+                         fmt::format("is of the same case as {} and differs: {}", one_line(other, 60), differs),
                          "find out which is right, and remove the other");
     const double least_a = least_seconds(first), least_b = least_seconds(second);
     return least_a != least_b ? least_a < least_b : a < b;

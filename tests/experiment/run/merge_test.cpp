@@ -155,8 +155,11 @@ TEST_F(Merge, TimesKeepTheirMachines) {
 
 TEST_F(Merge, RefusesRowsOfOneCaseThatDifferAndShowsBoth) {
     const std::vector<std::string> folders = run_shards(1);
-    fs::copy(folders[0], directory_ / "other", fs::copy_options::recursive);
-    const std::string other = (directory_ / "other").string();
+    // far down, where a path would fill the message
+    const fs::path deep = directory_ / std::string(120, 'a') / std::string(120, 'b');
+    fs::create_directories(deep.parent_path());
+    fs::copy(folders[0], deep, fs::copy_options::recursive);
+    const std::string other = deep.string();
     const std::string key = a_case(folders[0]).stem();
     Result result = *load_case(other, key);
     result.errors["attitude"].max = 0.125;

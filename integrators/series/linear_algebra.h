@@ -16,9 +16,24 @@
 #undef __AVX512F__
 #undef __FMA__
 #undef __ARM_FEATURE_FMA
+#ifdef __aarch64__
+// its products of matrices ask for fused multiply-adds by name, whatever the macros say
+#include <arm_neon.h>
+#pragma push_macro("vfmaq_n_f64")
+#pragma push_macro("vfmaq_laneq_f64")
+#undef vfmaq_n_f64
+#undef vfmaq_laneq_f64
+#define vfmaq_n_f64(sum, a, b) vaddq_f64(sum, vmulq_n_f64(a, b))
+#define vfmaq_laneq_f64(sum, a, b, lane) vaddq_f64(sum, vmulq_laneq_f64(a, b, lane))
+#endif
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
+
+#ifdef __aarch64__
+#pragma pop_macro("vfmaq_n_f64")
+#pragma pop_macro("vfmaq_laneq_f64")
+#endif
 
 #pragma pop_macro("__AVX__")
 #pragma pop_macro("__AVX2__")

@@ -217,10 +217,31 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
     TableIdentity identity;
     ContentHash hash;
     InputFile input(path, path, "a table that is a regular file: a part reads it more than once", FileKinds::regular);
-    for_each_block(input, [&](std::string_view bytes) {
-        hash.add(bytes);
-        identity.bytes += bytes.size();
-    });
+    identity.bytes = *input.size();
+    // The rows of an .npy file are found without reading those before them: a part that read all would take longer for
+    // that than for its own rows. The blocks lie alike in every file of that length, the first and the last among them.
+    constexpr std::size_t sampled_from = std::size_t{64} << 20, blocks = 1024, block = 4096;
+    if (path.ends_with(".npy") && identity.bytes > sampled_from) {
+        const std::size_t stride = (identity.bytes - block) / (blocks - 1);
+        std::string bytes(block, '\0');
+        for (std::size_t k = 0; k < blocks; ++k) {
+            input.seek(k + 1 < blocks ? k * stride : identity.bytes - block);
+            std::size_t taken = 0;
+            while (taken < block) {
+                const std::size_t count = input.read(bytes.data() + taken, block - taken);
+                if (count == 0) input.refuse("changes while it is read");
+                taken += count;
+            }
+            hash.add(bytes);
+        }
+    } else {
+        std::uint64_t read = 0;
+        for_each_block(input, [&](std::string_view bytes) {
+            hash.add(bytes);
+            read += bytes.size();
+        });
+        if (read != identity.bytes) input.refuse("changes while it is read");
+    }
     identity.hash = hash.text();
     const std::unique_ptr<EnsembleStream> rows = open_ensemble(path, scene);
     identity.rows = rows->skip(std::numeric_limits<std::size_t>::max());

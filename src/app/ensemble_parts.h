@@ -30,10 +30,12 @@ std::string part_path(const std::string& output, const Shard& shard);
 struct TableIdentity {
     std::size_t rows = 0;
     std::uint64_t bytes = 0;
-    std::string hash;  ///< content_hash() of the file
+    std::string hash;  ///< content_hash() of the file, or of what identity_of() reads of it
 };
 
-/// Reads a table through, once for its content and once for its rows. Throws InputError.
+/// Looks a table through, once for its content and once for its rows: a CSV file whole, and of an .npy file of more
+/// than 64 MiB a thousand blocks, so that two of one length that differ in few rows alone may pass for one. Throws
+/// InputError.
 TableIdentity identity_of(const std::string& path, const Scene& scene);
 
 /// What stands beside a part's file: which part of what it is.

@@ -55,7 +55,7 @@ std::string named(const Explanation& e) {
 }
 
 // Its faults, each with what it explains.
-void tell(const Explanation& e, const Search& search, const std::string& also, std::vector<Diagnosis>& told) {
+void tell(const Explanation& e, const FaultSearch& search, const std::string& also, std::vector<Diagnosis>& told) {
     const std::size_t question = most_gained(search.sound.residual, e.residual);
     const double before = std::pow(10.0, search.sound.residual.decades[question].value_or(0)),
                  after = std::pow(10.0, e.residual.decades[question].value_or(0));
@@ -94,7 +94,7 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
         return result;
     }
     if (!evidence.enough() || (!all && evidence.plain_error() < plainly_wrong)) return result;
-    const Search search = search_faults(evidence, all);
+    const FaultSearch search = search_faults(evidence, all);
     result.sound = search.sound.residual.total;
     const Explanation& best = search.best;
     if (best.rule) result.rule = best.rule->name;

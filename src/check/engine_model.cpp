@@ -49,9 +49,9 @@ EngineModel::EngineModel(const Cause& cause)
       problem_(pose(cause.scene, Formulation::full)),
       inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse} {}
 
-EngineState EngineModel::start() const {
+ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
-    EngineState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W};
+    ModelState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W};
     strike(s, problem_.segments.front());
     place_at_pivot(s);
     return s;
@@ -66,7 +66,7 @@ bool EngineModel::has_event(double t, double dt) const {
                        [&](const Segment& segment) { return t < segment.begin && segment.begin <= t + dt; });
 }
 
-EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double t, const EngineState& s) const {
+EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double t, const ModelState& s) const {
     const Matrix3<double> A = rotation_matrix(s.q);
     const Vector torque = loads.torque_W(
         t, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
@@ -75,16 +75,16 @@ EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double 
     return a;
 }
 
-void EngineModel::limit(EngineState& s) const {
+void EngineModel::limit(ModelState& s) const {
     const double speed = length(s.angular_velocity_B);
     if (speed > fault_.speed_limit) s.angular_velocity_B = (fault_.speed_limit / speed) * s.angular_velocity_B;
 }
 
-void EngineModel::place_at_pivot(EngineState& s) const {
+void EngineModel::place_at_pivot(ModelState& s) const {
     if (problem_.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem_.body.arm, s.position_W, s.velocity_W);
 }
 
-void EngineModel::strike(EngineState& s, const Segment& segment) const {
+void EngineModel::strike(ModelState& s, const Segment& segment) const {
     if (segment.impulses.empty()) return;
     const Matrix3<double> A = rotation_matrix(s.q);
     Vector kick;
@@ -108,7 +108,7 @@ Vector EngineModel::turned(const Vector& w, double h, const UpdateRule& rule) co
 }
 
 // The attitude goes on by a rate in body axes; one that belongs to the other side is taken there as it stands.
-void EngineModel::turn(EngineState& s, const Vector& rate_B, double h, bool first_order) const {
+void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first_order) const {
     if (fault_.no_rotation) return;
     const Vector by = (fault_.turn * h) * rate_B;
     const auto factor = [&](const Vector& angle) {
@@ -133,14 +133,14 @@ void EngineModel::turn(EngineState& s, const Vector& rate_B, double h, bool firs
 }
 
 // half a step with the rates of its begin, then all of it with those of the middle
-Vector EngineModel::midpoint_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const {
-    const EngineState old = s;
-    const auto go = [&](double at, const EngineState& from, double dt) {
+Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
+    const ModelState old = s;
+    const auto go = [&](double at, const ModelState& from, double dt) {
         const Action a = action(loads, at, from);
         const Vector& w = from.angular_velocity_B;
         const Vector dw = inertia_.inverse * (a.torque_B + fault_.gyroscopic * cross(inertia_.tensor * w, w));
         const Vector v = from.velocity_W;
-        EngineState next = old;
+        ModelState next = old;
         turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
              false);
         next.angular_velocity_B = next.angular_velocity_B + dt * dw;
@@ -157,7 +157,7 @@ Vector EngineModel::midpoint_step(EngineState& s, const WorldLoads<double>& load
     return {};
 }
 
-Vector EngineModel::step(EngineState& s, const WorldLoads<double>& loads, double t, double h,
+Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
                          const UpdateRule& rule) const {
     if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
     const Action a = action(loads, t, s);
@@ -192,13 +192,13 @@ Vector EngineModel::step(EngineState& s, const WorldLoads<double>& loads, double
 }
 
 // the classical Runge-Kutta method on (q, w, p, v)
-void EngineModel::small_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const {
+void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
     struct Rate {
         Quaternion<double> q;
         Vector w, p, v;
     };
-    const auto rate = [&](double at, const EngineState& y) {
-        EngineState unit = y;
+    const auto rate = [&](double at, const ModelState& y) {
+        ModelState unit = y;
         unit.q = normalized(y.q);
         place_at_pivot(unit);
         const Action a = action(loads, at, unit);
@@ -220,7 +220,7 @@ void EngineModel::small_step(EngineState& s, const WorldLoads<double>& loads, do
         return r;
     };
     const auto moved = [&](const Rate& r, double by) {
-        EngineState y = s;
+        ModelState y = s;
         y.q = {s.q.w + by * r.q.w, s.q.x + by * r.q.x, s.q.y + by * r.q.y, s.q.z + by * r.q.z};
         y.angular_velocity_B = s.angular_velocity_B + by * r.w;
         y.position_W = s.position_W + by * r.p, y.velocity_W = s.velocity_W + by * r.v;
@@ -239,7 +239,7 @@ void EngineModel::small_step(EngineState& s, const WorldLoads<double>& loads, do
     place_at_pivot(s);
 }
 
-void EngineModel::go_on(EngineState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
+void EngineModel::go_on(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
                         int steps, Vector& further) const {
     if (!(dt > 0)) return;
     if (rule.rate == RateUpdate::accurate) {
@@ -258,7 +258,7 @@ void EngineModel::go_on(EngineState& s, const WorldLoads<double>& loads, double 
     }
 }
 
-Vector EngineModel::advance(EngineState& s, double t, double dt, const UpdateRule& rule, int steps) const {
+Vector EngineModel::advance(ModelState& s, double t, double dt, const UpdateRule& rule, int steps) const {
     WorldLoads<double> loads(problem_);
     const std::size_t first = segment_at(problem_, t);
     loads.enter(problem_.segments[first]);

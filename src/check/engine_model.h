@@ -33,8 +33,8 @@ struct UpdateRule {
 /// The updates that are tried; the first is the accurate one.
 std::span<const UpdateRule> update_rules();
 
-/// The state of an engine.
-struct EngineState {
+/// The state of a modelled engine.
+struct ModelState {
     Quaternion<double> q;                ///< body to world, of unit length
     Vector3<double> angular_velocity_B;  ///< rad/s
     Vector3<double> position_W;          ///< of the centre of mass, m
@@ -48,14 +48,14 @@ class EngineModel {
     explicit EngineModel(const Cause& cause);
 
     /// The scene's start as the engine was given it; impulses at t = 0 have acted.
-    EngineState start() const;
+    ModelState start() const;
     /// Goes on from t by dt (s) in `steps` steps of the rule; events in between end steps of their own. Positions
     /// follow the new velocities. Returns how much further they are than by the old ones: nothing where the rule is
     /// accurate.
-    Vector3<double> advance(EngineState& state, double t, double dt, const UpdateRule& rule, int steps) const;
+    Vector3<double> advance(ModelState& state, double t, double dt, const UpdateRule& rule, int steps) const;
 
     /// |w| brought to the engine's limit.
-    void limit(EngineState& s) const;
+    void limit(ModelState& s) const;
 
     /// Whether a rule makes sense for it: the momentum's has no gyroscopic term that could be missing.
     bool takes(const UpdateRule& rule) const;
@@ -73,17 +73,17 @@ class EngineModel {
     struct Action {
         Vector3<double> torque_B, acceleration_W;
     };
-    Action action(const WorldLoads<double>& loads, double t, const EngineState& s) const;
-    Vector3<double> step(EngineState& s, const WorldLoads<double>& loads, double t, double h,
+    Action action(const WorldLoads<double>& loads, double t, const ModelState& s) const;
+    Vector3<double> step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
                          const UpdateRule& rule) const;
-    Vector3<double> midpoint_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const;
-    void small_step(EngineState& s, const WorldLoads<double>& loads, double t, double h) const;
-    void go_on(EngineState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule, int steps,
+    Vector3<double> midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
+    void small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
+    void go_on(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule, int steps,
                Vector3<double>& further) const;
     Vector3<double> turned(const Vector3<double>& w, double h, const UpdateRule& rule) const;
-    void turn(EngineState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
-    void strike(EngineState& s, const Segment& segment) const;
-    void place_at_pivot(EngineState& s) const;
+    void turn(ModelState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
+    void strike(ModelState& s, const Segment& segment) const;
+    void place_at_pivot(ModelState& s) const;
 };
 
 }  // namespace polhode

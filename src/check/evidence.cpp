@@ -139,7 +139,7 @@ void FileEvidence::compare_plainly() {
     // from here on the file shows no change
     std::size_t still = last_;
     while (still > 0 && same(still - 1, last_)) --still;
-    EngineState s = model.start();
+    ModelState s = model.start();
     double t = 0, scale_w = 0, scale_p = 0, scale_v = 0, worst_w = 0, worst_p = 0, worst_v = 0, worst_q = 0;
     bool judged_still = false;
     for (std::size_t k = 0; k < rows && facts_.duration > 0; k += stride) {
@@ -157,7 +157,7 @@ void FileEvidence::compare_plainly() {
             const double left = file_->rows.back().t - t;
             if (last_ - still >= 3 && length(s.angular_velocity_B) * left > 0.05) still_from_ = file_->rows[still].t;
         }
-        const EngineState f = state(sound_, k);
+        const ModelState f = state(sound_, k);
         scale_w = std::max(scale_w, length(s.angular_velocity_B)), scale_p = std::max(scale_p, length(s.position_W));
         scale_v = std::max(scale_v, length(s.velocity_W));
         worst_q = std::max(worst_q, rotation_angle_between(s.q, f.q));
@@ -194,13 +194,13 @@ void FileEvidence::choose_windows() {
     windows_.erase(std::unique(windows_.begin(), windows_.end()), windows_.end());
 }
 
-EngineState FileEvidence::state(const Cause& cause, std::size_t k) const {
+ModelState FileEvidence::state(const Cause& cause, std::size_t k) const {
     const Reading& read = cause.reading;
     const TrajectoryRow& row = file_->rows[k];
     Quaternion<double> q = row.q;
     if (read.scalar_last) q = {q.z, q.w, q.x, q.y};
     if (read.inverted) q = conjugate(q);
-    EngineState s;
+    ModelState s;
     s.q = normalized(quaternion_from(read.axes, q));
     const Vector w = read.rate_unit * pseudovector_from(read.axes, row.angular_velocity_W);
     s.angular_velocity_B = read.rate_in_body ? w : rotate_back(s.q, w);
@@ -214,7 +214,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
                              Residual& r) const {
     const int late = cause.reading.rows_late;
     const std::size_t row = static_cast<std::size_t>(std::max(late, 0));
-    EngineState start = model.start();
+    ModelState start = model.start();
     // the scene's state at the first row's time, or a row later
     double t = 0, until = file_->rows.front().t;
     if (late < 0) until += file_->rows[1].t - file_->rows[0].t;
@@ -222,7 +222,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
         const int count = std::max(1, static_cast<int>(std::lround(std::min((until - t) / facts_.row, 1e4))));
         model.advance(start, t, until - t, rule, count * steps);
     }
-    const EngineState f = state(cause, row);
+    const ModelState f = state(cause, row);
     const auto tell = [&](Question question, double error) {
         Mean one;
         one.add(answer(error, noise_));
@@ -234,7 +234,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
     };
     if (file_->has_angular_velocity) {
         // a limit may be felt from the first step on, or at once
-        EngineState limited = start;
+        ModelState limited = start;
         model.limit(limited);
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
         ask(Question::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
@@ -259,19 +259,19 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
         const bool event = model.has_event(file_->rows[k].t, file_->rows[k + 1].t - file_->rows[k].t);
         // an engine may meet an event a step early or late
         const std::size_t from = event ? std::max(k, late + 1) - 1 : k, to = event ? std::min(k + 2, last_) : k + 1;
-        EngineState base = state(cause, from);
+        ModelState base = state(cause, from);
         if (!file_->has_velocity && position && !model.body().pivoted) {
             if (from == 0) continue;
-            const EngineState before = state(cause, from - 1);
+            const ModelState before = state(cause, from - 1);
             base.velocity_W = (1 / (time(from) - time(from - 1))) * (base.position_W - before.position_W);
         }
-        EngineState next = base;
+        ModelState next = base;
         Vector further;
         for (std::size_t row = from; row < to; ++row)
             further = further + model.advance(next, time(row), time(row + 1) - time(row), rule, steps);
         if (!file_->has_velocity && position && !model.body().pivoted)
             next.position_W = base.position_W + (time(to) - time(from)) * next.velocity_W, further = {};
-        const EngineState f = state(cause, to);
+        const ModelState f = state(cause, to);
         const double turned =
                          std::max(chord(f.q, base.q), 0.1 * std::min(1.0, length(f.angular_velocity_B) * facts_.row)),
                      moved = length(f.position_W - base.position_W);
@@ -308,9 +308,9 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
                            Residual& r) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
-    EngineState s = model.start();
+    ModelState s = model.start();
     if (cause.reading.rows_late < 0) model.advance(s, 0, file_->rows[1].t - file_->rows[0].t, rule, steps);
-    const EngineState start = s;
+    const ModelState start = s;
     Mean attitude, velocity, events;
     std::array<Mean, 3> places;
     Vector further;
@@ -323,10 +323,10 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
     double t = 0, turned = 0, went = 0, change = 0;
     for (std::size_t k = late; k <= end; ++k) {
         const double next = file_->rows[k - late].t;
-        const EngineState before = s;
+        const ModelState before = s;
         if (next > t) further = further + model.advance(s, t, next - t, rule, steps);
         t = std::max(t, next);
-        const EngineState f = state(cause, k);
+        const ModelState f = state(cause, k);
         turned += chord(before.q, s.q), went += length(s.position_W - before.position_W);
         change = std::max({change, length(s.velocity_W), length(f.velocity_W)});
         if (k == late) continue;

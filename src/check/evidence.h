@@ -82,7 +82,7 @@ class FileEvidence {
     void find_noise();
     void choose_windows();
     void compare_plainly();
-    EngineState state(const Cause& cause, std::size_t row) const;
+    ModelState state(const Cause& cause, std::size_t row) const;
     bool same(std::size_t a, std::size_t b) const;
     void ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
     void ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;

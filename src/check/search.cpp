@@ -29,7 +29,7 @@ class Searcher {
   public:
     Searcher(const FileEvidence& evidence, bool all) : evidence_(evidence), all_(all) {}
 
-    Search run();
+    FaultSearch run();
 
   private:
     const FileEvidence& evidence_;
@@ -194,8 +194,8 @@ bool is_round(const Explanation& e) {
 
 bool better(const Explanation& a, const Explanation& b) { return a.residual.total < b.residual.total; }
 
-Search Searcher::run() {
-    Search found;
+FaultSearch Searcher::run() {
+    FaultSearch found;
     find_steps();
     const std::vector<Update> updates = all_updates();
     found.sound = found.best = explained({}, updates);
@@ -276,6 +276,6 @@ Search Searcher::run() {
 
 }  // namespace
 
-Search search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).run(); }
+FaultSearch search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).run(); }
 
 }  // namespace polhode

@@ -22,7 +22,7 @@ struct Explanation {
 };
 
 /// What a search has found.
-struct Search {
+struct FaultSearch {
     Explanation sound;               ///< no fault, the best update
     Explanation best;                ///< its faults are needed, each of them; none where nothing explains the file
     std::vector<Explanation> alike;  ///< others that explain it as well as the best: they cannot be told apart
@@ -32,6 +32,6 @@ struct Search {
 /// Tries all known faults on the file. A fault is needed where without it the file is ten times (0.9 decades, one that
 /// was fitted 1.1) further from what is predicted, summed over the questions. `all`: tries them also where the file is
 /// as near as can be to what is predicted without any.
-Search search_faults(const FileEvidence& evidence, bool all = false);
+FaultSearch search_faults(const FileEvidence& evidence, bool all = false);
 
 }  // namespace polhode

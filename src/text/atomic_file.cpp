@@ -18,7 +18,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "text/folder_names.h"
@@ -26,10 +25,6 @@
 
 namespace polhode {
 namespace {
-
-[[noreturn]] void fail(const std::string& path, const char* what, int error) {
-    throw std::runtime_error(path + ": " + what + ": " + std::strerror(error));
-}
 
 // What a symbolic link points at, so that the link stays one.
 std::string target_of(const std::string& path) {
@@ -40,17 +35,6 @@ std::string target_of(const std::string& path) {
 std::string directory_of(const std::string& path) {
     const std::string parent = std::filesystem::path(path).parent_path().string();
     return parent.empty() ? "." : parent;
-}
-
-// Returns 0 or the error number.
-int write_all(int file, std::string_view text) {
-    while (!text.empty()) {
-        const ssize_t count = uncut([&] { return ::write(file, text.data(), text.size()); });
-        if (count < 0) return errno;
-        if (count == 0) return EIO;  // a file that takes nothing and does not say why
-        text.remove_prefix(static_cast<std::size_t>(count));
-    }
-    return 0;
 }
 
 // When the process began, in the kernel's ticks since it booted: with the number it tells processes apart. Nothing
@@ -150,26 +134,26 @@ void write_atomically(const std::string& path, std::string_view text) {
     const std::string target = target_of(path);
     struct stat old {};
     const bool exists = ::stat(target.c_str(), &old) == 0;
-    if (exists && S_ISDIR(old.st_mode)) fail(path, "cannot be written", EISDIR);
+    if (exists && S_ISDIR(old.st_mode)) fail_of_file(path, "cannot be written", EISDIR);
     if (exists && !S_ISREG(old.st_mode)) {
         const int file = uncut([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
-        if (file < 0) fail(path, "cannot be opened", errno);
+        if (file < 0) fail_of_file(path, "cannot be opened", errno);
         int error = write_all(file, text);
         if (const int fault = close_file(file); error == 0) error = fault;
-        if (error != 0) fail(path, "cannot be written", error);
+        if (error != 0) fail_of_file(path, "cannot be written", error);
         return;
     }
     // the new name lasts through a power failure once its directory is on disk. What may be written to but not read
     // cannot be synced; any other fault is known before something has changed
     const int directory =
         uncut([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-    if (directory < 0 && errno != EACCES) fail(path, "cannot be created", errno);
+    if (directory < 0 && errno != EACCES) fail_of_file(path, "cannot be created", errno);
     std::string temporary;
     const int file = create_temporary(target, temporary);
     if (file < 0) {
         const int error = errno;
         if (directory >= 0) ::close(directory);
-        fail(path, "cannot be created", error);
+        fail_of_file(path, "cannot be created", error);
     }
     int error = write_all(file, text);
     if (error == 0 && exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
@@ -179,12 +163,12 @@ void write_atomically(const std::string& path, std::string_view text) {
     if (error != 0) {
         ::unlink(temporary.c_str());
         if (directory >= 0) ::close(directory);
-        fail(path, "cannot be written", error);
+        fail_of_file(path, "cannot be written", error);
     }
     if (directory < 0) return;
     error = sync_folder(directory);
     ::close(directory);
-    if (error != 0) fail(path, "is written, but its folder cannot be synced", error);
+    if (error != 0) fail_of_file(path, "is written, but its folder cannot be synced", error);
 }
 
 void remove_abandoned(const std::string& directory) {
@@ -206,9 +190,9 @@ void require_writable(const std::string& path) {
     const std::string target = target_of(path);
     struct stat old {};
     const bool exists = ::stat(target.c_str(), &old) == 0;
-    if (exists && S_ISDIR(old.st_mode)) fail(path, "cannot be written", EISDIR);
+    if (exists && S_ISDIR(old.st_mode)) fail_of_file(path, "cannot be written", EISDIR);
     const std::string place = exists && !S_ISREG(old.st_mode) ? target : directory_of(target);
-    if (::access(place.c_str(), W_OK) != 0) fail(path, "cannot be written", errno);
+    if (::access(place.c_str(), W_OK) != 0) fail_of_file(path, "cannot be written", errno);
 }
 
 }  // namespace polhode

@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -50,9 +49,7 @@ std::string AtomicStream::folder() const {
     return parent.empty() ? "." : parent;
 }
 
-void AtomicStream::fail(const char* what, int error) const {
-    throw std::runtime_error(path_ + ": " + what + ": " + std::strerror(error));
-}
+void AtomicStream::fail(const char* what, int error) const { fail_of_file(path_, what, error); }
 
 void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
     while (!bytes.empty()) {

@@ -15,7 +15,7 @@ std::string seal(std::string_view text);
 std::optional<std::string> unseal(std::string_view text);
 
 /// What unseal() says of the file's text; nothing where there is no such file. Of a file that is there and damaged one
-/// line on standard error tells, once in a process: what it held will be computed again.
+/// line on standard error tells, once in a process: what it held counts as missing.
 std::optional<std::string> read_sealed(const std::string& path);
 
 /// Tells of a damaged file on standard error as read_sealed() does.

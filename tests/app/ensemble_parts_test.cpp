@@ -180,6 +180,31 @@ TEST_F(EnsembleParts, FaultsAreTold) {
     expect_fault({"a", "table"}, "m.csv", "of a table with hash");
 }
 
+TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
+    // 70 MiB of rows of zeros, which the disk need not hold
+    constexpr std::uint64_t many = 3'000'000;
+    const std::string header = write_npy_header({{"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, many);
+    const std::string table = path("long.npy");
+    std::ofstream(table, std::ios::binary) << header;
+    const std::uint64_t bytes = header.size() + 24 * many;
+    fs::resize_file(table, bytes);
+    const Scene scene = read_scene(path("flight.json"));
+    const TableIdentity identity = identity_of(table, scene);
+    EXPECT_EQ(identity.rows, many);
+    EXPECT_EQ(identity.bytes, bytes);
+    EXPECT_EQ(identity_of(table, scene).hash, identity.hash);
+    // the first and the last rows are among what is read, and rows all over the table
+    for (const std::uint64_t at : {std::uint64_t{header.size()}, bytes / 1023 * 500, bytes - 8}) {
+        std::fstream file(table, std::ios::binary | std::ios::in | std::ios::out);
+        file.seekp(static_cast<std::streamoff>(at));
+        file.put('\1').flush();
+        EXPECT_NE(identity_of(table, scene).hash, identity.hash) << at;
+        file.seekp(static_cast<std::streamoff>(at));
+        file.put('\0').flush();
+        EXPECT_EQ(identity_of(table, scene).hash, identity.hash) << at;
+    }
+}
+
 TEST_F(EnsembleParts, RefusesBadUsage) {
     const auto refused = [&](const std::vector<std::string>& arguments, const std::string& named) {
         std::vector<std::string> all{"ensemble", "flight.json", "--initial", "t.csv"};

@@ -52,8 +52,10 @@ TEST(Sealed, TellsOnceOfADamagedFileAndNeverOfAMissingOne) {
     ::testing::internal::CaptureStderr();
     EXPECT_FALSE(read_sealed(path));
     EXPECT_FALSE(read_sealed(path));
-    EXPECT_EQ(::testing::internal::GetCapturedStderr(),
-              "polhode: " + path + ": damaged (its checksum does not fit); computed again\n");
+    EXPECT_EQ(
+        ::testing::internal::GetCapturedStderr(),
+        "polhode: " + path +
+            ": damaged (its checksum does not fit); counts as missing, and is computed again where it is asked for\n");
     std::filesystem::remove(path);
 }
 

@@ -16,9 +16,9 @@ struct Report {
     std::string text;
 };
 
-Report include_graph(const fs::path& tree) {
+Report look(const std::string& script, const fs::path& tree) {
     Report report;
-    const std::string command = "'" POLHODE_SOURCE_DIR "/tests/include_graph' '" + tree.string() + "' 2>&1";
+    const std::string command = "'" POLHODE_SOURCE_DIR "/tests/" + script + "' '" + tree.string() + "' 2>&1";
     FILE* pipe = ::popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
     if (pipe == nullptr) return report;
     for (char buffer[4096]; const std::size_t read = std::fread(buffer, 1, sizeof buffer, pipe);)
@@ -44,7 +44,7 @@ class SmallTree : public ::testing::Test {
         std::ofstream(top_ / path) << "#pragma once\n#include <cmath>\n#include \"" << included << "\"\n";
     }
     void expect_fault(const std::string& fault) const {
-        const Report report = include_graph(top_);
+        const Report report = look("include_graph", top_);
         EXPECT_EQ(report.status, 1);
         EXPECT_NE(report.text.find(fault), std::string::npos) << report.text;
     }
@@ -52,12 +52,12 @@ class SmallTree : public ::testing::Test {
 };
 
 TEST(IncludeGraph, GoesOneWayThroughTheHouse) {
-    const Report report = include_graph(POLHODE_SOURCE_DIR);
+    const Report report = look("include_graph", POLHODE_SOURCE_DIR);
     EXPECT_EQ(report.status, 0) << report.text;
 }
 
 TEST_F(SmallTree, PrintsItsArrows) {
-    const Report report = include_graph(top_);
+    const Report report = look("include_graph", top_);
     EXPECT_EQ(report.status, 0);
     EXPECT_EQ(report.text, "body -> text\nintegrators/run -> integrators\n");
 }
@@ -88,6 +88,29 @@ TEST_F(SmallTree, FailsOnAFolderWithoutAFloor) {
 TEST_F(SmallTree, FailsWhereEigenSeesTheProcessor) {
     std::ofstream(top_ / "src/body/shape.h") << "#pragma once\n#include <Eigen/Dense>\n";
     expect_fault("src/body/shape.h:2: Eigen is to be included by integrators/series/linear_algebra.h");
+}
+
+TEST(OneDefinition, OfEachType) {
+    const Report report = look("one_definition", POLHODE_SOURCE_DIR);
+    EXPECT_EQ(report.status, 0) << report.text;
+}
+
+TEST_F(SmallTree, FailsOnTwoTypesOfOneName) {
+    const auto define = [&](const std::string& path, const std::string& text) {
+        std::ofstream(top_ / path, std::ios::app) << text;
+    };
+    define("src/body/shape.h", "namespace polhode {\nstruct Found {\n    int count;\n};\n}  // namespace polhode\n");
+    // hidden, in another namespace, declared alone, a specialisation
+    define("integrators/run/march.h",
+           "namespace polhode {\nstruct Found;\nnamespace {\nstruct Found {};\n}  // namespace\n"
+           "template <>\nstruct Found<int> {};\nnamespace truth {\nclass Found final {};\n}  // namespace truth\n"
+           "}  // namespace polhode\n");
+    EXPECT_EQ(look("one_definition", top_).status, 0);
+    define("integrators/run/march.h",
+           "namespace polhode {\nclass Found : public Base {\n};\n}  // namespace polhode\n");
+    const Report report = look("one_definition", top_);
+    EXPECT_EQ(report.status, 1);
+    EXPECT_EQ(report.text, "polhode::Found is defined in integrators/run/march.h:15 and src/body/shape.h:5\n");
 }
 
 }  // namespace

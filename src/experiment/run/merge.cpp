@@ -19,6 +19,7 @@
 #include "experiment/run/run_experiment.h"
 #include "table/table.h"
 #include "text/atomic_file.h"
+#include "text/atomic_files.h"
 #include "text/decimal.h"
 #include "text/folder_names.h"
 #include "text/json_document.h"
@@ -107,8 +108,8 @@ std::string case_words(const Table& table, std::size_t row) {
     return words;
 }
 
-// What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a message
-// of 300 characters, so it is the first cell that differs.
+// What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a
+// message of 300 characters, so it is the first cell that differs.
 std::string difference(const Table& a, const Table& b) {
     if (a.columns != b.columns) return "their columns are not the same";
     if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
@@ -281,11 +282,13 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
         remove_abandoned_of_runs(output);
         const FileLock one_writer(report_lock_file(output), FileLock::Kind::exclusive, patient);
         for (const Plan& plan : plans) record_experiment(plan, output);
+        AtomicFiles cases(cases_folder(output));
         for (const auto& [name, source] : gathering.chosen) {
             if (source.is_there) continue;
-            write_atomically((fs::path(cases_folder(output)) / name).string(), content(source.path));
+            cases.add(name, content(source.path));
             ++merged.taken;
         }
+        cases.commit();
         merged.repeated = gathering.repeated;
     }
     for (const Plan& plan : plans) {

@@ -118,7 +118,9 @@ TEST_F(Sweep, FindsAFlippedBitTellsOfItOnceAndRunsTheCaseAgain) {
         EXPECT_EQ(run_sweep(p, options_).run, 1) << damaged;
         EXPECT_EQ(finished_results(p, options_.directory).size(), static_cast<std::size_t>(cases));
         EXPECT_EQ(::testing::internal::GetCapturedStderr(),
-                  "polhode: " + damaged + ": damaged (its checksum does not fit); computed again\n");
+                  "polhode: " + damaged +
+                      ": damaged (its checksum does not fit); counts as missing, and is computed again where it is "
+                      "asked for\n");
     }
 }
 

@@ -451,7 +451,7 @@ class TapeCompiler {
                 for (Register r = 0; r < register_count_; ++r)
                     if (held_[r] >= 0 && dirty_[r] && (held_[r] == op.a || next_use(held_[r]) != never))
                         store(slot(held_[r]), r);
-                held_.fill(free_), dirty_.fill(false);
+                held_.fill(free_), dirty_.fill(false), in_use_.fill(false);
                 std::fill(place_.begin(), place_.end(), none);
                 call_sine(op);
         }

@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "integrators/tape/canonical_order.h"
+
 namespace polhode {
 namespace {
 
@@ -400,7 +402,7 @@ class TapeProgrammer {
 }  // namespace
 
 TapeProgram::TapeProgram(const truth::Recording<double>& recording, Purpose purpose) : states(0), slots(0) {
-    TapeProgrammer(*this, recording, purpose == Purpose::series).write();
+    TapeProgrammer(*this, in_canonical_order(recording), purpose == Purpose::series).write();
 }
 
 }  // namespace polhode

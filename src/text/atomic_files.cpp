@@ -14,8 +14,8 @@
 namespace polhode {
 namespace {
 
-// each holds a file open until the disk has it
-constexpr std::size_t most_at_once = 64;
+// as many temporaries as one that is killed may leave
+constexpr std::size_t most_at_once = 1024;
 
 }  // namespace
 
@@ -24,10 +24,7 @@ AtomicFiles::AtomicFiles(std::string folder) : folder_(std::move(folder)) {}
 AtomicFiles::~AtomicFiles() { drop(); }
 
 void AtomicFiles::drop() {
-    for (const Written& written : batch_) {
-        if (written.file >= 0) ::close(written.file);
-        if (!written.temporary.empty()) ::unlink(written.temporary.c_str());
-    }
+    for (const Written& written : batch_) ::unlink(written.temporary.c_str());
     batch_.clear();
 }
 
@@ -38,41 +35,35 @@ void AtomicFiles::add(const std::string& name, std::string_view text) {
     if (exists && !S_ISREG(old.st_mode))
         fail_of_file(path, "is no regular file", S_ISDIR(old.st_mode) ? EISDIR : EEXIST);
     if (batch_.size() >= most_at_once) commit();
-    Written written{path, "", -1};
-    written.file = create_temporary(path, written.temporary);
-    if (written.file < 0 && (errno == EMFILE || errno == ENFILE) && !batch_.empty()) {
-        commit();
-        written.file = create_temporary(path, written.temporary);
-    }
-    if (written.file < 0) fail_of_file(path, "cannot be created", errno);
+    Written written{path, ""};
+    const int file = create_temporary(path, written.temporary);
+    if (file < 0) fail_of_file(path, "cannot be created", errno);
     batch_.push_back(std::move(written));
-    const int file = batch_.back().file;
-    if (const int error = write_all(file, text); error != 0) fail_of_file(path, "cannot be written", error);
-    if (exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0)
-        fail_of_file(path, "cannot be written", errno);
-    // the disk begins now what commit() waits for
-    ::sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);
+    int error = write_all(file, text);
+    if (error == 0 && exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
+    if (const int fault = close_file(file); error == 0) error = fault;
+    if (error != 0) fail_of_file(path, "cannot be written", error);
 }
 
 void AtomicFiles::commit() {
     if (batch_.empty()) return;
-    // a journal that was written for the first of them holds the others too
-    for (Written& written : batch_) {
-        int error = uncut([&] { return ::fsync(written.file); }) != 0 ? errno : 0;
-        if (const int fault = close_file(std::exchange(written.file, -1)); error == 0) error = fault;
-        if (error != 0) fail_of_file(written.path, "cannot be written", error);
-    }
-    for (Written& written : batch_) {
-        if (uncut([&] { return ::rename(written.temporary.c_str(), written.path.c_str()); }) != 0)
-            fail_of_file(written.path, "cannot be written", errno);
-        written.temporary.clear();
-    }
-    batch_.clear();
     const int directory = uncut([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-    if (directory < 0) return;  // it may be written to but not read
-    const int error = sync_folder(directory);
+    if (directory < 0) fail_of_file(folder_, "cannot be opened", errno);
+    // all of the file system, and so the batch: one by one each file waits for the disk to empty its own memory
+    int error = uncut([&] { return ::syncfs(directory); }) != 0 ? errno : 0;
+    const char* what = "cannot be synced";
+    std::size_t renamed = 0;
+    while (error == 0 && renamed < batch_.size()) {
+        const Written& written = batch_[renamed];
+        if (uncut([&] { return ::rename(written.temporary.c_str(), written.path.c_str()); }) != 0)
+            error = errno, what = "cannot be written to";
+        else
+            ++renamed;
+    }
+    batch_.erase(batch_.begin(), batch_.begin() + static_cast<std::ptrdiff_t>(renamed));
+    if (error == 0 && (error = sync_folder(directory)) != 0) what = "is written to, but cannot be synced";
     ::close(directory);
-    if (error != 0) fail_of_file(folder_, "is written to, but cannot be synced", error);
+    if (error != 0) fail_of_file(folder_, what, error);
 }
 
 }  // namespace polhode

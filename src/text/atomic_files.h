@@ -28,7 +28,6 @@ class AtomicFiles {
   private:
     struct Written {
         std::string path, temporary;
-        int file = -1;
     };
     void drop();
 

@@ -37,12 +37,13 @@ commands: dict[str, tuple[str, list[str]]] = {
     "run study": ("plain", ["run", "study.json", *run]),
     "run growth": ("plain", ["run", "growth.json", *run]),
     "run resumed": ("half", ["run", "sweep.json", *run]),
+    "merge": ("done", ["merge", "results", "--output", "merged"]),
     "report": ("done", ["report", "results", "--jobs", "1", "--quiet", "--output", "out.html"]),
 }
 old_text = "what stood here before\n"
 # what commands write where there is an old one
 old_outputs = ["out.csv", "more.csv", "out.json", "out.h", "out.txt", "out.svg", "out.pdf", "out.html",
-               "results/sweep.csv", "results/sweep.json", "results/study.csv", "results/growth.csv"]
+               "results/sweep.csv", "results/sweep.json", "merged/sweep.csv", "results/study.csv", "results/growth.csv"]
 bodies = "wx,wy,wz\n1,2,3\n2,3,4\n0.1,5,1\n"
 
 
@@ -120,7 +121,7 @@ class Reference:
         self.files, self.varies = first, {name for name in first if first[name] != second.get(name)}
         # times: rounded ones may agree in two runs, and which method is the fastest hangs on them
         self.varies |= {name for name in first if name.endswith(("provenance.json", "out.json", ".html")) or
-                        name.startswith(("results/sweep", "results/growth"))}
+                        name.startswith(("results/sweep", "results/growth", "merged/sweep"))}
         if set(first) != set(second):
             raise SystemExit(f"two runs leave different files: {sorted(set(first) ^ set(second))}")
 

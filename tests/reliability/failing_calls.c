@@ -198,6 +198,11 @@ int close(int file) {
 OF_FILE(fsync)
 OF_FILE(fdatasync)
 
+int syncfs(int folder) {
+    REAL(syncfs, int, int);
+    return fails_of("syncfs", folder) ? -1 : real_syncfs(folder);
+}
+
 int fchmod(int file, mode_t mode) {
     REAL(fchmod, int, int, mode_t);
     return fails_of("fchmod", file) ? -1 : real_fchmod(file, mode);

@@ -110,7 +110,7 @@ TEST_F(SmallTree, FailsOnTwoTypesOfOneName) {
            "namespace polhode {\nclass Found : public Base {\n};\n}  // namespace polhode\n");
     const Report report = look("one_definition", top_);
     EXPECT_EQ(report.status, 1);
-    EXPECT_EQ(report.text, "polhode::Found is defined in integrators/run/march.h:15 and src/body/shape.h:5\n");
+    EXPECT_EQ(report.text, "polhode::Found is defined in src/body/shape.h:5 and integrators/run/march.h:16\n");
 }
 
 }  // namespace

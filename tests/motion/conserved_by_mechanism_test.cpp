@@ -1,0 +1,274 @@
+// What is said to stay, against what does along the motion, and against what mechanics says of each system.
+#include "motion/conserved_by_mechanism.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion/mechanism.h"
+#include "motion/mechanism_motion.h"
+
+namespace polhode {
+namespace {
+
+using V3 = Vector3<double>;
+using Names = std::vector<std::string>;
+
+NamedBody skew_body(const char* name) {
+    NamedBody body;
+    body.name = name;
+    body.body.mass = 1.5, body.body.center_of_mass = {0.25, 0.5, -0.125};
+    body.body.inertia_B = diagonal(V3(0.5, 0.75, 1));
+    return body;
+}
+
+Joint joint_of(const char* name, JointType type, const char* parent, const char* child, const V3& axis = {1, 0, 0}) {
+    Joint joint;
+    joint.name = name, joint.type = type, joint.parent = parent, joint.child = child, joint.axes[0] = axis;
+    if (type == JointType::universal) joint.axes[1] = {0, 0, 1};
+    if (type == JointType::spherical) joint.angular_velocity = {0.5, -0.75, 1};
+    if (type != JointType::spherical && type != JointType::fixed) joint.rate[0] = 0.75;
+    return joint;
+}
+
+Scene scene_of(std::vector<NamedBody> bodies, std::vector<Joint> joints, std::vector<Load> loads = {}) {
+    Scene scene;
+    scene.name = "kept", scene.duration = 0.5;
+    scene.bodies = std::move(bodies), scene.joints = std::move(joints), scene.loads = std::move(loads);
+    return scene;
+}
+
+// two bodies on a hinge, turning in flight
+Scene flight(std::vector<Load> loads = {}) {
+    NamedBody base = skew_body("base");
+    base.initial.angular_velocity = {1, 0.5, -0.75}, base.initial.velocity_W = {0.5, 0.25, 1};
+    Joint hinge = joint_of("hinge", JointType::revolute, "base", "arm", {0, 1, 0.5});
+    hinge.parent_point = {0, 0.5, 0.25};
+    return scene_of({base, skew_body("arm")}, {hinge}, std::move(loads));
+}
+
+// two bodies, the first carried by the world
+Scene hung(JointType type, const V3& at, const V3& axis, std::vector<Load> loads = {}) {
+    Joint first = joint_of("first", type, "world", "upper", axis);
+    first.parent_point = at;
+    Joint second = joint_of("second", JointType::spherical, "upper", "lower");
+    second.parent_point = {0, 0.75, 0};
+    return scene_of({skew_body("upper"), skew_body("lower")}, {first, second}, std::move(loads));
+}
+
+Force force_at(const V3& vector, Frame frame, Frame point_frame = Frame::body) {
+    return {vector, frame, {0.5, 0, 0}, point_frame, {}, point_frame == Frame::body ? "base" : "arm"};
+}
+
+// The classical Runge-Kutta method of fourth order in joint coordinates, in steps of a thousandth of a second; told of
+// the motion from 0+ on, every fiftieth step.
+template <class See>
+void walk(const Problem& problem, const See& see) {
+    MechanismModel model = mechanism_of(problem);
+    const auto n = static_cast<std::size_t>(model.dimension());
+    std::vector<double> y(n), at(n), k(n), sum(n);
+    model.initial(y.data());
+    constexpr double h = 1.0 / 1024;
+    for (int step = 0; step <= 512; ++step) {
+        // all loads begin and end at steps
+        model.enter(step * h, y.data());
+        if (step % 50 == 0) see(step * h, model.motion(y.data()));
+        constexpr double ahead[] = {0, 0.5, 0.5, 1}, weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+        std::ranges::fill(k, 0.0), std::ranges::fill(sum, 0.0);
+        for (int stage = 0; stage < 4; ++stage) {
+            for (std::size_t i = 0; i < n; ++i) at[i] = y[i] + h * ahead[stage] * k[i];
+            model.derivative(at.data(), k.data());
+            for (std::size_t i = 0; i < n; ++i) sum[i] += weight[stage] * k[i];
+        }
+        for (std::size_t i = 0; i < n; ++i) y[i] += h * sum[i];
+    }
+}
+
+// The names are those, what they name stays along the motion, and energy or momenta that are not named change.
+void expect_kept(const char* what, const Scene& scene, Names expected) {
+    SCOPED_TRACE(what);
+    const Problem problem = pose(scene);
+    const std::vector<SystemConserved> all = conserved_by_mechanism(problem);
+    Names names;
+    for (const SystemConserved& one : all) names.push_back(one.name);
+    std::ranges::sort(names), std::ranges::sort(expected);
+    EXPECT_EQ(names, expected);
+
+    const MechanismMeasure<double> measure(problem.scene);
+    JointCoordinates coordinates(problem.scene);
+    std::vector<SystemInvariants<double>> along;
+    walk(problem, [&](double t, const std::vector<Sample>& samples) {
+        std::vector<BodyMotion<double>> bodies;
+        for (const Sample& s : samples)
+            bodies.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
+        along.push_back(measure.invariants(t, bodies, coordinates));
+    });
+    constexpr double same = 1e-7, other = 1e-3;
+    const auto largest_change = [&](auto quantity) {
+        double change = 0;
+        for (const auto& at : along) change = std::max(change, length(quantity(at) - quantity(along.front())));
+        return change;
+    };
+    const auto energy = [](const auto& at) { return V3(at.energy, 0, 0); };
+    const auto angular = [](const auto& at) { return at.angular_momentum_W; };
+    const auto linear = [](const auto& at) { return at.linear_momentum_W; };
+    const auto is_named = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
+    if (!is_named("energy")) {
+        EXPECT_GT(largest_change(energy), other);
+    }
+    if (!is_named("angular momentum")) {
+        EXPECT_GT(largest_change(angular), other);
+    }
+    if (!is_named("linear momentum")) {
+        EXPECT_GT(largest_change(linear), other);
+    }
+    for (const SystemConserved& one : all)
+        for (const auto& at : along) {
+            const V3 vector = one.name.starts_with("angular") ? at.angular_momentum_W : at.linear_momentum_W;
+            if (one.name == "energy") {
+                EXPECT_NEAR(at.energy, one.value.at(0), same);
+            } else if (one.name.ends_with("along u")) {
+                EXPECT_NEAR(dot(vector, *one.direction), one.value.at(0), same) << one.name;
+            } else {
+                const V3 kept = one.direction ? vector - dot(vector, *one.direction) * *one.direction : vector;
+                for (int i = 0; i < 3; ++i) EXPECT_NEAR(kept[i], one.value.at(i), same) << one.name << ' ' << i;
+            }
+        }
+}
+
+const Gravity down{{0, 0, -9.81}, {}};
+const std::string E = "energy", L = "angular momentum", p = "linear momentum", L_across = L + " across u",
+                  p_across = p + " across u", L_along = L + " along u";
+
+TEST(ConservedByMechanism, InFlight) {
+    expect_kept("nothing acts", flight(), {E, L, p});
+    expect_kept("gravity", flight({down}), {E, L, p_across});
+    expect_kept("gravity twice along one line", flight({down, Gravity{{0, 0, 2}, {}}}), {E, L, p_across});
+    expect_kept("gravity along two lines", flight({down, Gravity{{1, 0, 0}, {0.25, 1}}}), {L});
+    expect_kept("torque, world axes", flight({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}), {L_across, p});
+    expect_kept("torque, body axes", flight({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {p});
+    expect_kept("a torque that is none", flight({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}), {E, L, p});
+    expect_kept("force, world axes, at a point of the body", flight({force_at({1, 2, 0}, Frame::world)}),
+                {E, p_across});
+    expect_kept("force at a point of the world", flight({force_at({1, 2, 0}, Frame::world, Frame::world)}), {p_across});
+    expect_kept("force, body axes", flight({force_at({1, 2, 0}, Frame::body)}), {});
+    expect_kept("drag of turning", flight({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {p});
+    expect_kept("drag", flight({Drag{{}, 0.5, {}, "base"}}), {});
+    expect_kept("a torsional spring", flight({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}), {E, p});
+    expect_kept("a spring between the bodies", flight({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
+                {E, L, p});
+    expect_kept("a spring to the world", flight({PointSpring{"world", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}), {E});
+    expect_kept("a motor", flight({Motor{"hinge", 2, {}}}), {L, p});
+    Scene damped = flight();
+    damped.joints[0].damping[0] = 0.5;
+    expect_kept("a damper", damped, {L, p});
+    Scene sprung = flight();
+    sprung.joints[0].stiffness[0] = 5, sprung.joints[0].rest[0] = 0.5;
+    expect_kept("a joint's spring", sprung, {E, L, p});
+}
+
+TEST(ConservedByMechanism, WithImpulses) {
+    const auto impulse = [](Frame frame, double at) {
+        return Impulse{{1, 0.5, 0}, frame, {0.5, 0, 0}, Frame::body, at, "arm"};
+    };
+    // the values are those after it
+    const std::vector<SystemConserved> before = conserved_by_mechanism(pose(flight())),
+                                       after = conserved_by_mechanism(pose(flight({impulse(Frame::world, 0)})));
+    ASSERT_EQ(before.size(), 3u);
+    ASSERT_EQ(after.size(), 3u);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(after[2].value[i] - before[2].value[i], V3(1, 0.5, 0)[i], 1e-14);
+    expect_kept("later, world axes", flight({impulse(Frame::world, 0.25)}), {p_across});
+    expect_kept("later, body axes", flight({impulse(Frame::body, 0.25)}), {});
+}
+
+TEST(ConservedByMechanism, HungOnAPoint) {
+    const auto ball = JointType::spherical;
+    expect_kept("at the origin, nothing acts", hung(ball, {}, {}), {E, L});
+    expect_kept("at the origin, gravity", hung(ball, {}, {}, {down}), {E, L_along});
+    expect_kept("elsewhere, nothing acts", hung(ball, {0, 1, 0}, {}), {E, L_along});
+    expect_kept("under the origin, gravity", hung(ball, {0, 0, -2}, {}, {down}), {E, L_along});
+    expect_kept("beside the origin, gravity", hung(ball, {1, 0, 0}, {}, {down}), {E});
+    expect_kept("a torque about it", hung(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
+    expect_kept("a torque across the vertical",
+                hung(ball, {}, {}, {down, Torque{{1, 0, 0}, Frame::world, {}, "lower"}}), {L_along});
+    expect_kept("a torque about the vertical", hung(ball, {}, {}, {down, Torque{{0, 0, 1}, Frame::world, {}, "lower"}}),
+                {});
+    expect_kept("drag", hung(ball, {}, {}, {down, Drag{{0.5, 0.5, 0.5}, 0, {}, "lower"}}), {});
+    expect_kept("a spring within", hung(ball, {}, {}, {down, PointSpring{"upper", {}, "lower", {1, 0, 0}, 4, 0.5, {}}}),
+                {E, L_along});
+    Scene damped = hung(ball, {}, {}, {down});
+    damped.joints[0].damping[0] = 0.5;
+    expect_kept("a damper to the world", damped, {});
+    damped.joints[0].damping[0] = 0, damped.joints[1].damping[0] = 0.5;
+    expect_kept("a damper within", damped, {L_along});
+}
+
+TEST(ConservedByMechanism, HungOnAnAxis) {
+    const auto hinge = JointType::revolute;
+    expect_kept("gravity along it", hung(hinge, {0, 0, 1}, {0, 0, 1}, {down}), {E, L_along});
+    expect_kept("gravity across it", hung(hinge, {}, {1, 0, 0}, {down}), {E});
+    expect_kept("nothing acts", hung(hinge, {}, {1, 0, 0}), {E, L_along});
+    expect_kept("beside the origin", hung(hinge, {0, 1, 0}, {1, 0, 0}), {E});
+    Scene sprung = hung(hinge, {}, {1, 0, 0});
+    sprung.joints[0].stiffness[0] = 4;
+    expect_kept("a spring to the world", sprung, {E});
+    expect_kept("a motor on the world", hung(hinge, {}, {1, 0, 0}, {Motor{"first", 2, {}}}), {});
+    expect_kept("a slide", hung(JointType::prismatic, {}, {1, 0, 0}), {E});
+    expect_kept("a universal joint", hung(JointType::universal, {}, {1, 0, 0}), {E});
+
+    // a second tree on the world
+    Scene two = hung(hinge, {}, {1, 0, 0});
+    two.bodies.push_back(skew_body("beside"));
+    two.joints.push_back(joint_of("third", hinge, "world", "beside", {-2, 0, 0}));
+    expect_kept("two hinges on one line", two, {E, L_along});
+    two.joints.back().axes[0] = {0, 1, 0};
+    expect_kept("two hinges on two lines", two, {E});
+    two.joints.back() = joint_of("third", JointType::spherical, "world", "beside");
+    two.joints.back().parent_point = {3, 0, 0};
+    expect_kept("a hinge and a point of its line", two, {E, L_along});
+
+    Scene closed = hung(hinge, {}, {0, 0, 1}, {down});
+    Loop rod;
+    rod.name = "rod", rod.type = LoopType::distance, rod.second = "upper", rod.first_point = {0, 0, 3};
+    rod.second_point = {0, 0, 0}, rod.length = 3;
+    closed.loops = {rod};
+    EXPECT_EQ(conserved_by_mechanism(pose(closed)).size(), 1u);  // a rod to the world, though it pulls at no arm
+}
+
+TEST(ConservedByMechanism, MotionInPlanes) {
+    const auto plane = [](std::vector<NamedBody> bodies, std::vector<Joint> joints) {
+        return plane_of_motion(pose(scene_of(std::move(bodies), std::move(joints), {down})));
+    };
+    const std::vector<NamedBody> one{skew_body("a")}, both{skew_body("a"), skew_body("b")};
+    const auto hinge = JointType::revolute, slide = JointType::prismatic;
+    const auto pair = [](JointType first, const V3& u, JointType second, const V3& v) {
+        return std::vector<Joint>{joint_of("first", first, "world", "a", u), joint_of("second", second, "a", "b", v)};
+    };
+    const auto normal = [](const std::optional<V3>& found, const V3& expected) {
+        return found && length(cross(*found, expected)) < 1e-12 && std::abs(length(*found) - 1) < 1e-12;
+    };
+    const V3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    EXPECT_TRUE(normal(plane(both, pair(hinge, {0, 2, 0}, hinge, {0, -1, 0})), y));
+    EXPECT_TRUE(normal(plane(both, pair(hinge, y, slide, x)), y));
+    EXPECT_TRUE(normal(plane(both, pair(slide, x, slide, y)), z));
+    EXPECT_TRUE(normal(plane(both, pair(hinge, y, JointType::fixed, x)), y));
+    EXPECT_FALSE(plane(both, pair(hinge, y, hinge, z)));
+    EXPECT_FALSE(plane(both, pair(hinge, y, slide, y)));
+    EXPECT_FALSE(plane(both, pair(slide, x, slide, x)));
+    EXPECT_FALSE(plane(both, pair(hinge, y, JointType::spherical, x)));
+    EXPECT_FALSE(plane(one, {joint_of("first", slide, "world", "a")}));
+    EXPECT_FALSE(plane(one, {joint_of("first", JointType::universal, "world", "a")}));
+    EXPECT_FALSE(plane_of_motion(pose(flight())));
+
+    // and they do stay there
+    const Problem problem = pose(scene_of(both, pair(hinge, y, slide, {1, 0, 1}), {down}));
+    std::vector<double> heights;
+    walk(problem, [&](double, const std::vector<Sample>& samples) {
+        for (const Sample& sample : samples) heights.push_back(sample.position_W[1]);
+    });
+    for (std::size_t i = 2; i < heights.size(); ++i) EXPECT_NEAR(heights[i], heights[i % 2], 1e-12);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <set>
+#include <vector>
 
 #include "integrators/own/midpoint_columns.h"
 #include "integrators/scenes.h"
@@ -49,6 +53,70 @@ TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
     }
 }
 
+/// The value at zero of the polynomial through (x_j, z_j), first <= j < last, by Neville's scheme.
+double at_zero(const std::vector<double>& x, std::vector<double> z, std::size_t first, std::size_t last) {
+    for (std::size_t width = 1; width < last - first; ++width)
+        for (std::size_t j = first; j + width < last; ++j)
+            z[j] = (x[j + width] * z[j] - x[j] * z[j + 1]) / (x[j + width] - x[j]);
+    return z[first];
+}
+
+/// A row of the tables as this program makes it when it runs, beside the one that the compiler made.
+struct MadeRow {
+    ExtrapolationRow (*make)();
+    const ExtrapolationRow& compiled;
+};
+
+TEST(ExtrapolationRows, AreThePolynomialsThroughTheirColumns) {
+    const MadeRow rows[] = {{extrapolation_row<2>, extrapolation_rows[2]},
+                            {extrapolation_row<3>, extrapolation_rows[3]},
+                            {extrapolation_row<4>, extrapolation_rows[4]},
+                            {extrapolation_row<5>, extrapolation_rows[5]},
+                            {extrapolation_row<6>, extrapolation_rows[6]},
+                            {extrapolation_row<7>, extrapolation_rows[7]},
+                            {extrapolation_row<8>, extrapolation_rows[8]},
+                            {extrapolation_row<9>, extrapolation_rows[9]},
+                            {extrapolation_row<careful_row>, extrapolation_rows[careful_row]},
+                            {row_in_lanes<2>, rows_in_lanes[2]},
+                            {row_in_lanes<3>, rows_in_lanes[3]},
+                            {row_in_lanes<4>, rows_in_lanes[4]},
+                            {row_in_lanes<5>, rows_in_lanes[5]},
+                            {row_in_lanes<6>, rows_in_lanes[6]},
+                            {row_in_lanes<7>, rows_in_lanes[7]},
+                            {row_in_lanes<8>, rows_in_lanes[8]}};
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> even(-1, 1);
+    for (const MadeRow& made : rows) {
+        const ExtrapolationRow row = made.make();
+        const auto K = static_cast<std::size_t>(row.columns);
+        SCOPED_TRACE(K);
+        EXPECT_EQ(row.substeps, made.compiled.substeps);
+        EXPECT_EQ(row.work, made.compiled.work);
+        std::vector<double> x, z;
+        int evaluations = 1;
+        for (std::size_t j = 0; j < K; ++j) {
+            const int n = row.substeps[j];
+            x.push_back(1.0 / (n * n)), z.push_back(even(random));
+            evaluations += n - 1;
+            EXPECT_EQ(row.odd_multiple % (n / (n & -n)), 0) << n;
+            EXPECT_EQ(row.weights.value[j], made.compiled.weights.value[j]);
+            EXPECT_EQ(row.weights.error[j], made.compiled.weights.error[j]);
+            EXPECT_EQ(row.weights.error_before[j], made.compiled.weights.error_before[j]);
+        }
+        EXPECT_EQ(row.evaluations, evaluations);
+        double value = 0, error = 0, before = 0, amplification = 0;
+        for (std::size_t j = 0; j < K; ++j) {
+            value += row.weights.value[j] * z[j], error += row.weights.error[j] * z[j];
+            before += row.weights.error_before[j] * z[j], amplification += std::abs(row.weights.value[j]);
+        }
+        EXPECT_NEAR(row.amplification, amplification, 1e-14 * amplification);
+        const double rounding = 1e-13 * amplification;
+        EXPECT_NEAR(value, at_zero(x, z, 0, K), rounding);
+        EXPECT_NEAR(error, at_zero(x, z, 0, K) - at_zero(x, z, 1, K), rounding);
+        EXPECT_NEAR(before, at_zero(x, z, 0, K - 1) - (K > 2 ? at_zero(x, z, 1, K - 1) : 0), rounding);
+    }
+}
+
 TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
     const double T = 4;
     const Problem problem = pose(symmetric_body(T));
@@ -73,21 +141,43 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
     }
 }
 
-TEST(ColumnChains, HoldEveryColumnOnce) {
-    constexpr auto chains = column_chains<8>();
-    constexpr auto n = substeps<8>();
+template <int row>
+void expect_every_column_once(int chains_expected) {
+    ColumnChains<columns_of<row>> (*const make)() = column_chains<row>;
+    const auto chains = make();
+    constexpr auto n = substeps<row>();
+    constexpr int K = columns_of<row>;
+    SCOPED_TRACE(row);
     int evaluations = 1;
-    for (int j = 0; j < 8; ++j) {
+    std::set<int> ends{0};
+    for (int j = 0; j < K; ++j) {
         EXPECT_EQ(chains.last[j] - chains.first[j], n[j] - 1);
         evaluations += chains.last[j] - chains.first[j];
+        ends.insert(chains.last[j]);
         for (int i = 0; i < j; ++i)
             if (chains.chain[i] == chains.chain[j]) {
                 EXPECT_TRUE(chains.last[i] <= chains.first[j] || chains.last[j] <= chains.first[i]);
             }
-        EXPECT_LE(chains.last[j], n[7] - 1);
+        EXPECT_LE(chains.last[j], n[K - 1] - 1);
     }
-    EXPECT_EQ(evaluations, extrapolation_rows[8].evaluations);
-    EXPECT_EQ(chains.chains, 4);
+    EXPECT_EQ(evaluations, extrapolation_rows[row].evaluations);
+    EXPECT_EQ(chains.chains, chains_expected);
+    // a piece ends where a column does
+    ASSERT_EQ(static_cast<std::size_t>(chains.pieces) + 1, ends.size());
+    EXPECT_TRUE(std::equal(ends.begin(), ends.end(), chains.ends.begin()));
+}
+
+// How many chains first fit takes, counted by hand: of 4, 6, 8, 12 substeps those of 11, 7 + 3 and 5 evaluations.
+TEST(ColumnChains, HoldEveryColumnOnce) {
+    expect_every_column_once<2>(2);
+    expect_every_column_once<3>(3);
+    expect_every_column_once<4>(3);
+    expect_every_column_once<5>(4);
+    expect_every_column_once<6>(4);
+    expect_every_column_once<7>(4);
+    expect_every_column_once<8>(4);
+    expect_every_column_once<9>(4);
+    expect_every_column_once<careful_row>(3);
 }
 
 }  // namespace

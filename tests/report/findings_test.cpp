@@ -1,0 +1,168 @@
+// The sentences of a folder's findings, each number of theirs counted by hand.
+#include "report/findings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+class Findings : public ::testing::Test {
+  protected:
+    // A run of the only experiment that ended well.
+    FolderRow& add(const std::string& scene, const std::string& method, double attitude, double seconds) {
+        if (folder.experiments.empty()) folder.experiments.push_back({"t", "", "sweep", "", false, {}});
+        FolderRow row;
+        row.scene = folder.scenes.place(scene), row.method = folder.methods.place(method);
+        row.formulation = folder.formulations.place("reduced");
+        row.kind = SettingKind::step, row.setting = 0.1;
+        row.attitude = row.attitude_final = attitude, row.seconds = seconds, row.energy = 1;
+        folder.rows.push_back(row);
+        return folder.rows.back();
+    }
+    // The first finding whose title has these words.
+    Finding with(const std::string& words) const {
+        std::string titles;
+        for (const Finding& one : findings_of(folder)) {
+            if (one.title.find(words) != std::string::npos) return one;
+            titles += one.title + "\n";
+        }
+        ADD_FAILURE() << "no finding " << words << " among:\n" << titles;
+        return {};
+    }
+
+    ResultFolder folder;
+};
+
+TEST_F(Findings, TellWhoIsTheFastestWhereMostScenesCanTell) {
+    // at 1e-9 rad one scene has two methods to compare, at 1e-6 all four
+    for (const char* scene : {"a", "b b", "c", "d"}) {
+        add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
+        add(scene, "cvode_adams", 1e-7, scene[0] == 'a' ? 4e-6 : scene[0] == 'b' ? 8e-6 : 2e-6);
+    }
+    add("d", "taylor", 1e-10, 3e-6), add("d", "extrapolation", 1e-10, 6e-6);
+    const Finding fastest = with("is the fastest");
+    EXPECT_EQ(fastest.title, "taylor is the fastest to 1e-6 rad on 3 of 4 scenes");
+    // the best of the other library over the best: 4, 8, 5/2 and 2
+    EXPECT_EQ(fastest.text,
+              "Elsewhere: cvode_adams on 1. The best of another library takes 3.2 times as long in the median of 4 "
+              "scenes, at most 8 times (b b).");
+    EXPECT_EQ(fastest.link, "#section=work-precision&scene=a");
+}
+
+TEST_F(Findings, TellOfOneLibraryAloneAndOfManyWinners) {
+    const char* const winners[] = {"taylor", "taylor", "extrapolation", "dop853", "radau", "exact", "splitting4"};
+    for (std::size_t i = 0; i < 7; ++i) {
+        const std::string scene = "s" + std::to_string(i);
+        add(scene, winners[i], 1e-10, 1e-6), add(scene, "moser_veselov2", 1e-10, 2e-6);
+    }
+    const Finding fastest = with("is the fastest");
+    EXPECT_EQ(fastest.title, "taylor is the fastest to 1e-9 rad on 2 of 7 scenes");
+    EXPECT_EQ(fastest.text,
+              "Elsewhere: dop853 on 1, exact on 1, extrapolation on 1, radau on 1, ... Compared are methods of one "
+              "library.");
+}
+
+TEST_F(Findings, NameThePlainestOfTheLostAttitudes) {
+    add("folder/scene", "article_as_written", 2, 1e-6).energy = 1e-3;
+    add("lagrange_top", "odeint_euler", 2, 1e-6).energy = 1e-3;
+    FolderRow& plain = add("lagrange top%", "article_as_written", 3, 1e-6);
+    plain.energy = 2.5e-3, plain.momentum = 0.5, plain.setting = 0.02;
+    add("lagrange_top", "article_as_written", 3, 1e-6).status = Status::unsupported;
+    const Finding hidden = with("Energy hides");
+    EXPECT_EQ(hidden.title, "Energy hides a lost attitude in 3 runs");
+    EXPECT_EQ(hidden.text,
+              "2 methods: the attitude is more than 1 rad off and the energy less than 1 %. article_as_written on "
+              "lagrange top% at a step of 0.02 s: attitude 3 rad, momentum 0.5, energy 0.0025.");
+    EXPECT_EQ(hidden.link, "#section=motion&scene=lagrange%20top%25&motion_methods=article_as_written");
+}
+
+TEST_F(Findings, TellBoundedErrorsFromGrowingOnes) {
+    const auto series = [&](const std::string& method, const auto& energy) {
+        add("free_asymmetric", method, 1e-3, 1e-6);
+        FolderSeries one;
+        one.scene = folder.scenes.place("free_asymmetric"), one.method = folder.methods.place(method);
+        for (int k = 1; k <= 400; ++k) {
+            one.t.push_back(k);
+            for (auto& errors : one.errors) errors.push_back(energy(k));
+        }
+        folder.series.push_back(one);
+    };
+    series("splitting4", [](double t) { return 1e-6 * std::abs(std::sin(t)); });
+    series("implicit_midpoint", [](double t) { return 1e-5 * std::abs(std::sin(2 * t)); });
+    series("odeint_rk4", [](double t) { return 1e-9 * t; });
+    const Finding growth = with("drift");
+    EXPECT_EQ(growth.title, "2 methods show no drift of energy, 1 grows in proportion to time");
+    EXPECT_EQ(growth.text, "Without drift: implicit_midpoint, splitting4. The longest run lasts 400 s.");
+    // the fit itself: an attitude's is told up to a radian
+    const auto exponents = growth_of(folder.series.back());
+    ASSERT_TRUE(exponents[0] && exponents[2]);
+    EXPECT_NEAR(exponents[2]->first, 1, 0.02);
+    folder.series.back().errors[1].back() = absent;
+    EXPECT_FALSE(growth_of(folder.series.back())[1]);
+    // without one that grows there is nothing to tell apart
+    folder.series.pop_back();
+    for (const Finding& one : findings_of(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
+}
+
+TEST_F(Findings, CountOrdersThatAreNotThoseClaimed) {
+    const auto curve = [&](const std::string& method, double order) {
+        for (const double h : {0.1, 0.05, 0.025, 0.0125})
+            add("free_asymmetric", method, 0.5 * std::pow(h, order), absent).setting = h;
+    };
+    curve("odeint_rk4", 4), curve("splitting4", 4), curve("odeint_euler", 1);
+    EXPECT_EQ(with("orders").title, "All 3 observed orders are those claimed");
+    curve("implicit_midpoint", 1.5);
+    const Finding off = with("orders");
+    EXPECT_EQ(off.title, "3 of 4 observed orders are those claimed");
+    EXPECT_EQ(off.text, "Within 0.2. The furthest off: implicit_midpoint on free_asymmetric, 1.50 where 2 is claimed.");
+    EXPECT_EQ(off.link, "#section=convergence&scene=free_asymmetric");
+}
+
+TEST_F(Findings, CountWhatFailedAndWhatReachesTheFloor) {
+    add("a", "taylor", 2e-14, absent).floor = 1e-14;
+    add("a", "cvode_adams", 5e-12, absent).floor = 1e-14;
+    for (const Status status : {Status::diverged, Status::diverged, Status::failed, Status::unsupported})
+        add("b", "odeint_euler", absent, absent).status = status;
+    add("b", "odeint_rk4", absent, absent).status = Status::tolerance_not_met;
+    const Finding failures = with("did not end well");
+    EXPECT_EQ(failures.title, "4 of 7 runs did not end well");
+    EXPECT_EQ(failures.text, "2 diverged, 1 did not meet their tolerance, 1 failed; most of odeint_euler (3).");
+    EXPECT_EQ(failures.link, "#section=work-precision&scene=b");
+    const Finding floor = with("floor");
+    EXPECT_EQ(floor.title, "1 of 2 methods reach the floor of binary64's rounding");
+    EXPECT_EQ(floor.text,
+              "Within ten times. The nearest: taylor on a, 2e-14 rad where rounding the start costs 1e-14 "
+              "rad.");
+}
+
+TEST_F(Findings, TellWhatLeavingOutGains) {
+    FolderTable torn{"x_gain", "x", "", {{"scene", "method"}, {{std::string("a"), std::string("m")}}}, 1};
+    FolderTable table{"y_gain", "y", "", {{"scene", "method", "gain"}, {}}, 4};
+    for (const auto& [scene, gain] :
+         {std::pair{"a", "1.5"}, std::pair{"b", "3"}, std::pair{"c", "2"}, std::pair{"d", ""}})
+        table.table.rows.push_back({std::string(scene), std::string("cvode_adams"), std::string(gain)});
+    folder.tables = {torn, table};
+    const Finding gain = with("Leaving out");
+    EXPECT_EQ(gain.title, "Leaving out what a scene does not need makes it 2 times as fast");
+    EXPECT_EQ(gain.text, "In the median of 3 pairs; most on b by cvode_adams: 3 times.");
+    folder.tables = {torn};
+    EXPECT_TRUE(findings_of(folder).empty());
+}
+
+TEST_F(Findings, AreThreeAtMost) {
+    for (const char* scene : {"a", "b"}) add(scene, "taylor", 1e-10, 1e-6), add(scene, "cvode_adams", 1e-10, 2e-6);
+    add("a", "odeint_euler", 2, 1e-6).energy = 1e-3;
+    add("a", "odeint_euler", 2, 1e-6).status = Status::failed;
+    folder.rows.front().floor = 1e-12;
+    const std::vector<Finding> all = findings_of(folder);
+    ASSERT_EQ(all.size(), 3u);
+    EXPECT_NE(all[0].title.find("fastest"), std::string::npos);
+    EXPECT_NE(all[1].title.find("Energy"), std::string::npos);
+    EXPECT_NE(all[2].title.find("did not end well"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -13,7 +13,7 @@ namespace polhode {
 namespace {
 
 using V3 = Vector3<double>;
-using Names = std::vector<std::string>;
+using KeptNames = std::vector<std::string>;
 
 NamedBody skew_body(const char* name) {
     NamedBody body;
@@ -23,7 +23,8 @@ NamedBody skew_body(const char* name) {
     return body;
 }
 
-Joint joint_of(const char* name, JointType type, const char* parent, const char* child, const V3& axis = {1, 0, 0}) {
+Joint turning_joint(const char* name, JointType type, const char* parent, const char* child,
+                    const V3& axis = {1, 0, 0}) {
     Joint joint;
     joint.name = name, joint.type = type, joint.parent = parent, joint.child = child, joint.axes[0] = axis;
     if (type == JointType::universal) joint.axes[1] = {0, 0, 1};
@@ -32,7 +33,7 @@ Joint joint_of(const char* name, JointType type, const char* parent, const char*
     return joint;
 }
 
-Scene scene_of(std::vector<NamedBody> bodies, std::vector<Joint> joints, std::vector<Load> loads = {}) {
+Scene scene_of_bodies(std::vector<NamedBody> bodies, std::vector<Joint> joints, std::vector<Load> loads = {}) {
     Scene scene;
     scene.name = "kept", scene.duration = 0.5;
     scene.bodies = std::move(bodies), scene.joints = std::move(joints), scene.loads = std::move(loads);
@@ -40,21 +41,21 @@ Scene scene_of(std::vector<NamedBody> bodies, std::vector<Joint> joints, std::ve
 }
 
 // two bodies on a hinge, turning in flight
-Scene flight(std::vector<Load> loads = {}) {
+Scene flying_pair(std::vector<Load> loads = {}) {
     NamedBody base = skew_body("base");
     base.initial.angular_velocity = {1, 0.5, -0.75}, base.initial.velocity_W = {0.5, 0.25, 1};
-    Joint hinge = joint_of("hinge", JointType::revolute, "base", "arm", {0, 1, 0.5});
+    Joint hinge = turning_joint("hinge", JointType::revolute, "base", "arm", {0, 1, 0.5});
     hinge.parent_point = {0, 0.5, 0.25};
-    return scene_of({base, skew_body("arm")}, {hinge}, std::move(loads));
+    return scene_of_bodies({base, skew_body("arm")}, {hinge}, std::move(loads));
 }
 
 // two bodies, the first carried by the world
-Scene hung(JointType type, const V3& at, const V3& axis, std::vector<Load> loads = {}) {
-    Joint first = joint_of("first", type, "world", "upper", axis);
+Scene hung_pair(JointType type, const V3& at, const V3& axis, std::vector<Load> loads = {}) {
+    Joint first = turning_joint("first", type, "world", "upper", axis);
     first.parent_point = at;
-    Joint second = joint_of("second", JointType::spherical, "upper", "lower");
+    Joint second = turning_joint("second", JointType::spherical, "upper", "lower");
     second.parent_point = {0, 0.75, 0};
-    return scene_of({skew_body("upper"), skew_body("lower")}, {first, second}, std::move(loads));
+    return scene_of_bodies({skew_body("upper"), skew_body("lower")}, {first, second}, std::move(loads));
 }
 
 Force force_at(const V3& vector, Frame frame, Frame point_frame = Frame::body) {
@@ -86,11 +87,11 @@ void walk(const Problem& problem, const See& see) {
 }
 
 // The names are those, what they name stays along the motion, and energy or momenta that are not named change.
-void expect_kept(const char* what, const Scene& scene, Names expected) {
+void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
     SCOPED_TRACE(what);
     const Problem problem = pose(scene);
     const std::vector<SystemConserved> all = conserved_by_mechanism(problem);
-    Names names;
+    KeptNames names;
     for (const SystemConserved& one : all) names.push_back(one.name);
     std::ranges::sort(names), std::ranges::sort(expected);
     EXPECT_EQ(names, expected);
@@ -137,35 +138,42 @@ void expect_kept(const char* what, const Scene& scene, Names expected) {
         }
 }
 
-const Gravity down{{0, 0, -9.81}, {}};
-const std::string E = "energy", L = "angular momentum", p = "linear momentum", L_across = L + " across u",
-                  p_across = p + " across u", L_along = L + " along u";
+const Gravity falling{{0, 0, -9.81}, {}};
+const std::string keeps_energy = "energy", keeps_L = "angular momentum", keeps_p = "linear momentum",
+                  keeps_L_across = keeps_L + " across u", keeps_p_across = keeps_p + " across u",
+                  keeps_L_along = keeps_L + " along u";
 
 TEST(ConservedByMechanism, InFlight) {
-    expect_kept("nothing acts", flight(), {E, L, p});
-    expect_kept("gravity", flight({down}), {E, L, p_across});
-    expect_kept("gravity twice along one line", flight({down, Gravity{{0, 0, 2}, {}}}), {E, L, p_across});
-    expect_kept("gravity along two lines", flight({down, Gravity{{1, 0, 0}, {0.25, 1}}}), {L});
-    expect_kept("torque, world axes", flight({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}), {L_across, p});
-    expect_kept("torque, body axes", flight({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {p});
-    expect_kept("a torque that is none", flight({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}), {E, L, p});
-    expect_kept("force, world axes, at a point of the body", flight({force_at({1, 2, 0}, Frame::world)}),
-                {E, p_across});
-    expect_kept("force at a point of the world", flight({force_at({1, 2, 0}, Frame::world, Frame::world)}), {p_across});
-    expect_kept("force, body axes", flight({force_at({1, 2, 0}, Frame::body)}), {});
-    expect_kept("drag of turning", flight({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {p});
-    expect_kept("drag", flight({Drag{{}, 0.5, {}, "base"}}), {});
-    expect_kept("a torsional spring", flight({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}), {E, p});
-    expect_kept("a spring between the bodies", flight({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
-                {E, L, p});
-    expect_kept("a spring to the world", flight({PointSpring{"world", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}), {E});
-    expect_kept("a motor", flight({Motor{"hinge", 2, {}}}), {L, p});
-    Scene damped = flight();
+    expect_kept("nothing acts", flying_pair(), {keeps_energy, keeps_L, keeps_p});
+    expect_kept("gravity", flying_pair({falling}), {keeps_energy, keeps_L, keeps_p_across});
+    expect_kept("gravity twice along one line", flying_pair({falling, Gravity{{0, 0, 2}, {}}}),
+                {keeps_energy, keeps_L, keeps_p_across});
+    expect_kept("gravity along two lines", flying_pair({falling, Gravity{{1, 0, 0}, {0.25, 1}}}), {keeps_L});
+    expect_kept("torque, world axes", flying_pair({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}),
+                {keeps_L_across, keeps_p});
+    expect_kept("torque, body axes", flying_pair({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {keeps_p});
+    expect_kept("a torque that is none", flying_pair({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}),
+                {keeps_energy, keeps_L, keeps_p});
+    expect_kept("force, world axes, at a point of the body", flying_pair({force_at({1, 2, 0}, Frame::world)}),
+                {keeps_energy, keeps_p_across});
+    expect_kept("force at a point of the world", flying_pair({force_at({1, 2, 0}, Frame::world, Frame::world)}),
+                {keeps_p_across});
+    expect_kept("force, body axes", flying_pair({force_at({1, 2, 0}, Frame::body)}), {});
+    expect_kept("drag of turning", flying_pair({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {keeps_p});
+    expect_kept("drag", flying_pair({Drag{{}, 0.5, {}, "base"}}), {});
+    expect_kept("a torsional spring", flying_pair({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}), {keeps_energy, keeps_p});
+    expect_kept("a spring between the bodies",
+                flying_pair({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
+                {keeps_energy, keeps_L, keeps_p});
+    expect_kept("a spring to the world", flying_pair({PointSpring{"world", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
+                {keeps_energy});
+    expect_kept("a motor", flying_pair({Motor{"hinge", 2, {}}}), {keeps_L, keeps_p});
+    Scene damped = flying_pair();
     damped.joints[0].damping[0] = 0.5;
-    expect_kept("a damper", damped, {L, p});
-    Scene sprung = flight();
+    expect_kept("a damper", damped, {keeps_L, keeps_p});
+    Scene sprung = flying_pair();
     sprung.joints[0].stiffness[0] = 5, sprung.joints[0].rest[0] = 0.5;
-    expect_kept("a joint's spring", sprung, {E, L, p});
+    expect_kept("a joint's spring", sprung, {keeps_energy, keeps_L, keeps_p});
 }
 
 TEST(ConservedByMechanism, WithImpulses) {
@@ -173,62 +181,63 @@ TEST(ConservedByMechanism, WithImpulses) {
         return Impulse{{1, 0.5, 0}, frame, {0.5, 0, 0}, Frame::body, at, "arm"};
     };
     // the values are those after it
-    const std::vector<SystemConserved> before = conserved_by_mechanism(pose(flight())),
-                                       after = conserved_by_mechanism(pose(flight({impulse(Frame::world, 0)})));
+    const std::vector<SystemConserved> before = conserved_by_mechanism(pose(flying_pair())),
+                                       after = conserved_by_mechanism(pose(flying_pair({impulse(Frame::world, 0)})));
     ASSERT_EQ(before.size(), 3u);
     ASSERT_EQ(after.size(), 3u);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(after[2].value[i] - before[2].value[i], V3(1, 0.5, 0)[i], 1e-14);
-    expect_kept("later, world axes", flight({impulse(Frame::world, 0.25)}), {p_across});
-    expect_kept("later, body axes", flight({impulse(Frame::body, 0.25)}), {});
+    expect_kept("later, world axes", flying_pair({impulse(Frame::world, 0.25)}), {keeps_p_across});
+    expect_kept("later, body axes", flying_pair({impulse(Frame::body, 0.25)}), {});
 }
 
 TEST(ConservedByMechanism, HungOnAPoint) {
     const auto ball = JointType::spherical;
-    expect_kept("at the origin, nothing acts", hung(ball, {}, {}), {E, L});
-    expect_kept("at the origin, gravity", hung(ball, {}, {}, {down}), {E, L_along});
-    expect_kept("elsewhere, nothing acts", hung(ball, {0, 1, 0}, {}), {E, L_along});
-    expect_kept("under the origin, gravity", hung(ball, {0, 0, -2}, {}, {down}), {E, L_along});
-    expect_kept("beside the origin, gravity", hung(ball, {1, 0, 0}, {}, {down}), {E});
-    expect_kept("a torque about it", hung(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
+    expect_kept("at the origin, nothing acts", hung_pair(ball, {}, {}), {keeps_energy, keeps_L});
+    expect_kept("at the origin, gravity", hung_pair(ball, {}, {}, {falling}), {keeps_energy, keeps_L_along});
+    expect_kept("elsewhere, nothing acts", hung_pair(ball, {0, 1, 0}, {}), {keeps_energy, keeps_L_along});
+    expect_kept("under the origin, gravity", hung_pair(ball, {0, 0, -2}, {}, {falling}), {keeps_energy, keeps_L_along});
+    expect_kept("beside the origin, gravity", hung_pair(ball, {1, 0, 0}, {}, {falling}), {keeps_energy});
+    expect_kept("a torque about it", hung_pair(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
     expect_kept("a torque across the vertical",
-                hung(ball, {}, {}, {down, Torque{{1, 0, 0}, Frame::world, {}, "lower"}}), {L_along});
-    expect_kept("a torque about the vertical", hung(ball, {}, {}, {down, Torque{{0, 0, 1}, Frame::world, {}, "lower"}}),
-                {});
-    expect_kept("drag", hung(ball, {}, {}, {down, Drag{{0.5, 0.5, 0.5}, 0, {}, "lower"}}), {});
-    expect_kept("a spring within", hung(ball, {}, {}, {down, PointSpring{"upper", {}, "lower", {1, 0, 0}, 4, 0.5, {}}}),
-                {E, L_along});
-    Scene damped = hung(ball, {}, {}, {down});
+                hung_pair(ball, {}, {}, {falling, Torque{{1, 0, 0}, Frame::world, {}, "lower"}}), {keeps_L_along});
+    expect_kept("a torque about the vertical",
+                hung_pair(ball, {}, {}, {falling, Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
+    expect_kept("drag", hung_pair(ball, {}, {}, {falling, Drag{{0.5, 0.5, 0.5}, 0, {}, "lower"}}), {});
+    expect_kept("a spring within",
+                hung_pair(ball, {}, {}, {falling, PointSpring{"upper", {}, "lower", {1, 0, 0}, 4, 0.5, {}}}),
+                {keeps_energy, keeps_L_along});
+    Scene damped = hung_pair(ball, {}, {}, {falling});
     damped.joints[0].damping[0] = 0.5;
     expect_kept("a damper to the world", damped, {});
     damped.joints[0].damping[0] = 0, damped.joints[1].damping[0] = 0.5;
-    expect_kept("a damper within", damped, {L_along});
+    expect_kept("a damper within", damped, {keeps_L_along});
 }
 
 TEST(ConservedByMechanism, HungOnAnAxis) {
     const auto hinge = JointType::revolute;
-    expect_kept("gravity along it", hung(hinge, {0, 0, 1}, {0, 0, 1}, {down}), {E, L_along});
-    expect_kept("gravity across it", hung(hinge, {}, {1, 0, 0}, {down}), {E});
-    expect_kept("nothing acts", hung(hinge, {}, {1, 0, 0}), {E, L_along});
-    expect_kept("beside the origin", hung(hinge, {0, 1, 0}, {1, 0, 0}), {E});
-    Scene sprung = hung(hinge, {}, {1, 0, 0});
+    expect_kept("gravity along it", hung_pair(hinge, {0, 0, 1}, {0, 0, 1}, {falling}), {keeps_energy, keeps_L_along});
+    expect_kept("gravity across it", hung_pair(hinge, {}, {1, 0, 0}, {falling}), {keeps_energy});
+    expect_kept("nothing acts", hung_pair(hinge, {}, {1, 0, 0}), {keeps_energy, keeps_L_along});
+    expect_kept("beside the origin", hung_pair(hinge, {0, 1, 0}, {1, 0, 0}), {keeps_energy});
+    Scene sprung = hung_pair(hinge, {}, {1, 0, 0});
     sprung.joints[0].stiffness[0] = 4;
-    expect_kept("a spring to the world", sprung, {E});
-    expect_kept("a motor on the world", hung(hinge, {}, {1, 0, 0}, {Motor{"first", 2, {}}}), {});
-    expect_kept("a slide", hung(JointType::prismatic, {}, {1, 0, 0}), {E});
-    expect_kept("a universal joint", hung(JointType::universal, {}, {1, 0, 0}), {E});
+    expect_kept("a spring to the world", sprung, {keeps_energy});
+    expect_kept("a motor on the world", hung_pair(hinge, {}, {1, 0, 0}, {Motor{"first", 2, {}}}), {});
+    expect_kept("a slide", hung_pair(JointType::prismatic, {}, {1, 0, 0}), {keeps_energy});
+    expect_kept("a universal joint", hung_pair(JointType::universal, {}, {1, 0, 0}), {keeps_energy});
 
     // a second tree on the world
-    Scene two = hung(hinge, {}, {1, 0, 0});
+    Scene two = hung_pair(hinge, {}, {1, 0, 0});
     two.bodies.push_back(skew_body("beside"));
-    two.joints.push_back(joint_of("third", hinge, "world", "beside", {-2, 0, 0}));
-    expect_kept("two hinges on one line", two, {E, L_along});
+    two.joints.push_back(turning_joint("third", hinge, "world", "beside", {-2, 0, 0}));
+    expect_kept("two hinges on one line", two, {keeps_energy, keeps_L_along});
     two.joints.back().axes[0] = {0, 1, 0};
-    expect_kept("two hinges on two lines", two, {E});
-    two.joints.back() = joint_of("third", JointType::spherical, "world", "beside");
+    expect_kept("two hinges on two lines", two, {keeps_energy});
+    two.joints.back() = turning_joint("third", JointType::spherical, "world", "beside");
     two.joints.back().parent_point = {3, 0, 0};
-    expect_kept("a hinge and a point of its line", two, {E, L_along});
+    expect_kept("a hinge and a point of its line", two, {keeps_energy, keeps_L_along});
 
-    Scene closed = hung(hinge, {}, {0, 0, 1}, {down});
+    Scene closed = hung_pair(hinge, {}, {0, 0, 1}, {falling});
     Loop rod;
     rod.name = "rod", rod.type = LoopType::distance, rod.second = "upper", rod.first_point = {0, 0, 3};
     rod.second_point = {0, 0, 0}, rod.length = 3;
@@ -238,12 +247,13 @@ TEST(ConservedByMechanism, HungOnAnAxis) {
 
 TEST(ConservedByMechanism, MotionInPlanes) {
     const auto plane = [](std::vector<NamedBody> bodies, std::vector<Joint> joints) {
-        return plane_of_motion(pose(scene_of(std::move(bodies), std::move(joints), {down})));
+        return plane_of_motion(pose(scene_of_bodies(std::move(bodies), std::move(joints), {falling})));
     };
     const std::vector<NamedBody> one{skew_body("a")}, both{skew_body("a"), skew_body("b")};
     const auto hinge = JointType::revolute, slide = JointType::prismatic;
     const auto pair = [](JointType first, const V3& u, JointType second, const V3& v) {
-        return std::vector<Joint>{joint_of("first", first, "world", "a", u), joint_of("second", second, "a", "b", v)};
+        return std::vector<Joint>{turning_joint("first", first, "world", "a", u),
+                                  turning_joint("second", second, "a", "b", v)};
     };
     const auto normal = [](const std::optional<V3>& found, const V3& expected) {
         return found && length(cross(*found, expected)) < 1e-12 && std::abs(length(*found) - 1) < 1e-12;
@@ -257,12 +267,12 @@ TEST(ConservedByMechanism, MotionInPlanes) {
     EXPECT_FALSE(plane(both, pair(hinge, y, slide, y)));
     EXPECT_FALSE(plane(both, pair(slide, x, slide, x)));
     EXPECT_FALSE(plane(both, pair(hinge, y, JointType::spherical, x)));
-    EXPECT_FALSE(plane(one, {joint_of("first", slide, "world", "a")}));
-    EXPECT_FALSE(plane(one, {joint_of("first", JointType::universal, "world", "a")}));
-    EXPECT_FALSE(plane_of_motion(pose(flight())));
+    EXPECT_FALSE(plane(one, {turning_joint("first", slide, "world", "a")}));
+    EXPECT_FALSE(plane(one, {turning_joint("first", JointType::universal, "world", "a")}));
+    EXPECT_FALSE(plane_of_motion(pose(flying_pair())));
 
     // and they do stay there
-    const Problem problem = pose(scene_of(both, pair(hinge, y, slide, {1, 0, 1}), {down}));
+    const Problem problem = pose(scene_of_bodies(both, pair(hinge, y, slide, {1, 0, 1}), {falling}));
     std::vector<double> heights;
     walk(problem, [&](double, const std::vector<Sample>& samples) {
         for (const Sample& sample : samples) heights.push_back(sample.position_W[1]);

@@ -53,10 +53,10 @@ TEST(MechanismTable, EachColumnSetsItsOwnNumberOnly) {
     const auto columns = mechanism_columns(scene);
     // of a joint of one coordinate 5, universal 4, spherical 7; of each body its mass, of the base 13 numbers more
     EXPECT_EQ(columns.size(), 5u + 5 + 7 + 4 + 6 + 13);
-    Scene all = scene;
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].number(all) = 100 + static_cast<double>(i);
+    Scene numbered = scene;
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].number(numbered) = 100 + static_cast<double>(i);
     for (std::size_t i = 0; i < columns.size(); ++i)
-        EXPECT_EQ(columns[i].number(all), 100 + static_cast<double>(i)) << columns[i].name;
+        EXPECT_EQ(columns[i].number(numbered), 100 + static_cast<double>(i)) << columns[i].name;
 }
 
 TEST(MechanismTable, NumbersGoWhereTheirColumnsSay) {

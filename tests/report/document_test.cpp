@@ -12,9 +12,9 @@
 namespace polhode {
 namespace {
 
-class Document : public ::testing::Test {
+class FolderDocument : public ::testing::Test {
   protected:
-    Document() { folder.experiments.push_back({"t", "", "sweep", "", false, {}}), folder.messages.place(""); }
+    FolderDocument() { folder.experiments.push_back({"t", "", "sweep", "", false, {}}), folder.messages.place(""); }
 
     FolderRow& add(const std::string& scene, const std::string& method, double setting, double error, double seconds) {
         FolderRow row;
@@ -50,7 +50,7 @@ class Document : public ::testing::Test {
     std::optional<FolderComparison> comparison;
 };
 
-TEST_F(Document, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) {
+TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) {
     // the fastest within 1e-6 rad lies amid a curve, where a stride would pass it by
     for (int curve = 0; curve < 4; ++curve)
         for (int k = 0; k < 101; ++k)
@@ -83,7 +83,7 @@ TEST_F(Document, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) {
     }
 }
 
-TEST_F(Document, CurvesOfARowEachAreThinnedToo) {
+TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
     for (int k = 0; k < 400; ++k) add("scene " + std::to_string(k), "taylor", 0.1, 1e-2, 1e-3);
     Detail detail;
     detail.rows = 100, detail.digits = 3;
@@ -92,7 +92,7 @@ TEST_F(Document, CurvesOfARowEachAreThinnedToo) {
     EXPECT_TRUE(says(page, "Numbers have 3 digits here."));
 }
 
-TEST_F(Document, TablesTellNumbersFromWords) {
+TEST_F(FolderDocument, TablesTellNumbersFromWords) {
     add_table("x", {"name", "count", "value", "mixed", "empty"},
               {{"a", "3", "1.23456789", "1", ""}, {"b", "", "-2e-3", "n/a", ""}, {"c", "4", "7", "2", ""}});
     Detail detail;
@@ -108,7 +108,7 @@ TEST_F(Document, TablesTellNumbersFromWords) {
     EXPECT_EQ(table["total"], 3);
 }
 
-TEST_F(Document, MapsAreTheIntervalsOfTheirTable) {
+TEST_F(FolderDocument, MapsAreTheIntervalsOfTheirTable) {
     add("a", "odeint_rk4", 0.1, 1e-3, 1);
     add_table("stability_maps", {"method", "map", "x", "step_least", "step_largest", "outcome"},
               {{"odeint_rk4", "spin", "1", "0.1", "0.2", "accurate"},
@@ -130,7 +130,7 @@ TEST_F(Document, MapsAreTheIntervalsOfTheirTable) {
     EXPECT_TRUE(document()["maps"].empty());
 }
 
-TEST_F(Document, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
+TEST_F(FolderDocument, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
     add("a", "taylor", 0.1, 1e-3, 1);
     for (int run = 0; run < 3; ++run) {
         FolderSeries series;
@@ -154,7 +154,7 @@ TEST_F(Document, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
     EXPECT_NEAR(run["growth"]["energy"][0].get<double>(), 1, 0.02);
 }
 
-TEST_F(Document, LeavesOutMotionsByWhatPeopleAskForLeast) {
+TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
     for (int scene = 0; scene < 2; ++scene) {
         Json motion{{"scene", scene}, {"methods", Json::array()}};
         for (const char* name : {"odeint_rk4_float32", "no such method", "odeint_rk4", "article_as_written"})
@@ -181,7 +181,7 @@ TEST_F(Document, LeavesOutMotionsByWhatPeopleAskForLeast) {
     EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is left out of this page");
 }
 
-TEST_F(Document, HoldsAnotherFolderAgainstThisOne) {
+TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {
     for (const char* scene : {"a", "b", "c"}) add(scene, "taylor", 0.1, 1e-3, 2e-6);
     add("only here", "taylor", 0.1, 1e-3, 2e-6);
     ResultFolder there = folder;
@@ -204,7 +204,7 @@ TEST_F(Document, HoldsAnotherFolderAgainstThisOne) {
     EXPECT_TRUE(document()["comparison"].is_null());
 }
 
-TEST_F(Document, TellsOfMethodsWhatTheProgramKnowsOfThem) {
+TEST_F(FolderDocument, TellsOfMethodsWhatTheProgramKnowsOfThem) {
     add("a", "gone_method", 0.1, 1e-3, 1), add("a", "odeint_rk4", 0.1, 1e-3, 1);
     const Json page = document();
     const Json &gone = page["methods"][0], &known = page["methods"][1];

@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-class Findings : public ::testing::Test {
+class FolderFindings : public ::testing::Test {
   protected:
     // A run of the only experiment that ended well.
     FolderRow& add(const std::string& scene, const std::string& method, double attitude, double seconds) {
@@ -36,7 +36,7 @@ class Findings : public ::testing::Test {
     ResultFolder folder;
 };
 
-TEST_F(Findings, TellWhoIsTheFastestWhereMostScenesCanTell) {
+TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     // at 1e-9 rad one scene has two methods to compare, at 1e-6 all four
     for (const char* scene : {"a", "b b", "c", "d"}) {
         add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
@@ -52,7 +52,7 @@ TEST_F(Findings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     EXPECT_EQ(fastest.link, "#section=work-precision&scene=a");
 }
 
-TEST_F(Findings, TellOfOneLibraryAloneAndOfManyWinners) {
+TEST_F(FolderFindings, TellOfOneLibraryAloneAndOfManyWinners) {
     const char* const winners[] = {"taylor", "taylor", "extrapolation", "dop853", "radau", "exact", "splitting4"};
     for (std::size_t i = 0; i < 7; ++i) {
         const std::string scene = "s" + std::to_string(i);
@@ -65,7 +65,7 @@ TEST_F(Findings, TellOfOneLibraryAloneAndOfManyWinners) {
               "library.");
 }
 
-TEST_F(Findings, NameThePlainestOfTheLostAttitudes) {
+TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
     add("folder/scene", "article_as_written", 2, 1e-6).energy = 1e-3;
     add("lagrange_top", "odeint_euler", 2, 1e-6).energy = 1e-3;
     FolderRow& plain = add("lagrange top%", "article_as_written", 3, 1e-6);
@@ -79,7 +79,7 @@ TEST_F(Findings, NameThePlainestOfTheLostAttitudes) {
     EXPECT_EQ(hidden.link, "#section=motion&scene=lagrange%20top%25&motion_methods=article_as_written");
 }
 
-TEST_F(Findings, TellBoundedErrorsFromGrowingOnes) {
+TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
     const auto series = [&](const std::string& method, const auto& energy) {
         add("free_asymmetric", method, 1e-3, 1e-6);
         FolderSeries one;
@@ -107,7 +107,7 @@ TEST_F(Findings, TellBoundedErrorsFromGrowingOnes) {
     for (const Finding& one : findings_of(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
 }
 
-TEST_F(Findings, CountOrdersThatAreNotThoseClaimed) {
+TEST_F(FolderFindings, CountOrdersThatAreNotThoseClaimed) {
     const auto curve = [&](const std::string& method, double order) {
         for (const double h : {0.1, 0.05, 0.025, 0.0125})
             add("free_asymmetric", method, 0.5 * std::pow(h, order), absent).setting = h;
@@ -121,7 +121,7 @@ TEST_F(Findings, CountOrdersThatAreNotThoseClaimed) {
     EXPECT_EQ(off.link, "#section=convergence&scene=free_asymmetric");
 }
 
-TEST_F(Findings, CountWhatFailedAndWhatReachesTheFloor) {
+TEST_F(FolderFindings, CountWhatFailedAndWhatReachesTheFloor) {
     add("a", "taylor", 2e-14, absent).floor = 1e-14;
     add("a", "cvode_adams", 5e-12, absent).floor = 1e-14;
     for (const Status status : {Status::diverged, Status::diverged, Status::failed, Status::unsupported})
@@ -138,7 +138,7 @@ TEST_F(Findings, CountWhatFailedAndWhatReachesTheFloor) {
               "rad.");
 }
 
-TEST_F(Findings, TellWhatLeavingOutGains) {
+TEST_F(FolderFindings, TellWhatLeavingOutGains) {
     FolderTable torn{"x_gain", "x", "", {{"scene", "method"}, {{std::string("a"), std::string("m")}}}, 1};
     FolderTable table{"y_gain", "y", "", {{"scene", "method", "gain"}, {}}, 4};
     for (const auto& [scene, gain] :
@@ -152,7 +152,7 @@ TEST_F(Findings, TellWhatLeavingOutGains) {
     EXPECT_TRUE(findings_of(folder).empty());
 }
 
-TEST_F(Findings, AreThreeAtMost) {
+TEST_F(FolderFindings, AreThreeAtMost) {
     for (const char* scene : {"a", "b"}) add(scene, "taylor", 1e-10, 1e-6), add(scene, "cvode_adams", 1e-10, 2e-6);
     add("a", "odeint_euler", 2, 1e-6).energy = 1e-3;
     add("a", "odeint_euler", 2, 1e-6).status = Status::failed;

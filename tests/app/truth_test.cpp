@@ -1,6 +1,7 @@
 // polhode truth --certified as a user's script sees it.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/program_fixture.h"
@@ -63,6 +64,54 @@ TEST_F(Truth, CertifiedJsonTellsHowItWasProven) {
     }
     EXPECT_EQ(truth["samples"][0][1]["value"], "1e0");
     EXPECT_EQ(truth["samples"][0][1]["radius"], "0");
+}
+
+// A ball from a metre above the floor: each flight lasts 2 e^k v / g, v the speed of the first impact.
+TEST_F(Truth, TellsOfImpactsWhenTheyAre) {
+    const Outcome outcome = run({"truth", "bouncing_ball", "--samples", "2", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json truth = nlohmann::json::parse(outcome.out);
+    const Outcome table = run({"truth", "bouncing_ball", "--samples", "2"});
+    ASSERT_EQ(table.exit_code, 0) << table.err;
+    ASSERT_EQ(truth["impact_times"].size(), 6u);
+    EXPECT_LE(truth["impact_time_error"].get<double>(), 1e-16);
+    constexpr double g = 9.80665, restitution = 0.8;
+    double time = std::sqrt(2 / g), flight = 2 * time;
+    for (std::size_t k = 0; k < 6; ++k) {
+        const std::string told = truth["impact_times"][k];
+        EXPECT_NEAR(std::stod(told), time, 1e-14) << k;
+        EXPECT_NE(table.out.find("\n# impact " + std::to_string(k + 1) + " at t = " + told + " s\n"), std::string::npos)
+            << table.out;
+        flight *= restitution, time += flight;
+    }
+}
+
+TEST_F(Truth, ProvenMotionsOfBodiesAreRowsOfTheirNames) {
+    if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
+    const std::vector<std::string> asked{
+        "truth",      "mechanisms/physical_pendulum", "--samples", "2", "--digits", "20", "--duration", "0.1",
+        "--certified"};
+    std::vector<std::string> as_json = asked;
+    as_json.insert(as_json.end(), {"--format", "json"});
+    const Outcome table = run(asked), outcome = run(as_json);
+    ASSERT_EQ(table.exit_code, 0) << table.err;
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(table.out.find("\nt,body,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,bound\n0,pendulum,"), std::string::npos);
+    const nlohmann::json truth = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(truth["columns"][1], "body");
+    ASSERT_EQ(truth["samples"].size(), 3u);
+    // the same numbers in both, and of length one
+    for (const nlohmann::json& sample : truth["samples"]) {
+        EXPECT_EQ(sample[1], "pendulum");
+        std::string row = sample[0].get<std::string>() + ",pendulum";
+        double square = 0;
+        for (std::size_t c = 2; c < 15; ++c) {
+            row.append(",").append(sample[c]["value"].get<std::string>());
+            if (c < 6) square += std::pow(std::stod(sample[c]["value"].get<std::string>()), 2);
+        }
+        EXPECT_NEAR(square, 1, 1e-15);
+        EXPECT_NE(table.out.find(row + ","), std::string::npos) << row;
+    }
 }
 
 TEST_F(Truth, MoreDigitsThanCanBeHadAreRefused) {

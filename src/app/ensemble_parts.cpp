@@ -220,15 +220,15 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
     identity.bytes = *input.size();
     // The rows of an .npy file are found without reading those before them: a part that read all would take longer for
     // that than for its own rows. The blocks lie alike in every file of that length, the first and the last among them.
-    constexpr std::size_t sampled_from = std::size_t{64} << 20, blocks = 1024, block = 4096;
+    constexpr std::size_t sampled_from = std::size_t{64} << 20, samples = 1024, length = 4096;
     if (path.ends_with(".npy") && identity.bytes > sampled_from) {
-        const std::size_t stride = (identity.bytes - block) / (blocks - 1);
-        std::string bytes(block, '\0');
-        for (std::size_t k = 0; k < blocks; ++k) {
-            input.seek(k + 1 < blocks ? k * stride : identity.bytes - block);
+        const std::size_t stride = (identity.bytes - length) / (samples - 1);
+        std::string bytes(length, '\0');
+        for (std::size_t k = 0; k < samples; ++k) {
+            input.seek(k + 1 < samples ? k * stride : identity.bytes - length);
             std::size_t taken = 0;
-            while (taken < block) {
-                const std::size_t count = input.read(bytes.data() + taken, block - taken);
+            while (taken < length) {
+                const std::size_t count = input.read(bytes.data() + taken, length - taken);
                 if (count == 0) input.refuse("changes while it is read");
                 taken += count;
             }

@@ -133,7 +133,7 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
 }
 
 double growth(std::complex<double> z) {
-    return runge_kutta_growth({&dop853.a[0][0], dop853_stages * dop853_stages}, dop853.b, z);
+    return runge_kutta_growth({&dop853.a[0][0], std::size_t{dop853_stages} * dop853_stages}, dop853.b, z);
 }
 
 constexpr Method each[] = {

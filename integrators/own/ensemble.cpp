@@ -22,7 +22,9 @@
 namespace polhode {
 namespace {
 
-constexpr std::size_t block_size = 512;
+// bodies that are recorded and moved together: enough that those of one law fill lanes; where all go by the closed
+// form, as many as stay in a core's own cache
+constexpr std::size_t block_size = 512, free_block_size = 128;
 // principal moments nearer than this are found in binary64; beyond, in 128 bits; beyond the second, one by one
 constexpr double near_moments = 1e3, far_moments = 1e8;
 // the range in which squares and quotients of squares neither overflow nor underflow
@@ -148,11 +150,10 @@ class Block {
             rows_[i].message = fault->columns + " " + fault->fault + "; " + fault->remedy;
             return;
         }
-        Traveller t;
+        Traveller& t = travellers_.emplace_back();
         t.row = i;
         if (plan_.one_by_one) {
             t.running = false, t.one_by_one = true;
-            travellers_.push_back(t);
             return;
         }
         ExactBody<double>& b = t.body;
@@ -180,7 +181,6 @@ class Block {
         t.q = turned ? b.q * t.frame.q_BP : b.q;
         t.one_by_one = !(spread() < far_moments) || !in_range(t.w[0]) || !in_range(t.w[1]) || !in_range(t.w[2]);
         t.running = !t.one_by_one;
-        travellers_.push_back(t);
     }
 
     void strike(const Piece& piece, Traveller& t) const {
@@ -401,8 +401,13 @@ class Block {
 
 }  // namespace
 
-void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, const EnsembleSettings& settings,
-                    std::span<EnsembleRow> rows) {
+struct EnsembleSolver::Prepared {
+    Scene scene;
+    EnsembleSettings settings;
+    Plan plan;
+};
+
+EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& settings) {
     if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
         throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
     if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0))
@@ -410,20 +415,42 @@ void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, co
     if (settings.instructions > widest_instruction_set())
         throw std::invalid_argument("this processor has no such instructions");
     if (is_mechanism(scene)) throw std::invalid_argument("an ensemble of bodies is of a scene of one body");
-    if (rows.size() != bodies.size()) throw std::invalid_argument("an ensemble has as many rows as bodies");
     validate(scene, scene.name);
-    const Plan plan = plan_of(scene);
+    prepared_.reset(new Prepared{scene, settings, plan_of(scene)});
+}
+
+EnsembleSolver::~EnsembleSolver() = default;
+EnsembleSolver::EnsembleSolver(EnsembleSolver&&) noexcept = default;
+EnsembleSolver& EnsembleSolver::operator=(EnsembleSolver&&) noexcept = default;
+
+std::size_t EnsembleSolver::block() const {
+    const Plan& plan = prepared_->plan;
     // bodies that are posed one by one take long: fewer a block, so that all threads have some
-    const std::size_t size = plan.one_by_one ? 8 : block_size, blocks = (bodies.size() + size - 1) / size;
-    parallel_for(blocks, settings.threads, [&](std::size_t i) {
+    if (plan.one_by_one) return 8;
+    const bool free = std::ranges::all_of(plan.pieces, [](const Piece& piece) { return piece.free; });
+    return free ? free_block_size : block_size;
+}
+
+void EnsembleSolver::solve(std::span<const EnsembleBody> bodies, std::span<EnsembleRow> rows) const {
+    if (rows.size() != bodies.size()) throw std::invalid_argument("an ensemble has as many rows as bodies");
+    const std::size_t size = block(), blocks = (bodies.size() + size - 1) / size;
+    const auto solve_block = [&](std::size_t i) {
         const std::size_t first = i * size, count = std::min(size, bodies.size() - first);
         if (Interruption::is_wanted()) {
             for (EnsembleRow& row : rows.subspan(first, count))
                 row.status = Status::failed, row.message = "interrupted";
             return;
         }
-        Block(scene, plan, settings, bodies.subspan(first, count), rows.subspan(first, count)).solve();
-    });
+        Block(prepared_->scene, prepared_->plan, prepared_->settings, bodies.subspan(first, count),
+              rows.subspan(first, count))
+            .solve();
+    };
+    parallel_for(blocks, prepared_->settings.threads, solve_block);
+}
+
+void solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies, const EnsembleSettings& settings,
+                    std::span<EnsembleRow> rows) {
+    EnsembleSolver(scene, settings).solve(bodies, rows);
 }
 
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,

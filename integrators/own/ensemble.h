@@ -1,6 +1,7 @@
 // Bodies by the million: each with its own inertia and start, all under the loads of one scene.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,28 @@ struct EnsembleRow {
 /// std::invalid_argument for settings out of range.
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});
+
+/// A scene made ready to move bodies: for whoever has many of them, and some at a time.
+class EnsembleSolver {
+  public:
+    /// Copies both. Throws as solve_ensemble().
+    EnsembleSolver(const Scene& scene, const EnsembleSettings& settings);
+    ~EnsembleSolver();
+    /// Takes the other's scene; what is left of it can only be assigned to, or go.
+    EnsembleSolver(EnsembleSolver&&) noexcept;
+    /// Takes the other's scene in place of its own; what is left of the other can only be assigned to, or go.
+    EnsembleSolver& operator=(EnsembleSolver&&) noexcept;
+
+    /// How many bodies are solved together by one thread: fewer where each takes long.
+    std::size_t block() const;
+    /// The motion of each body at the scene's duration, into as many rows; several threads may call it at once. Throws
+    /// std::invalid_argument where there are not as many rows as bodies.
+    void solve(std::span<const EnsembleBody> bodies, std::span<EnsembleRow> rows) const;
+
+  private:
+    struct Prepared;
+    std::unique_ptr<const Prepared> prepared_;
+};
 
 /// The motion of each body at the scene's duration, written into rows of the caller's. Throws std::invalid_argument
 /// also where there are not as many rows as bodies. Everything else is as in the function that returns the rows.

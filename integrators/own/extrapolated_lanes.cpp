@@ -161,7 +161,7 @@ ExtrapolatedLanes::ExtrapolatedLanes(const truth::Recording<double>& recording, 
       kernels_(&Kernels::of(options.instructions)),
       rates_(recording, options) {
     for (int i = 0; i < size_; ++i) {
-        is_moving_.push_back(!rates_.is_parameter(i));
+        is_moving_.push_back(rates_.is_parameter(i) ? 0 : 1);
         if (is_moving_.back()) moving_ = i + 1;
     }
     const std::size_t end = place(size_, 0);

@@ -14,10 +14,7 @@ struct Stages {
     explicit Stages(const Lanes8& lanes) : lane(lanes) {}
     // not trivial, so that it is passed in memory whatever registers the caller's and the callee's instructions have
     Stages(const Stages& other) : lane(other.lane) {}
-    Stages& operator=(const Stages& other) {
-        lane = other.lane;
-        return *this;
-    }
+    Stages& operator=(const Stages& other) = default;
     ~Stages() = default;
 
     friend Stages operator+(const Stages& a, const Stages& b) { return Stages(a.lane + b.lane); }

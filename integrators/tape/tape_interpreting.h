@@ -7,7 +7,7 @@
 #include "integrators/tape/tape_interpreter.h"
 
 namespace polhode {
-namespace {
+namespace {  // NOLINT(cert-dcl59-cpp): so that each file that includes this has functions of its own
 
 double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
 double root(double a) { return __builtin_sqrt(a); }

@@ -20,9 +20,9 @@ using Many = Real<200>;
 class Worst {
   public:
     void note(const Many& off) {
-        const bool finite = is_finite(off);
-        worst_ =
-            std::max(worst_, finite ? std::abs(off.convert_to<double>()) : std::numeric_limits<double>::infinity());
+        double size = std::numeric_limits<double>::infinity();
+        if (is_finite(off)) size = std::abs(off.convert_to<double>());
+        worst_ = std::max(worst_, size);
     }
     template <class P>
     void note(const P& found, const Many& right) {

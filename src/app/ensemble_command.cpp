@@ -2,17 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
-#include <future>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -28,6 +25,7 @@
 #include "text/atomic_stream.h"
 #include "text/content_hash.h"
 #include "text/message.h"
+#include "text/work_in_order.h"
 
 namespace polhode {
 namespace {
@@ -40,11 +38,13 @@ struct EnsembleOptions {
     std::optional<long> threads;
     long max_steps = EnsembleSettings{}.max_steps;
     double max_seconds = EnsembleSettings{}.seconds_limit;
-    long samples = 1, rows_at_once = 32'768;
+    long samples = 1, rows_at_once = 4096;
     std::string shard;
 };
 
 constexpr std::size_t most_told = 100;
+// of rows for stdout, bytes
+constexpr std::size_t most_held = std::size_t{8} << 20;
 
 // The first row that did not end well, a line.
 template <class Row>
@@ -63,8 +63,8 @@ void append_refused(std::string& text, const std::vector<RefusedRow>& refused, s
     if (all > told) text += fmt::format("refused  {} rows more; all stand in the table\n", all - told);
 }
 
-// Where rows go: a file that is there whole or not at all, or stdout, which begins once the table has been read to its
-// end or a second piece is there.
+// Where rows go: a file that is there whole or not at all, or stdout, which begins once all rows are there or more of
+// them than are held.
 class RowSink {
   public:
     explicit RowSink(const std::string& path) {
@@ -79,13 +79,14 @@ class RowSink {
         else
             held_.push_back(std::move(header));
     }
-    void write(std::vector<std::string> piece) {
+    void write(std::string piece) {
         if (file_) {
-            for (const std::string& text : piece) file_->write(text);
+            file_->write(piece);
             return;
         }
-        if (std::exchange(has_piece_, true)) write_held();
-        held_.insert(held_.end(), std::make_move_iterator(piece.begin()), std::make_move_iterator(piece.end()));
+        held_bytes_ += piece.size();
+        held_.push_back(std::move(piece));
+        if (held_bytes_ > most_held) write_held();
     }
     void commit() {
         write_held();
@@ -96,28 +97,16 @@ class RowSink {
     void write_held() {
         for (const std::string& text : held_) write_output("", text);
         held_.clear();
+        held_bytes_ = 0;
     }
 
     std::optional<AtomicStream> file_;
     std::vector<std::string> held_;
-    bool has_piece_ = false;
+    std::size_t held_bytes_ = 0;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// std::async, which leaves work to whoever asks for its result where the system gives no thread.
-template <class Work>
-auto begin_work(std::launch how, Work work) {
-    // one that it was moved into would be lost with it
-    const auto kept = std::make_shared<Work>(std::move(work));
-    const auto run = [kept] { return (*kept)(); };
-    try {
-        return std::async(how, run);
-    } catch (const std::system_error&) {
-        return std::async(std::launch::deferred, run);
-    }
 }
 
 // One table, piece by piece.
@@ -128,7 +117,18 @@ class EnsembleRun {
           settings_(settings),
           options_(options),
           table_(open_ensemble(options.initial, scene)),
-          format_(format_of(options.output, *table_, options.initial)) {}
+          format_(format_of(options.output, *table_, options.initial)) {
+        // each piece by one thread, and all pieces side by side
+        EnsembleSettings alone = settings;
+        alone.threads = 1;
+        for (long k = 1; k <= options.samples; ++k) {
+            Scene until = scene;
+            until.duration = sample_time(scene.duration, k, options.samples);
+            solvers_.emplace_back(until, alone);
+        }
+        largest_piece_ = static_cast<std::size_t>(std::max(64L, options.rows_at_once / options.samples));
+        piece_rows_ = std::min(solvers_.front().block(), largest_piece_);
+    }
 
     int whole() {
         solve(options_.output, std::numeric_limits<std::size_t>::max(), nullptr);
@@ -164,31 +164,26 @@ class EnsembleRun {
 
   private:
     // The next rows of the table, `rows` at most, into a file; `hash`, where there is one, of what stands behind its
-    // header. With several threads the next piece is read and the last one written while one is solved.
+    // header.
     void solve(const std::string& path, std::size_t rows, ContentHash* hash) {
         const auto start = std::chrono::steady_clock::now();
         RowSink sink(path);
         if (format_->counts_rows() && sink.file() && !sink.file()->is_regular())
             throw UsageError(path + ": is no regular file; an .npy file is written into one");
         sink.begin(format_->header(0));
-        const std::launch beside = settings_.threads > 1 ? std::launch::async : std::launch::deferred;
         std::size_t left = rows;
-        const auto read_next = [&] {
+        const auto read_next = [&]() -> std::optional<SolvedPiece> {
             SolvedPiece piece = read(left);
+            if (piece.is_empty()) return {};
             left -= piece.table.bodies.size() + piece.table.refused.size();
             return piece;
         };
-        std::future<void> written;
-        for (SolvedPiece piece = read_next(); !piece.is_empty();) {
-            std::future<SolvedPiece> next = begin_work(beside, std::ref(read_next));
-            solve(piece);
-            count(piece);
-            if (written.valid()) written.get();
-            written = begin_work(beside, [&, solved = std::move(piece)] { write(sink, solved, hash); });
-            if (beside == std::launch::deferred) written.get();
-            piece = next.get();
-        }
-        if (written.valid()) written.get();
+        work_in_order(
+            settings_.threads, read_next, [&](SolvedPiece& piece) { solve(piece); },
+            [&](SolvedPiece piece) {
+                count(piece);
+                write(sink, piece, hash);
+            });
         if (!hash) table_->require_bodies();
         const auto written_all = std::chrono::steady_clock::now();
         if (format_->counts_rows())
@@ -202,35 +197,31 @@ class EnsembleRun {
     // The next rows, at most `left`.
     SolvedPiece read(std::size_t left) {
         const auto start = std::chrono::steady_clock::now();
-        // rows times samples are held at once
-        const auto most = static_cast<std::size_t>(std::max(64L, options_.rows_at_once / options_.samples));
         SolvedPiece piece;
         piece.first_row = table_->rows_passed() + 1;
-        if (left > 0) table_->next(piece.table, std::min(most, left));
+        if (left > 0) table_->next(piece.table, std::min(piece_rows_.load(), left));
         reading_ += seconds_since(start);
         return piece;
     }
 
-    void write(RowSink& sink, const SolvedPiece& piece, ContentHash* hash) {
+    void solve(SolvedPiece& piece) const {
         const auto start = std::chrono::steady_clock::now();
-        std::vector<std::string> texts = rows_of(piece, *format_, settings_.threads);
-        for (const std::string& text : texts) {
-            bytes_ += text.size();
-            if (hash) hash->add(text);
-        }
-        sink.write(std::move(texts));
-        writing_ += seconds_since(start);
+        for (const EnsembleSolver& solver : solvers_)
+            solver.solve(piece.table.bodies, piece.at.emplace_back(piece.table.bodies.size()));
+        piece.solving = seconds_since(start);
+        piece.text = rows_of(piece, *format_);
+        piece.formatting = seconds_since(start) - piece.solving;
     }
 
-    void solve(SolvedPiece& piece) {
+    void write(RowSink& sink, SolvedPiece& piece, ContentHash* hash) {
         const auto start = std::chrono::steady_clock::now();
-        piece.at.resize(static_cast<std::size_t>(options_.samples));
-        for (long k = 1; k <= options_.samples; ++k) {
-            Scene until = scene_;
-            until.duration = sample_time(scene_.duration, k, options_.samples);
-            piece.at[static_cast<std::size_t>(k - 1)] = solve_ensemble(until, piece.table.bodies, settings_);
-        }
-        solving_ += seconds_since(start);
+        bytes_ += piece.text.size();
+        if (hash) hash->add(piece.text);
+        sink.write(std::move(piece.text));
+        solving_ += piece.solving;
+        writing_ += piece.formatting + seconds_since(start);
+        // short ones cost their hand-over, long ones let the other threads wait at the end
+        if (piece.solving < 0.002) piece_rows_ = std::min(2 * piece_rows_.load(), largest_piece_);
     }
 
     void count(const SolvedPiece& piece) {
@@ -249,11 +240,12 @@ class EnsembleRun {
 
     // What the run did, for people: a line each.
     std::string summary() const {
+        const double solving = solving_ / settings_.threads;
         std::string text =
             fmt::format("scene    {}: {} bodies, {} s\n", one_line(scene_.name, 100), bodies_, scene_.duration);
-        text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} bodies a second\n", solving_,
+        text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} bodies a second\n", solving,
                             settings_.threads, settings_.threads == 1 ? "" : "s", name_of(settings_.instructions),
-                            static_cast<double>(bodies_) / solving_);
+                            static_cast<double>(bodies_) / solving);
         text +=
             fmt::format("tables   {:.3f} s to read, {:.3f} s to write; {:.3f} s in all\n", reading_, writing_, in_all_);
         text += "status  ";
@@ -272,7 +264,11 @@ class EnsembleRun {
     const EnsembleOptions& options_;
     std::unique_ptr<EnsembleStream> table_;
     std::unique_ptr<EnsembleFormat> format_;
-    double reading_ = 0, solving_ = 0, writing_ = 0, in_all_ = 0;  // s; with several threads side by side
+    std::vector<EnsembleSolver> solvers_;             // one for each time that is asked for
+    std::size_t largest_piece_ = 0;                   // rows
+    std::atomic<std::size_t> piece_rows_{0};          // of the next piece; at most the largest
+    double reading_ = 0, solving_ = 0, writing_ = 0;  // s, of all threads together
+    double in_all_ = 0;                               // s
     std::map<Status, std::size_t> count_;
     std::size_t bodies_ = 0, refused_ = 0;
     std::uint64_t bytes_ = 0;       // behind the header
@@ -411,7 +407,7 @@ void add_ensemble(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command
         ->add_option("--rows-at-once", options->rows_at_once,
-                     "Rows times samples that are held in memory; the table may be of any length")
+                     "Rows times samples that a thread takes at a time, at most; the table may be of any length")
         ->capture_default_str();
     command->add_option("--shard", options->shard,
                         "I/N: solves part I of N of the rows into OUTPUT.part-I-of-N, with a .json that says of what; "

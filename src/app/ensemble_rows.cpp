@@ -8,7 +8,6 @@
 
 #include "text/message.h"
 #include "text/npy.h"
-#include "text/parallel.h"
 
 namespace polhode {
 namespace {
@@ -132,33 +131,25 @@ std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Ensembl
     return std::make_unique<NpyFormat>(table.id_width());
 }
 
-std::vector<std::string> rows_of(const SolvedPiece& piece, const EnsembleFormat& format, int threads) {
-    constexpr std::size_t share = 4096;
+std::string rows_of(const SolvedPiece& piece, const EnsembleFormat& format) {
     const EnsembleTable& table = piece.table;
     const std::vector<std::size_t> numbers = piece.numbers();
-    const std::size_t bodies = numbers.size(), shares = std::max<std::size_t>(1, (bodies + share - 1) / share);
-    std::vector<std::string> texts(shares);
-    parallel_for(shares, threads, [&](std::size_t k) {
-        const std::size_t begin = k * share, end = std::min(begin + share, bodies);
-        std::string& text = texts[k];
-        // a refused row stands in front of the next body; the last ones have none behind them
-        auto refused = begin == 0 ? table.refused.begin()
-                                  : std::ranges::lower_bound(table.refused, numbers[begin - 1], {}, &RefusedRow::row);
-        const auto refuse_before = [&](std::size_t number) {
-            for (; refused != table.refused.end() && refused->row < number; ++refused)
-                format.append_row(text, refused->row, nullptr, {Status::failed, false, {}, refused->fault});
-        };
-        for (std::size_t i = begin; i < end; ++i) {
-            refuse_before(numbers[i]);
-            for (const std::vector<EnsembleRow>& at : piece.at) {
-                format.append_row(text, numbers[i], table.ids.empty() ? nullptr : &table.ids[i], at[i]);
-                if (i == begin && &at == &piece.at.front())
-                    text.reserve((text.size() + 16) * (end - begin) * piece.at.size());
-            }
+    std::string text;
+    auto refused = table.refused.begin();
+    // a refused row stands in front of the next body; the last ones have none behind them
+    const auto refuse_before = [&](std::size_t number) {
+        for (; refused != table.refused.end() && refused->row < number; ++refused)
+            format.append_row(text, refused->row, nullptr, {Status::failed, false, {}, refused->fault});
+    };
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        refuse_before(numbers[i]);
+        for (const std::vector<EnsembleRow>& at : piece.at) {
+            format.append_row(text, numbers[i], table.ids.empty() ? nullptr : &table.ids[i], at[i]);
+            if (i == 0 && &at == &piece.at.front()) text.reserve((text.size() + 16) * numbers.size() * piece.at.size());
         }
-        if (k + 1 == shares) refuse_before(std::numeric_limits<std::size_t>::max());
-    });
-    return texts;
+    }
+    refuse_before(std::numeric_limits<std::size_t>::max());
+    return text;
 }
 
 }  // namespace polhode

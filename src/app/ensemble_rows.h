@@ -18,6 +18,8 @@ struct SolvedPiece {
     EnsembleTable table;                       ///< the rows
     std::size_t first_row = 1;                 ///< the number of the first among all rows
     std::vector<std::vector<EnsembleRow>> at;  ///< at each time, the last one being the end: a row a body
+    std::string text;                          ///< as it is written
+    double solving = 0, formatting = 0;        ///< s that this took
 
     /// Whether there is no row.
     bool is_empty() const { return table.bodies.empty() && table.refused.empty(); }
@@ -43,9 +45,8 @@ class EnsembleFormat {
 std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const EnsembleStream& table,
                                           const std::string& file);
 
-/// The rows of a piece in their order, each at all times, in strings that follow each other; so many threads write
-/// them.
-std::vector<std::string> rows_of(const SolvedPiece& piece, const EnsembleFormat& format, int threads);
+/// The rows of a piece in their order, each at all times.
+std::string rows_of(const SolvedPiece& piece, const EnsembleFormat& format);
 
 /// Appends a comma and the number, or only the comma where it is none.
 void append_number(std::string& text, double value);

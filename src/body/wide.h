@@ -3,11 +3,18 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 namespace polhode {
 
-/// 113 bits of precision, computed in software.
+/// 113 bits of precision, computed in software: IEEE 754's binary128, the same bits whatever the compiler calls it.
+#ifdef __SIZEOF_FLOAT128__
 __extension__ using Wide = __float128;
+#else
+// on AArch64 long double is of this format, and GCC has no other name for it in C++
+using Wide = long double;
+static_assert(std::numeric_limits<Wide>::digits == 113, "no floating-point type of 113 bits on this machine");
+#endif
 
 /// The square root by Newton's iteration from the binary64 one: two steps from 53 bits give 113. Zero of what rounding
 /// left below zero.

@@ -23,6 +23,19 @@ bool is_diagonal(const Matrix3<double>& J) {
     return J[0][1] == 0 && J[0][2] == 0 && J[1][2] == 0 && J[1][0] == 0 && J[2][0] == 0 && J[2][1] == 0;
 }
 
+// Whether a body about its own axes keeps all rules by a margin: most do, and it is told in a tenth of the time.
+bool is_plain(const EnsembleBody& b, bool pivoted) {
+    constexpr double least = 1e-300, most = 1e300;  // both have inverses
+    const Vector3<double>&w = b.angular_velocity, &p = b.position_W, &v = b.velocity_W;
+    const double I[3] = {b.inertia_B[0][0], b.inertia_B[1][1], b.inertia_B[2][2]};
+    // not a number where one of them is not finite
+    const double zero = (w[0] + w[1] + w[2]) * 0 + (p[0] + p[1] + p[2]) * 0 + (v[0] + v[1] + v[2]) * 0;
+    return !pivoted && is_diagonal(b.inertia_B) && b.mass >= least && b.mass <= most &&
+           std::abs(squared_norm(b.orientation) - 1) <= norm_tolerance && zero == 0 && I[0] >= least && I[1] >= least &&
+           I[2] >= least && I[0] <= most && I[1] <= most && I[2] <= most && I[0] <= I[1] + I[2] &&
+           I[1] <= I[2] + I[0] && I[2] <= I[0] + I[1];
+}
+
 }  // namespace
 
 EnsembleBody ensemble_body(const Scene& scene) {
@@ -32,6 +45,7 @@ EnsembleBody ensemble_body(const Scene& scene) {
 }
 
 std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
+    if (is_plain(b, pivoted)) return {};
     const auto finite = [](double x) { return x * 0 == 0; };
     const auto all_finite = [&](const Vector3<double>& x) { return finite(x[0]) && finite(x[1]) && finite(x[2]); };
     if (!(b.mass > 0) || !finite(b.mass) || !finite(1 / b.mass))

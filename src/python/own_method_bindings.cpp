@@ -60,9 +60,9 @@ class PythonStepper {
         : system_(problem), y_(system_.size()), step_(step), rates_(make_rates()) {
         restart();
     }
-    ~PythonStepper() {
+    ~PythonStepper() {  // NOLINT(bugprone-exception-escape): where Python gives no thread a state, nothing goes on
         const py::gil_scoped_acquire gil;
-        rates_.cast<RightHandSide&>().end();
+        native_->end();
         rates_ = py::object();
     }
     PythonStepper(const PythonStepper&) = delete;

@@ -168,8 +168,11 @@ Ball WeightedNorm::logarithmic_norm(const Recording<Ball>& recording, const std:
     arb_pos_inf(unknown.raw());
     if (!rest.is_finite() || !M.allFinite()) return unknown;
     const double near = largest_eigenvalue(M), size = M.cwiseAbs().maxCoeff();
-    for (double slack = 1e-12 * size; slack <= size + 1e-300; slack = 16 * slack + 1e-300)
+    double slack = 1e-12 * size;
+    while (slack <= size + 1e-300) {
         if (eigenvalues_below(M, near + slack)) return Ball(near + slack) + rest.ball();
+        slack = 16 * slack + 1e-300;
+    }
     return unknown;
 }
 

@@ -89,7 +89,8 @@ std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
     const std::vector<Node<Ball>>& nodes = equations.tape.nodes;
     const std::size_t n = equations.rates.size();
     const auto unite = [n](char* own, const char* other) {
-        for (std::size_t j = 0; j < n; ++j) own[j] = own[j] || other[j];
+        for (std::size_t j = 0; j < n; ++j)
+            if (other[j]) own[j] = 1;
     };
     std::vector<char> depends(nodes.size() * n), reached(n * n);
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -1,6 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
 #include "integrators/own/ensemble_scenes.h"
+#include "text/parallel.h"
 
 namespace polhode {
 namespace {
@@ -41,6 +47,28 @@ TEST(EnsembleThreads, OneByOneToo) {
         EXPECT_EQ(rows[i].status, Status::ok) << rows[i].message;
         EXPECT_TRUE(same_bits(rows[i].end, one[i].end)) << i;
     }
+}
+
+// Some at a time, by several threads at once.
+TEST(EnsembleThreads, ASolverMovesBodiesSomeAtATime) {
+    for (const bool heavy : {false, true}) {
+        const Scene scene = heavy ? testing::top_scene(0.05) : testing::free_scene(10);
+        const auto bodies = heavy ? testing::tops(300, false, 3) : testing::free_bodies(300, 3);
+        const auto whole = solve_ensemble(scene, bodies);
+        const EnsembleSolver solver(scene, {});
+        EXPECT_GE(solver.block(), 64u);
+        std::vector<EnsembleRow> rows(bodies.size());
+        constexpr std::size_t some = 70;
+        parallel_for((bodies.size() + some - 1) / some, 3, [&](std::size_t i) {
+            const std::size_t first = i * some, count = std::min(some, bodies.size() - first);
+            solver.solve(std::span(bodies).subspan(first, count), std::span(rows).subspan(first, count));
+        });
+        for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_TRUE(same_bits(rows[i].end, whole[i].end)) << i;
+        EXPECT_THROW(solver.solve(bodies, std::span(rows).first(2)), std::invalid_argument);
+    }
+    Scene pushed = testing::free_scene(1);
+    pushed.loads = {UserTorque{"push", [](const LoadState&) { return Vector3<double>(1, 0, 0); }, {}}};
+    EXPECT_LE(EnsembleSolver(pushed, {}).block(), 16u) << "long runs are shared by threads";
 }
 
 }  // namespace

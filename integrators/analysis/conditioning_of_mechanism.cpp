@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "integrators/analysis/spectral_norm.h"
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/processor_time.h"
 #include "integrators/series/linear_algebra.h"
@@ -28,13 +29,6 @@ constexpr double variation_tolerance = 1e-8;
 constexpr double difference = 1e-5;
 // of steps times components times evaluations, so that a hundred bodies wait no longer than two
 constexpr double most_variation_work = 6e5, most_prompt_steps = 20'000;
-
-double largest_singular_value(const Matrix& matrix) {
-    if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
-    const Matrix gram = matrix.transpose() * matrix;
-    const double largest = Eigen::SelfAdjointEigenSolver<Matrix>(gram, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-    return std::sqrt(std::max(0.0, largest));
-}
 
 // The state y of a mechanism with columns S = dy/da, stepped along together.
 class Variation {
@@ -108,7 +102,7 @@ class Variation {
     }
 
     // || d state(t) / d state(0) ||, both in minimal coordinates in units of their scales.
-    double state() const { return largest_singular_value(minimal(S_)); }
+    double state() const { return spectral_norm(minimal(S_)); }
 
     // Rad of the body that answers most.
     double attitude() const {
@@ -132,7 +126,7 @@ class Variation {
             }
         }
         double largest = 0;
-        for (const Matrix& turn : turns) largest = std::max(largest, largest_singular_value(turn));
+        for (const Matrix& turn : turns) largest = std::max(largest, spectral_norm(turn));
         return largest;
     }
 

@@ -12,7 +12,7 @@
 #include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
 #include "integrators/series/linear_algebra.h"
-#include "motion/dual.h"
+#include "motion/jacobian.h"
 #include "motion/numbers.h"
 
 namespace polhode {

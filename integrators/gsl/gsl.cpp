@@ -15,8 +15,8 @@
 #include "integrators/run/refusals.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/run/tolerance.h"
-#include "motion/dual.h"
 #include "motion/finite.h"
+#include "motion/jacobian.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 

@@ -1,7 +1,7 @@
 #include "integrators/odeint/odeint.h"
 #include "integrators/odeint/rosenbrock.h"
 #include "integrators/run/linear_growth.h"
-#include "motion/dual.h"
+#include "motion/jacobian.h"
 
 namespace polhode {
 namespace {

@@ -15,7 +15,7 @@
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/tolerance.h"
-#include "motion/dual.h"
+#include "motion/jacobian.h"
 #include "motion/numbers.h"
 
 namespace polhode {

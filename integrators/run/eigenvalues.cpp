@@ -1,8 +1,9 @@
 #include "integrators/run/eigenvalues.h"
 
+#include <cmath>
+
 #include "integrators/series/linear_algebra.h"
-#include "motion/dual.h"
-#include "motion/systems.h"
+#include "motion/jacobian.h"
 
 namespace polhode {
 namespace {
@@ -14,13 +15,19 @@ std::vector<std::complex<double>> eigenvalues_on(const Problem& problem, const S
     const SystemType system(problem, problem.segments[segment_at(problem, sample.t)]);
     system.state(sample, y);
     jacobian(system, sample.t, y, J);
-    const Eigen::MatrixXd matrix = Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>(J);
+    return eigenvalues(J);
+}
+
+}  // namespace
+
+std::vector<std::complex<double>> eigenvalues(std::span<const double> J) {
+    const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(J.size()))));
+    const Eigen::MatrixXd matrix =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(J.data(), n, n);
     if (!matrix.allFinite()) return {};
     const Eigen::VectorXcd values = matrix.eigenvalues();
     return {values.begin(), values.end()};
 }
-
-}  // namespace
 
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample) {
     // a sample of own systems tells no state

@@ -9,6 +9,9 @@
 
 namespace polhode {
 
+/// Of a square matrix whose entries stand row by row, in no order; empty where one of them is not finite.
+std::vector<std::complex<double>> eigenvalues(std::span<const double> J);
+
 /// At a state of the motion, of the system as it was posed, 1/s, in no order; empty where the Jacobian is not finite.
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample);
 

@@ -7,7 +7,6 @@
 
 #include "integrators/method.h"
 #include "integrators/run/eigenvalues.h"
-#include "integrators/series/linear_algebra.h"
 #include "motion/own_system.h"
 
 namespace polhode {
@@ -23,9 +22,9 @@ bool damps(const Problem& problem) {
 
 // The largest |lambda| of the eigenvalues that decay. Those of a motion that only turns lie on the imaginary axis, and
 // rounding sets them beside it.
-double decay_rate(const Problem& problem, const Sample& sample) {
+double decay_rate(const std::vector<std::complex<double>>& eigenvalues) {
     double rate = 0;
-    for (const std::complex<double>& lambda : eigenvalues(problem, sample))
+    for (const std::complex<double>& lambda : eigenvalues)
         if (lambda.real() < -1e-3 * std::abs(lambda)) rate = std::max(rate, std::abs(lambda));
     return rate;
 }
@@ -48,13 +47,8 @@ Stiffness stiffness_at_start(const Problem& problem) {
         std::vector<double> struck = y;
         system.enter(segment, struck.data());
         jacobian(system, segment.begin, y.data(), J.data());
-        const Eigen::MatrixXd matrix =
-            Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(J.data(), n, n);
-        if (!matrix.allFinite()) return {};
-        double rate = 0;
-        for (const std::complex<double>& lambda : matrix.eigenvalues())
-            if (lambda.real() < -1e-3 * std::abs(lambda)) rate = std::max(rate, std::abs(lambda));
-        found.decays += (segment.end - segment.begin) * rate;
+        if (!std::ranges::all_of(J, [](double entry) { return std::isfinite(entry); })) return {};
+        found.decays += (segment.end - segment.begin) * decay_rate(eigenvalues(J));
     }
     return found;
 }
@@ -77,7 +71,7 @@ Stiffness stiffness(const Problem& problem) {
         const double before = k > 0 ? samples[k].t - samples[k - 1].t : 0;
         const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
         const Vector3<double>& w = samples[k].angular_velocity_B;
-        found.decays += (before + after) / 2 * decay_rate(problem, samples[k]);
+        found.decays += (before + after) / 2 * decay_rate(eigenvalues(problem, samples[k]));
         // a spin that is gone by the next sample has turned the body by far less than it would have
         found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
     }

@@ -19,8 +19,8 @@
 #include "integrators/run/solver_run.h"
 #include "integrators/sundials/serial_vector.h"
 #include "integrators/sundials/sundials_handles.h"
-#include "motion/dual.h"
 #include "motion/finite.h"
+#include "motion/jacobian.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 

@@ -40,11 +40,11 @@ TimedRun time_told(Told& told, double expected, int rounds) {
 
 // a closed form takes less than a microsecond, and its first run, with all that is cold, ten thousand times that
 TEST(Timing, IsOfManyRunsWhereTheFirstGuessWasACold) {
-    Told told{{2e-3, 4e-7}};
+    Told told{{2e-3, 3e-7}};
     const TimedRun run = time_told(told, 5e-3, 3);
-    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 250, 250, 250})) << "two pilots: the first is cold as well";
+    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334})) << "two pilots: the first is cold as well";
     EXPECT_EQ(run.seconds.size(), 3u);
-    EXPECT_EQ(run.median(), 4e-7);
+    EXPECT_EQ(run.median(), 3e-7);
 }
 
 // a run that takes long is not run more often than it is timed

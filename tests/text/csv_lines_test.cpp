@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-const std::string file = "t.csv";
+const std::string csv_file = "t.csv";
 
 // All that can be learnt of a text: cells by line, and how it ends.
 std::string told(CsvLines&& lines) {
@@ -39,9 +39,10 @@ CsvLines::Source source_of(const std::string& text, std::size_t most) {
 }
 
 void expect_same(const std::string& text) {
-    const std::string whole = told(CsvLines(text, file));
+    const std::string whole = told(CsvLines(text, csv_file));
     for (const std::size_t most : {std::size_t{1}, std::size_t{2}, std::size_t{7}, std::size_t{1} << 30})
-        EXPECT_EQ(told(CsvLines(source_of(text, most), file)), whole) << testing::PrintToString(text.substr(0, 100));
+        EXPECT_EQ(told(CsvLines(source_of(text, most), csv_file)), whole)
+            << testing::PrintToString(text.substr(0, 100));
 }
 
 TEST(CsvLines, AStreamIsReadAsItsText) {
@@ -60,15 +61,15 @@ TEST(CsvLines, AStreamIsReadAsItsText) {
 TEST(CsvLines, ALongTextIsReadAsItsText) {
     std::string text;
     for (int i = 0; text.size() < 700'000; ++i) text += std::string(static_cast<std::size_t>(i % 5000), 'x') + ",1\n";
-    const std::string whole = told(CsvLines(text, file));
+    const std::string whole = told(CsvLines(text, csv_file));
     for (const std::size_t most : {1000u, 65'537u, 1u << 30})
-        EXPECT_EQ(told(CsvLines(source_of(text, most), file)), whole);
+        EXPECT_EQ(told(CsvLines(source_of(text, most), csv_file)), whole);
 }
 
 RC_GTEST_PROP(CsvLinesProperties, AnyTextIsReadAsItsStream, ()) {
     const auto characters = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("ab,\n\n\r \t#")));
     const auto most = *rc::gen::inRange<std::size_t>(1, 5);
-    RC_ASSERT(told(CsvLines(source_of(characters, most), file)) == told(CsvLines(characters, file)));
+    RC_ASSERT(told(CsvLines(source_of(characters, most), csv_file)) == told(CsvLines(characters, csv_file)));
 }
 
 }  // namespace

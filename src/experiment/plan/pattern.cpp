@@ -28,14 +28,16 @@ class Unrolled {
         last_ = 0;
     }
     void close() {
-        if (groups_.size() == 1) return;
+        // one that closes nothing stands for itself
+        if (groups_.size() == 1) return character();
         const long inner = groups_.back();
         groups_.pop_back();
         add(std::max(inner, 1L));
     }
     void repeat(long times) {
-        const long before = last_;
-        groups_.back() -= before;
+        // where there is nothing to repeat, the sign may stand for itself and be repeated by those behind it
+        const long before = std::max(last_, 1L);
+        groups_.back() -= last_;
         add(std::min(before * std::max(times, 1L), 100'000L));
     }
 

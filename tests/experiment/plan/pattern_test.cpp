@@ -32,6 +32,8 @@ TEST(Pattern, RefusesWhatIsNoneOrCouldRunAway) {
                                    std::string("(((a{1,250}){1,250}){1,250}){1,250}"),
                                    std::string("a{32767}"),
                                    "a" + std::string(40, '+'),
+                                   ")" + std::string(30, '+') + ")zy)z",
+                                   "(a){" + std::string(30, '+'),
                                    std::string("(a{1,40}){30,}"),
                                    std::string("(.*)\\1"),
                                    std::string("a\0b", 3),

@@ -1,0 +1,248 @@
+// Robot files against motions that were computed without polhode (tests/import/README.md): one construct a file.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "integrators/method.h"
+#include "scene/scene_file.h"
+#include "text/named_file.h"
+
+namespace polhode {
+namespace {
+
+using nlohmann::json;
+
+const std::string battery_folder = POLHODE_SOURCE_DIR "/tests/import";
+
+// Of the motion, and rad. The solver's tolerance is 1e-12; the computed motions are good to 4e-10 where MuJoCo reduces
+// a mesh, and to 1e-11 elsewhere.
+constexpr double allowed = 1e-8;
+
+json read_json(const std::string& name) {
+    std::ifstream file(battery_folder + "/" + name);
+    return json::parse(file);
+}
+
+const json& battery_entry(const std::string& file) {
+    static const json battery = read_json("battery.json");
+    for (const json& entry : battery["files"])
+        if (entry["file"] == file) return entry;
+    throw std::out_of_range("no entry " + file);
+}
+
+std::vector<std::string> battery_files() {
+    std::vector<std::string> files;
+    for (const json& entry : read_json("battery.json")["files"]) files.push_back(entry["file"]);
+    return files;
+}
+
+Scene import_file(const json& entry) {
+    json scene = {{"name", "battery"}, {"duration", 0.5}, {"import", entry.value("import", json::object())}};
+    scene["import"]["file"] = entry["file"];
+    if (entry.value("gravity", "") != "file")
+        scene["loads"] = {{{"type", "gravity"}, {"acceleration", {1.5, -2.5, -9}}}};
+    return parse_scene(scene.dump(), "battery.json", battery_folder + "/files");
+}
+
+bool contains_ignoring_case(const std::string& text, const std::string& phrase) {
+    const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
+    return std::search(text.begin(), text.end(), phrase.begin(), phrase.end(), same) != text.end();
+}
+
+bool is_reported(const Scene& scene, const json& phrases) {
+    for (const std::string phrase : phrases)
+        for (const std::string& omission : scene.left_out)
+            if (contains_ignoring_case(omission, phrase)) return true;
+    return false;
+}
+
+Vector3<double> vector_of(const json& x) { return {x[0], x[1], x[2]}; }
+
+double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
+
+double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
+    const Quaternion<double> r = conjugate(a) * b;
+    const Vector3<double> v = vector_part(r);
+    return 2 * std::atan2(std::sqrt(dot(v, v)), std::abs(r.w));
+}
+
+bool ends_with_scope(const std::string& name, const std::string& last) {
+    const std::string tail = "::" + last;
+    return name.size() > tail.size() && name.compare(name.size() - tail.size(), tail.size(), tail) == 0;
+}
+
+// The scene's bodies among the expected ones: by name, by the last parts of a name with ::, those without a name by
+// their order.
+std::vector<std::optional<std::size_t>> match_bodies(const Scene& scene, const json& bodies) {
+    std::vector<std::optional<std::size_t>> matches(scene.bodies.size());
+    std::vector<bool> is_taken(bodies.size());
+    const auto match = [&](auto&& same) {
+        for (std::size_t i = 0; i < matches.size(); ++i)
+            for (std::size_t k = 0; k < bodies.size() && !matches[i]; ++k)
+                if (!is_taken[k] && same(scene.bodies[i].name, bodies[k]["name"].get<std::string>()))
+                    matches[i] = k, is_taken[k] = true;
+    };
+    match([](const std::string& a, const std::string& b) { return a == b; });
+    match([](const std::string& a, const std::string& b) { return ends_with_scope(a, b) || ends_with_scope(b, a); });
+    match([](const std::string&, const std::string& b) { return b.empty(); });
+    return matches;
+}
+
+struct BatteryDifference {
+    double position = 0;  ///< relative to the largest displacement of a centre of mass
+    double attitude = 0;  ///< rad
+};
+
+// Where a body stands for several links that are one rigid body, its frame is that of the link of its name.
+BatteryDifference compare_motions(const Scene& scene, const Trajectory& trajectory, const json& expected,
+                                  const std::vector<std::optional<std::size_t>>& matches) {
+    const json& moments = expected["moments"];
+    double size = 0;
+    for (const json& moment : moments)
+        for (std::size_t k = 0; k < expected["bodies"].size(); ++k)
+            size = std::max(size, distance(vector_of(moment["bodies"][k]["center_of_mass"]),
+                                           vector_of(moments[0]["bodies"][k]["center_of_mass"])));
+    EXPECT_GT(size, 0.01) << "the file's motion is too small to tell anything";
+    BatteryDifference largest;
+    for (std::size_t t = 0; t < moments.size(); ++t) {
+        for (std::size_t i = 0; i < matches.size(); ++i) {
+            if (!matches[i]) continue;
+            const json& there = moments[t]["bodies"][*matches[i]];
+            const Sample& sample = trajectory.at(t)[i];
+            const Body& body = scene.bodies[i].body;
+            const Quaternion<double> q = normalized(sample.q), p = {there["attitude"][0], there["attitude"][1],
+                                                                    there["attitude"][2], there["attitude"][3]};
+            const Vector3<double> origin = sample.position_W - rotate(q, body.center_of_mass);
+            double apart = distance(origin, vector_of(there["origin"]));
+            const double mass = expected["bodies"][*matches[i]]["mass"];
+            if (std::abs(body.mass - mass) <= 1e-12 * mass)
+                apart = std::max(apart, distance(sample.position_W, vector_of(there["center_of_mass"])));
+            largest.position = std::max(largest.position, apart / size);
+            largest.attitude = std::max(largest.attitude, angle_between(p, q));
+        }
+    }
+    return largest;
+}
+
+// Every rigid body that moves is there with its whole mass, and nothing else.
+void expect_same_bodies(const Scene& scene, const json& bodies,
+                        const std::vector<std::optional<std::size_t>>& matches) {
+    std::map<int, double> expected, imported;
+    for (const json& body : bodies)
+        if (body["welded_to"] >= 0) expected[body["welded_to"]] += body["mass"].get<double>();
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+        if (!matches[i]) {
+            ADD_FAILURE() << "body " << scene.bodies[i].name << " is not expected";
+            continue;
+        }
+        if (const int root = bodies[*matches[i]]["welded_to"]; root >= 0) imported[root] += scene.bodies[i].body.mass;
+    }
+    for (const auto& [root, mass] : expected)
+        EXPECT_NEAR(imported[root], mass, 1e-8 * mass)
+            << "mass of " << bodies[root]["name"] << " and what is fixed to it";
+}
+
+void record_difference(const std::string& file, const std::string& position, const std::string& attitude,
+                       std::string verdict) {
+    const char* path = std::getenv("POLHODE_IMPORT_DIFFERENCES");
+    if (!path) return;
+    std::replace_if(
+        verdict.begin(), verdict.end(), [](char c) { return c == '\n' || c == '\t' || c == '|'; }, ' ');
+    std::ofstream(path, std::ios::app) << file << '\t' << position << '\t' << attitude << '\t' << verdict << '\n';
+}
+
+std::string format_difference(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1e", x);
+    return text;
+}
+
+// The message of the refusal, or an empty string.
+std::string import_or_refusal(const json& entry, Scene& scene) {
+    try {
+        scene = import_file(entry);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+class ImportBattery : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ImportBattery, MovesAsComputedElsewhere) {
+    const std::string file = GetParam();
+    const json& entry = battery_entry(file);
+    static const json expected_files = read_json("expected.json")["files"];
+    Scene scene;
+    const std::string refusal = import_or_refusal(entry, scene);
+    if (entry.contains("refused")) {
+        bool is_named = !refusal.empty();
+        for (const std::string part : entry["refused"]) {
+            EXPECT_TRUE(contains_ignoring_case(refusal, part)) << part << " is not in: " << refusal;
+            is_named = is_named && contains_ignoring_case(refusal, part);
+        }
+        return record_difference(file, "", "", is_named ? "refused as expected" : "WRONG: " + refusal);
+    }
+    if (entry.contains("refused_or_omitted")) {
+        bool is_named = is_reported(scene, entry["refused_or_omitted"]);
+        for (const std::string part : entry["refused_or_omitted"])
+            is_named = is_named || contains_ignoring_case(refusal, part);
+        EXPECT_TRUE(is_named) << refusal;
+        return record_difference(file, "", "", is_named ? "refused or named as omitted" : "WRONG: " + refusal);
+    }
+    if (!refusal.empty()) {
+        record_difference(file, "", "", "REFUSED: " + refusal);
+        FAIL() << refusal;
+    }
+
+    bool is_omitted = false;
+    for (const json& omission : entry.value("omitted", json::array())) {
+        const bool is_named = is_reported(scene, omission["phrases"]);
+        if (omission.contains("drop"))
+            is_omitted = is_named;
+        else
+            EXPECT_TRUE(is_named) << "omitted without a word: " << omission["phrases"];
+    }
+    const json& expected = expected_files[file]["variants"][is_omitted ? "omitted" : "whole"];
+    const std::vector<std::optional<std::size_t>> matches = match_bodies(scene, expected["bodies"]);
+    expect_same_bodies(scene, expected["bodies"], matches);
+
+    Settings settings;
+    settings.tolerance = 1e-12, settings.samples = 2;
+    const Trajectory trajectory = solve(pose(scene), *find_method("dop853"), settings);
+    ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
+    const BatteryDifference largest = compare_motions(scene, trajectory, expected, matches);
+    EXPECT_LE(largest.position, allowed);
+    EXPECT_LE(largest.attitude, allowed);
+    record_difference(file, format_difference(largest.position), format_difference(largest.attitude),
+                      HasFailure() ? "DIFFERS"
+                      : is_omitted ? "agrees; named as omitted"
+                                   : "agrees");
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ImportBattery, ::testing::ValuesIn(battery_files()), [](const auto& name) {
+    std::string text = name.param;
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+    return text;
+});
+
+// Every file of the folder is in the battery, and every one that is read has an expected motion.
+TEST(ImportBatteryFiles, EachFileHasAnExpectedMotionOrARefusal) {
+    const json expected = read_json("expected.json")["files"];
+    for (const std::string& file : battery_files()) {
+        const json& entry = battery_entry(file);
+        EXPECT_NE(entry.contains("refused") || entry.contains("refused_or_omitted"), expected.contains(file)) << file;
+    }
+}
+
+}  // namespace
+}  // namespace polhode

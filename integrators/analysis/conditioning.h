@@ -47,10 +47,16 @@ struct ConditioningSettings {
     std::optional<double> tolerance;  ///< relative; default 1e-14, 1e-9 where the motion is stiff
     long max_steps = 2'000'000;       ///< beyond it not available
     double seconds_limit = std::numeric_limits<double>::infinity();  ///< s, of the thread's own time
+    /// Of a mechanism, where max_steps is prompt_conditioning_steps or less: the most steps times components times
+    /// evaluations of the dual right-hand side by stage. Some seconds by default.
+    double mechanism_work = 6e5;
 };
 
 /// max_steps for what is read at once: half a second of work.
 constexpr long prompt_conditioning_steps = 100'000;
+
+/// ConditioningSettings::mechanism_work for a page that is printed at once: a fifth of a second.
+constexpr double brief_mechanism_work = 3e4;
 
 /// kappa at times (s, not decreasing, from 0 to the scene's duration; at the time of an event: after it), from the
 /// variational equation dS/dt = df/dy S, solved along with the motion by CVODES' staggered forward sensitivities

@@ -27,8 +27,7 @@ constexpr int most_full_directions = 40, mixed_directions = 16;
 constexpr double variation_tolerance = 1e-8;
 // of a central difference: its error is the square of this, rounding's 1e-16 over it
 constexpr double difference = 1e-5;
-// of steps times components times evaluations, so that a hundred bodies wait no longer than two
-constexpr double most_variation_work = 6e5, most_prompt_steps = 20'000;
+constexpr double most_prompt_steps = 20'000;
 
 // The state y of a mechanism with columns S = dy/da, stepped along together.
 class Variation {
@@ -273,7 +272,7 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
     const double most_steps =
         std::min(static_cast<double>(settings.max_steps),
                  settings.max_steps <= prompt_conditioning_steps
-                     ? std::min(most_prompt_steps, most_variation_work / variation.work_of_a_step())
+                     ? std::min(most_prompt_steps, settings.mechanism_work / variation.work_of_a_step())
                      : static_cast<double>(settings.max_steps));
     SampleQueue samples(times);
     double t = 0, h = 0;

@@ -12,6 +12,7 @@
 #include "integrators/engines/engine_session.h"
 #include "integrators/engines/external_method.h"
 #include "integrators/run/march.h"
+#include "motion/mechanism.h"
 #include "scene/scene_file.h"
 #include "text/json_document.h"
 #include "text/message.h"
@@ -30,6 +31,7 @@ struct EngineEntry {
 
 std::string why_unrepresentable(const Problem& problem) {
     if (problem.own && !is_mechanism(problem.scene)) return "an engine has to know the body";
+    if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
         if (is_mechanism(problem.scene))
             engine_mechanism(problem);

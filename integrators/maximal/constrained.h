@@ -7,6 +7,9 @@
 // the second in the stabilised form of C. W. Gear, B. Leimkuhler & G. K. Gupta 1985 (J. Comput. Appl. Math. 12-13,
 // 77-90): mu moves positions the way lambda moves momenta, and nu changes the lengths of quaternions; both vanish but
 // for the integration's error.
+//
+// Index 2 is not available where a body has no mass or a moment of zero: the force of an added inertia
+// (Kind::added_inertia) has no counterpart among positions.
 #pragma once
 
 #include <algorithm>
@@ -64,7 +67,8 @@ class ConstrainedEquations {
         if (index_ == Index::two) dynamics.add_held(rows, std::vector<S>(z + mu_, z + nu_), moved);
         system_->put_rates(at, on, result);
         if (index_ == Index::one) {
-            const std::vector<S> still = dynamics.decelerations(at, rows, on);
+            std::vector<S> still = dynamics.decelerations(at, rows, on);
+            dynamics.add_compliance(z + lambda_, still);
             std::copy(still.begin(), still.end(), result + lambda_);
             return;
         }

@@ -3,6 +3,10 @@
 // and the multipliers follow from the accelerations that must vanish: (G M^-1 G^T) lambda = -(G M^-1 load + bias). Two
 // links meet in this matrix where they hold the same body; eliminated from the leaves to the roots, and loops last,
 // those of a tree fill nothing in.
+//
+// A body without mass or without a moment of inertia has rows of its own (Kind::added_inertia), after those of all
+// joints that hold it. Where the mass matrix of the joints' coordinates is regular the constraints' part of what is
+// left is positive definite and theirs negative definite, so that no pivot vanishes in this order either.
 #pragma once
 
 #include <set>
@@ -90,7 +94,22 @@ class Dynamics {
                 at[b].angular_velocity_B + body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W));
             subtract_motion(b, rows, v, w, right);
         }
+        // the force of an added inertia changes its momentum by what the impulses add to the velocity alone
+        for_added([&](int b, std::size_t k, std::size_t i) {
+            const Row<P>& row = rows[k][i];
+            P& sum = right[first_row_[k] + i];
+            sum = sum + dot(row.force_W, at[b].velocity_W) + dot(row.to_B, at[b].angular_velocity_B);
+        });
         return solved(rows, std::move(right));
+    }
+
+    /// Adds lambda / m' and lambda / j' to the rows of added inertias: see Kind::added_inertia.
+    template <class S>
+    void add_compliance(const S* lambda, std::vector<S>& rows) const {
+        for_added([&](int, std::size_t k, std::size_t i) {
+            const std::size_t row = static_cast<std::size_t>(first_row_[k]) + i;
+            rows[row] = rows[row] + compliance(k, i) * lambda[row];
+        });
     }
 
     /// Adds what the links hold with.
@@ -109,6 +128,7 @@ class Dynamics {
         std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
         for (int b = 0; b < mechanism_->world(); ++b)
             if (mechanism_->movable(b)) subtract_motion(b, rows, at[b].velocity_W, at[b].angular_velocity_B, result);
+        for_added([&](int, std::size_t k, std::size_t i) { result[first_row_[k] + i] = S(P(0)); });
         return result;
     }
     /// What the positions break the constraints by, a number for each row.
@@ -196,6 +216,16 @@ class Dynamics {
             targets_.push_back(pattern_.place(i, j));
         });
     }
+    const P& compliance(std::size_t k, std::size_t i) const {
+        return mechanism_->links[k].compliance[static_cast<std::size_t>(kept_[k][i])];
+    }
+    // each row of an added inertia: its body, link and number there
+    template <class Do>
+    void for_added(Do&& act) const {
+        for (const int k : order_)
+            for (std::size_t i = 0; mechanism_->links[k].kind == Kind::added_inertia && i < kept_[k].size(); ++i)
+                act(mechanism_->links[k].to.body, static_cast<std::size_t>(k), i);
+    }
     // each pair of rows that meet in a body, in a fixed order
     template <class Do>
     void for_pairs(Do&& act) const {
@@ -240,6 +270,10 @@ class Dynamics {
             const P inverse_mass = (x.to == y.to ? P(1) : P(-1)) / body.mass;
             S& entry = A[targets_[next++]];
             entry = entry + (inverse_mass * dot(one.force_W, other.force_W) + dot(turned, side(other, y.to)));
+        });
+        for_added([&](int, std::size_t k, std::size_t i) {
+            S& entry = A[first_row_[k] + i];
+            entry = entry - S(compliance(k, i));
         });
         return A;
     }

@@ -40,7 +40,7 @@ class Loads {
             if (std::holds_alternative<Impulse>(load) || !(window.from <= begin && begin < window.until)) continue;
             if (const auto* motor = std::get_if<Motor>(&load)) {
                 for (std::size_t k = 0; k < mechanism.links.size(); ++k)
-                    if (!mechanism.links[k].closes && mechanism.links[k].name == motor->joint)
+                    if (mechanism.links[k].is_joint() && mechanism.links[k].name == motor->joint)
                         motors_[k] += P(motor->force);
             } else {
                 acting_.push_back(&load);
@@ -56,9 +56,11 @@ class Loads {
     void add(const std::vector<Placement<S>>& at, std::vector<Wrench<S>>& on) const {
         for (const Load* load : acting_) {
             if (const auto* gravity = std::get_if<Gravity>(load)) {
-                for (std::size_t b = 0; b < mechanism_->bodies.size(); ++b)
-                    on[b].force_W = on[b].force_W +
-                                    cast<S>(Vector3<P>(mechanism_->bodies[b].mass * cast<P>(gravity->acceleration_W)));
+                for (std::size_t b = 0; b < mechanism_->bodies.size(); ++b) {
+                    const HeldBody<P>& body = mechanism_->bodies[b];
+                    const P weight = body.mass - body.added_mass;
+                    on[b].force_W = on[b].force_W + cast<S>(Vector3<P>(weight * cast<P>(gravity->acceleration_W)));
+                }
             } else if (const auto* torque = std::get_if<Torque>(load)) {
                 Wrench<S>& wrench = on[mechanism_->number_of(torque->body)];
                 Vector3<S>& sum = torque->frame == Frame::body ? wrench.torque_B : wrench.torque_W;

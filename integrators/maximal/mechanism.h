@@ -20,11 +20,13 @@ namespace polhode::maximal {
 /// A body by its mass properties, body axes.
 template <class P>
 struct HeldBody {
-    P mass = P(1);               ///< kg
+    P mass = P(1);               ///< kg, with added_mass
     Vector3<P> center;           ///< of mass, from the body's origin, m
-    Matrix3<P> inertia;          ///< about the centre of mass, kg m^2
+    Matrix3<P> inertia;          ///< about the centre of mass, kg m^2, with added_moment about each axis
     Matrix3<P> inverse_inertia;  ///< its inverse
     bool movable = true;         ///< not held to the world by fixed joints alone
+    P added_mass = P(0);         ///< kg: what a body without mass is given; see Kind::added_inertia
+    P added_moment = P(0);       ///< kg m^2: the same of a body with a principal moment of zero
 
     /// No more than the smallest principal moment, and no less than 3/5 of it: 1 / |I^-1|.
     P least_moment() const {
@@ -44,7 +46,12 @@ struct Hold {
 };
 
 /// What a joint or a loop prevents.
-enum class Kind { revolute, prismatic, spherical, universal, fixed, distance };
+///
+/// `added_inertia` prevents nothing. A body without mass, a point mass or a rod has no inverse of its mass or of its
+/// tensor. It moves with a mass m' and a moment j' about each axis added, and the force m' a and the torque j' w' act
+/// on it beside all else, which is the motion without them: (m + m') a = F + m' a. These forces are unknowns like the
+/// multipliers of constraints, with rows a - lambda / m' = 0 and w' - lambda / j' = 0 of their own.
+enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia };
 
 /// A joint (from the parent to the child) or a loop (from the first body to the second).
 template <class P>
@@ -66,11 +73,13 @@ struct Link {
     std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
     int angles = -1;                          ///< place of its angles among those that count turns, or -1
     std::vector<int> rows;                    ///< of its constraints, those that are kept
+    std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};  ///< added_inertia: 1 / m' and 1 / j' by row
 
     /// How many coordinates have a spring, a damper or a motor each.
     int coordinates() const {
         return kind == Kind::universal ? 2 : kind == Kind::revolute || kind == Kind::prismatic ? 1 : 0;
     }
+    bool is_joint() const { return !closes && kind != Kind::added_inertia; }
     /// Whether its own spring or damper acts.
     bool has_spring() const { return !(stiffness[0] == P(0) && stiffness[1] == P(0)); }
     bool has_damper() const { return !(damping[0] == P(0) && damping[1] == P(0)); }
@@ -102,15 +111,17 @@ class Mechanism {
     explicit Mechanism(const Scene& scene) : scene_(&scene) {
         for (const NamedBody& named : scene.bodies) {
             const MassProperties<P> m = mass_properties<P>(named.body);
-            bodies.push_back({m.mass, m.center, m.inertia, inverse(m.inertia), true});
+            bodies.push_back({m.mass, m.center, m.inertia, {}, true});
         }
         for (const Joint& joint : scene.joints) links.push_back(link_of(joint));
         for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
         find_depths();
+        add_inertia();
+        for (HeldBody<P>& body : bodies) body.inverse_inertia = inverse(body.inertia);
     }
 
     std::vector<HeldBody<P>> bodies;  ///< in the scene's order
-    std::vector<Link<P>> links;       ///< joints in the scene's order, then its loops
+    std::vector<Link<P>> links;       ///< joints in the scene's order, then its loops, then added inertias
     std::vector<int> depth;           ///< of each body: how many joints lie between it and its root
     int turns = 0;                    ///< how many angles count turns
 
@@ -183,13 +194,59 @@ class Mechanism {
         return link;
     }
 
+    // Whether a principal moment is less than 1e-12 of the trace: the inverse of the sum of the moments' inverses is at
+    // least a third of the smallest.
+    static bool has_vanishing_moment(const Matrix3<P>& J) {
+        const P trace = J[0][0] + J[1][1] + J[2][2];
+        if (!(trace > P(0))) return true;
+        P minors(0), determinant(0);
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            minors += (J[j][j] / trace) * (J[k][k] / trace) - (J[j][k] / trace) * (J[k][j] / trace);
+            determinant +=
+                (J[0][i] / trace) * ((J[1][j] / trace) * (J[2][k] / trace) - (J[1][k] / trace) * (J[2][j] / trace));
+        }
+        return !(determinant > P(1e-12) * minors);
+    }
+
+    // A scale of the mass and of the moments of all bodies, for those that have none of their own.
+    void add_inertia() {
+        P mass(0), moment(0), square(1);
+        for (const HeldBody<P>& body : bodies) {
+            mass += body.mass;
+            moment += body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2];
+        }
+        for (const Link<P>& link : links)
+            for (const Hold<P>& hold : {link.from, link.to})
+                if (hold.body != world() && square < dot(hold.arm_B, hold.arm_B)) square = dot(hold.arm_B, hold.arm_B);
+        if (!(moment > P(0))) moment = mass * square;
+        for (int b = 0; b < world(); ++b) {
+            HeldBody<P>& body = bodies[b];
+            const bool is_massless = !(body.mass > P(0)), is_thin = has_vanishing_moment(body.inertia);
+            if (!body.movable || (!is_massless && !is_thin)) continue;
+            Link<P> link;
+            link.name = scene_->bodies[static_cast<std::size_t>(b)].name;
+            link.kind = Kind::added_inertia;
+            link.from = {world(), {}}, link.to = {b, {}};
+            if (is_massless) body.added_mass = mass;
+            body.added_moment = moment;
+            body.mass += body.added_mass;
+            for (int i = 0; i < 3; ++i) {
+                if (is_massless) link.compliance[i] = P(1) / body.added_mass, link.rows.push_back(i);
+                body.inertia[i][i] += body.added_moment, link.compliance[3 + i] = P(1) / body.added_moment;
+            }
+            for (int i = 3; i < 6; ++i) link.rows.push_back(i);
+            links.push_back(link);
+        }
+    }
+
     // the joints form trees: as many sweeps as the deepest body needs
     void find_depths() {
         depth.assign(bodies.size(), 0);
         for (bool changed = true; changed;) {
             changed = false;
             for (const Link<P>& link : links) {
-                if (link.closes) continue;
+                if (!link.is_joint()) continue;
                 const int parent = link.from.body, child = link.to.body;
                 const int below = parent == world() ? 1 : depth[parent] + 1;
                 const bool held = link.kind == Kind::fixed && !movable(parent);

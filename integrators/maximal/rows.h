@@ -71,6 +71,9 @@ class LinkView {
             case Kind::distance:
                 rows.push_back(distance_row());
                 break;
+            case Kind::added_inertia:
+                add_unit_wrenches(rows);
+                break;
             default:
                 add_points(rows);
                 if (link_.kind == Kind::fixed) add_parallel(rows);
@@ -85,6 +88,7 @@ class LinkView {
     /// wherever the constraints hold.
     std::vector<S> gaps() const {
         std::vector<S> all;
+        if (link_.kind == Kind::added_inertia) return std::vector<S>(6, S(P(0)));
         const auto add_turn = [&] {
             const Quaternion<S> base = from_.q * link_.orientation, turn = conjugate(base) * to_.q;
             const Vector3<S> turn_W = rotate(base, (turn.w + turn.w) * vector_part(turn));
@@ -204,6 +208,16 @@ class LinkView {
                 rows.push_back({cast<S>(e), Vector3<S>(), cross(link_.to.arm_B, to_.axes[i]),
                                 -cross(link_.from.arm_B, from_.axes[i]), bias[i]});
             }
+        }
+    }
+    // forces at the centre of mass along the world's axes, torques about the body's
+    void add_unit_wrenches(std::vector<Row<S>>& rows) const {
+        for (int i = 0; i < 6; ++i) {
+            Vector3<P> e;
+            e[i % 3] = P(1);
+            Row<S> row;
+            (i < 3 ? row.force_W : row.to_B) = cast<S>(e);
+            rows.push_back(row);
         }
     }
     // w2 = w1 at all times

@@ -2,7 +2,7 @@
 //
 // State: of each body that can move q, p, L and P (momenta in world axes, L about the centre of mass); then the angles
 // of revolute and universal joints that have a spring, since a spring counts turns. What is held stays held by the
-// accelerations alone.
+// accelerations alone. The momenta are those of the bodies with the inertia added (Kind::added_inertia).
 #pragma once
 
 #include <algorithm>
@@ -196,7 +196,8 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
         given ? std::vector<P>(given, given + dynamics_->rows()) : dynamics_->multipliers(at, rows, on);
     dynamics_->add_held(rows, lambda, on);
 
-    const std::size_t count = mechanism_->links.size();
+    const std::size_t count = static_cast<std::size_t>(
+        std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return link.kind != Kind::added_inertia; }));
     std::vector<Reaction<P>> all(count);
     for (std::size_t k = 0; k < count; ++k) {
         Reaction<P>& reaction = all[k];
@@ -237,6 +238,7 @@ JointGap<P> System<P>::gap(const P* y) const {
         if (largest < size) largest = size;
     };
     for (const Link<P>& link : mechanism_->links) {
+        if (link.kind == Kind::added_inertia) continue;
         const Placement<P>&from = at[link.from.body], &to = at[link.to.body];
         const Vector3<P> apart = view(link, at).apart();
         if (link.kind == Kind::distance) {

@@ -15,8 +15,14 @@ std::string needs_a_mechanism(const Problem& problem) {
                        : "solves scenes of several bodies, by their joints";
 }
 
+std::string needs_inertia_of_each_body(const Problem& problem) {
+    const std::string why = needs_a_mechanism(problem);
+    return why.empty() ? body_without_inertia(problem.scene) : why;
+}
+
 std::string beyond_binary32(const Problem& problem) {
     if (!is_mechanism(problem.scene)) return "";
+    if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();
     const auto holds = [&](double x) { return std::abs(x) <= largest; };
     const auto holds_well = [&](double x) { return holds(x) && holds(1 / x) && std::abs(x) >= smallest; };

@@ -69,7 +69,7 @@ constexpr auto by_impulses =
              .own_systems = true,
              .order = 1,
              .family = Family::engine_update,
-             .refuses = multibody::needs_a_mechanism},
+             .refuses = multibody::needs_inertia_of_each_body},
             each_by_impulses);
 
 constexpr auto all_by_impulses =

@@ -97,7 +97,7 @@ constexpr auto softly = sharing({.source = "E. Catto 2011, Soft Constraints, Gam
                                  .own_systems = true,
                                  .order = 1,
                                  .family = Family::engine_update,
-                                 .refuses = multibody::needs_a_mechanism},
+                                 .refuses = multibody::needs_inertia_of_each_body},
                                 each_softly);
 
 constexpr auto all_softly = multibody::with_binary32_twins<softly, solve_softly<float, 4>, solve_softly<float, 16>>();

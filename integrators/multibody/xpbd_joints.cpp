@@ -140,7 +140,7 @@ constexpr auto of_positions =
              .own_systems = true,
              .order = 1,
              .family = Family::engine_update,
-             .refuses = multibody::needs_a_mechanism},
+             .refuses = multibody::needs_inertia_of_each_body},
             each_of_positions);
 
 constexpr auto all_of_positions =

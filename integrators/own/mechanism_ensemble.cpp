@@ -50,18 +50,24 @@ class RowsInLanes {
         const std::vector<double> sizes = model.scales();
         y_.resize(n_ * rows.size());
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            const Scene row = table.scene_of(scene, first + k);
-            Tree<double>(row, bodies_mass_properties<double>(row)).initial(&y_[n_ * k]);
             sizes_.insert(sizes_.end(), sizes.begin(), sizes.end());
+            const Scene row = table.scene_of(scene, first + k);
+            try {
+                Tree<double>(row, bodies_mass_properties<double>(row)).initial(&y_[n_ * k]);
+                row_of_.push_back(k);
+            } catch (const InputError& fault) {
+                // a singular mass matrix
+                rows[k].status = Status::failed, rows[k].message = fault.what();
+            }
         }
-        for (std::size_t k = 0; k < rows.size(); ++k)
-            motions_.push_back({.y = &y_[n_ * k], .sizes = &sizes_[n_ * k]}), row_of_.push_back(k);
+        for (const std::size_t k : row_of_) motions_.push_back({.y = &y_[n_ * k], .sizes = &sizes_[n_ * k]});
         // components of one kind have the same size
         for (const double size : sizes)
             units_.push_back(static_cast<int>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin()));
     }
 
     void solve(long count) {
+        if (motions_.empty()) return;
         SampleQueue samples(scene_.duration, count);
         samples.pop();
         follow(

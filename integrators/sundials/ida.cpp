@@ -17,6 +17,12 @@ std::string no_mechanism(const Problem& problem) {
     return "";
 }
 
+// the stabilised form moves each body's position by the inverse of its mass and tensor
+std::string no_inverse_masses(const Problem& problem) {
+    const std::string why = no_mechanism(problem);
+    return why.empty() ? body_without_inertia(problem.scene) : why;
+}
+
 constexpr Method each[] = {
     {.name = "ida_index1",
      .documentation =
@@ -37,7 +43,8 @@ constexpr Method each[] = {
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
      .conserves = "joints closed, |q| = 1, to the tolerance",
-     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::two); }},
+     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::two); },
+     .refuses = no_inverse_masses},
 };
 
 constexpr auto list =

@@ -30,7 +30,9 @@ template <class P>
 NaturalSizes<P> natural_sizes(const Scene& scene) {
     P square(0);
     for (const MassProperties<P>& body : bodies_mass_properties<P>(scene))
-        square = std::max(square, P((body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]) / (2 * body.mass)));
+        if (body.mass > P(0))
+            square =
+                std::max(square, P((body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]) / (2 * body.mass)));
     const P size = square_root(square), rate = P(1) / P(scene.duration);
     return {rate, size, size * rate};
 }

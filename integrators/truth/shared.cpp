@@ -102,7 +102,11 @@ void note_bodies(const Scene& scene, Worst& worst) {
     for (std::size_t i = 0; i < found.size(); ++i) {
         worst.note(found[i].mass, right[i].mass);
         worst.note(found[i].center, right[i].center);
-        note_tensor(found[i].inertia, right[i].inertia, worst);
+        // the inverse of the tensor of a rod or a point mass is not used
+        if (has_three_moments(right[i].inertia))
+            note_tensor(found[i].inertia, right[i].inertia, worst);
+        else
+            worst.note(found[i].inertia, right[i].inertia);
     }
     const Motions<P> begun = start(TreeForm<P>(scene));
     const Motions<Many> rightly = start(TreeForm<Many>(scene));

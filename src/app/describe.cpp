@@ -96,7 +96,7 @@ std::string describe_engine(const EngineMethod& engine) {
     return text;
 }
 
-std::string describe(const std::string& name) {
+std::string describe(const std::string& name, description::ConditioningBudget budget) {
     if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
     if (const EngineMethod* engine = find_engine(name)) return describe_engine(*engine);
@@ -104,7 +104,7 @@ std::string describe(const std::string& name) {
         if (method.name == name) return fmt::format("{}\n\n  Left out. {}\n", method.name, method.reason);
     if (is_experiment(name)) return describe_experiment(name);
     try {
-        return describe_scene(find_scene(name));
+        return describe_scene(find_scene(name), budget);
     } catch (const InputError&) {
         // a slip in a method's name is no scene file, and a file's fault is not one in a name
         // also a link that leads nowhere or in a circle
@@ -171,6 +171,7 @@ std::string describe_method(const Method& method) {
 void add_describe(CLI::App& program, int& exit_code) {
     struct Options {
         std::string name, output, picture;
+        bool conditioning = false;
     };
     CLI::App* command = program.add_subcommand(
         "describe",
@@ -187,10 +188,15 @@ void add_describe(CLI::App& program, int& exit_code) {
                      "Draws a scene's polhode on its inertia ellipsoid, in 3D by gnuplot, to this .svg or .pdf file; "
                      "no page is printed unless --output is given too")
         ->check(not_empty, "");
+    command->add_flag("--conditioning", options->conditioning,
+                      "Computes a scene's conditioning over the whole run. Without this option a fixed number of steps "
+                      "is made, which takes a fraction of a second, and the page prints how far they reached");
     command->callback([options, &exit_code] {
         if (!options->picture.empty()) exit_code = draw(options->name, options->picture);
         if (options->picture.empty() || !options->output.empty())
-            write_output(options->output, describe(options->name));
+            write_output(options->output,
+                         describe(options->name, options->conditioning ? description::ConditioningBudget::whole
+                                                                       : description::ConditioningBudget::brief));
     });
 }
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "app/description.h"
 #include "integrators/method.h"
 #include "scene/scene.h"
 
@@ -10,7 +11,8 @@ namespace polhode {
 
 /// Mass properties, start, loads, the system posed, what was left out and why, invariants, conditioning at T,
 /// and the polhode drawn in characters.
-std::string describe_scene(const Scene& scene);
+std::string describe_scene(const Scene& scene,
+                           description::ConditioningBudget budget = description::ConditioningBudget::brief);
 
 /// Name, documentation, control, order, what it conserves, source.
 std::string describe_method(const Method& method);

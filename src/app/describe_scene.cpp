@@ -179,7 +179,7 @@ void polhode_drawing(Report& report, const Problem& problem) {
 
 }  // namespace
 
-std::string describe_scene(const Scene& scene) {
+std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     const Problem problem = pose(scene);
     Report report;
     report.title(one_line(scene.name, 200));
@@ -188,7 +188,7 @@ std::string describe_scene(const Scene& scene) {
     report.line("duration", number(scene.duration) + " s");
     if (is_mechanism(scene)) {
         description::mechanism(report, problem);
-        growth(report, problem);
+        growth(report, problem, budget);
         return report.text();
     }
     mass_properties(report, problem);
@@ -202,7 +202,7 @@ std::string describe_scene(const Scene& scene) {
     system_posed(report, problem);
     choice(report, problem);
     invariants(report, problem);
-    growth(report, problem);
+    growth(report, problem, budget);
     polhode_drawing(report, problem);
     return report.text();
 }

@@ -79,7 +79,7 @@ void description::choice(Report& report, const Problem& problem) {
 }
 
 // How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
-void description::growth(Report& report, const Problem& problem) {
+void description::growth(Report& report, const Problem& problem, ConditioningBudget budget) {
     report.title("Conditioning");
     const double T = problem.scene.duration;
     // evenly, and of one body 50 a decade from T / 10^8 on: a run that is cut short is known to its end all the same
@@ -90,16 +90,25 @@ void description::growth(Report& report, const Problem& problem) {
         times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(a_decade)));
     std::sort(times.begin(), times.end());
     ConditioningSettings settings;
-    settings.max_steps = prompt_conditioning_steps;
+    if (budget == ConditioningBudget::brief) {
+        settings.max_steps = prompt_conditioning_steps;
+        settings.mechanism_work = brief_mechanism_work;
+    }
     const Conditioning found = polhode::conditioning(problem, times, settings);
-    if (found.times.empty()) {
+    const auto how_to_get_it = [&] {
+        if (budget == ConditioningBudget::brief)
+            report.line("", "`polhode describe --conditioning` computes it for the whole run");
+    };
+    // the start alone says nothing
+    if (found.times.empty() || (!found.available && found.times.back() == 0)) {
         report.line("not known: " + found.message);
+        how_to_get_it();
         return;
     }
     const std::size_t last = found.times.size() - 1;
     const std::string end = found.available ? "T" : fmt::format("t = {:.4g} s", found.times[last]);
     const Peak state = found.state_peak();
-    if (!found.available) report.line("only until " + end, found.message);
+    if (!found.available) report.line("only until " + end, found.message), how_to_get_it();
     report.line(fmt::format("kappa({})", found.available ? "T" : fmt::format("{:.4g} s", found.times[last])),
                 fmt::format("{:.4g} = ||d state / d state(0)||, each block in units of its scale", found.state[last]));
     report.line("its peak", fmt::format("{:.4g}, at t = {:.4g} s", state.value, state.time));

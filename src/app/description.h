@@ -44,8 +44,13 @@ class Report {
 void loads(Report& report, const Scene& scene);
 /// A block of the method that auto takes.
 void choice(Report& report, const Problem& problem);
+/// How much of a scene's conditioning is computed.
+enum class ConditioningBudget {
+    brief,  ///< what a fixed number of steps reaches: a fraction of a second
+    whole,  ///< the whole run, however long that takes
+};
 /// A block of how small changes of the start grow, and so from when on an engine's error says nothing about the engine.
-void growth(Report& report, const Problem& problem);
+void growth(Report& report, const Problem& problem, ConditioningBudget budget);
 /// All that there is to say of a scene of several bodies between its title and its conditioning.
 void mechanism(Report& report, const Problem& problem);
 

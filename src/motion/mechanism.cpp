@@ -8,6 +8,7 @@
 #include "motion/contact.h"
 #include "motion/own_system.h"
 #include "motion/scout.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -22,6 +23,16 @@ std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<dou
     for (const BodyMotion<double>& m : motions)
         samples.push_back({t, m.q, m.angular_velocity_B, m.position_W, m.velocity_W});
     return samples;
+}
+
+std::string body_without_inertia(const Scene& scene) {
+    for (const NamedBody& body : scene.bodies) {
+        const std::string name = one_line(body.name, 60);
+        if (body.body.mass == 0) return fmt::format("body \"{}\" has no mass, by which the method divides", name);
+        if (!has_three_moments(body.body.inertia_B))
+            return fmt::format("body \"{}\" has a moment of inertia of zero, by which the method divides", name);
+    }
+    return "";
 }
 
 std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene) {

@@ -14,7 +14,8 @@ namespace polhode {
 /// A mechanism as a model (motion/own_system.h): its equations in binary64, each constant rounded once from 113 bits.
 class MechanismModel {
   public:
-    /// Of a valid scene of several bodies. Throws InputError where its loops do not close at the start.
+    /// Of a valid scene of several bodies. Throws InputError where its loops do not close at the start, or where its
+    /// mass matrix is singular there.
     explicit MechanismModel(std::shared_ptr<const Scene> scene);
 
     const Scene& scene() const { return *scene_; }
@@ -58,6 +59,11 @@ Problem pose_mechanism(const Scene& scene);
 
 /// The model of a problem whose scene is one of several bodies.
 const MechanismModel& mechanism_of(const Problem& problem);
+
+/// Why a method that moves each body by the inverse of its own mass and tensor cannot solve a scene: which of its
+/// bodies has no mass, or a principal moment below 1e-12 of their sum. Empty where all bodies have both. A body that
+/// fixed joints alone hold to the world counts too.
+std::string body_without_inertia(const Scene& scene);
 
 /// The motion of every body at t = 0, before any impulse there: the exact one rounded once.
 std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene);

@@ -119,7 +119,8 @@ struct TreeWork {
 template <class P>
 class Tree {
   public:
-    /// Of a valid scene of several bodies, with these mass properties. Throws InputError where the loops do not close.
+    /// Of a valid scene of several bodies, with these mass properties. Throws InputError where the loops do not close,
+    /// or where a joint can move without any inertia resisting it: the mass matrix is singular.
     Tree(const Scene& scene, const std::vector<MassProperties<P>>& properties);
     /// The constants and the start of another one, each number made by P(theirs).
     template <class Other>
@@ -201,6 +202,9 @@ class Tree {
     void find_start(const Scene& scene);
     void close_by_dependent(const std::vector<int>& dependent);
     void choose_rows();
+    void require_inertia(const Scene& scene) const;
+    void require_inertia(const Scene& scene, std::size_t link, const ArticulatedInertia<P>& articulated, const P& mass,
+                         const P& trace) const;
     LinkPoint<P> point_of(const Scene& scene, const std::string& body, const Vector3<double>& point) const;
     void displace(const P* by, P* y) const;
     template <class S>
@@ -231,6 +235,7 @@ class Tree {
 
 #include "motion/tree_cast.h"
 #include "motion/tree_equations.h"
+#include "motion/tree_inertia.h"
 #include "motion/tree_instances.h"
 #include "motion/tree_loops.h"
 #include "motion/tree_reactions.h"

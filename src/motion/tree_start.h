@@ -69,7 +69,7 @@ void Tree<P>::find_start(const Scene& scene) {
             if (link.kind == LinkJoint::free) x[4 + k] = link.start_position[k], rate[3 + k] = link.start_velocity[k];
         }
     }
-    if (loops_.empty()) return;
+    if (loops_.empty()) return require_inertia(scene);
     if (!dependent.empty()) close_by_dependent(dependent);
     const double off = static_cast<double>(loop_gap(start_.data()));
     constexpr double closed = 1e-9;
@@ -88,6 +88,7 @@ void Tree<P>::find_start(const Scene& scene) {
                          dependent.empty() ? "give joints \"dependent\": true, or a start that closes it to 1e-9"
                                            : "start the dependent joints nearer to where it closes");
     }
+    require_inertia(scene);
     choose_rows();
     // to the last digit of P
     project(start_.data());

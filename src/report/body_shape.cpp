@@ -115,6 +115,9 @@ Json body_shape_json(const std::string& name, const Body& body) {
     ShapeWriter writer;
     if (body.source)
         writer.add(body.source->made_of, {Vector3<double>() - body.center_of_mass, Quaternion<double>{1, 0, 0, 0}});
+    // a point mass given by numbers
+    if (!body.source && body.mass > 0 && body.inertia_B == Matrix3<double>())
+        writer.add(PointsBody{{{body.mass, {}}}}, {Vector3<double>(), Quaternion<double>{1, 0, 0, 0}});
     Json shape{{"name", name}, {"mass", number_json(body.mass, 6)}};
     shape.update(principal_json(body, std::nullopt));
     shape["parts"] = std::move(writer.parts);

@@ -138,6 +138,7 @@ Json joints_json(const Scene& scene) {
 // How long a body is from its centre of mass, about: of the box of its moments.
 double size_of(const Body& body) {
     const Matrix3<double>& I = body.inertia_B;
+    if (body.mass == 0) return 0;
     return std::sqrt(std::max(0.0, 1.5 * (I[0][0] + I[1][1] + I[2][2]) / body.mass));
 }
 

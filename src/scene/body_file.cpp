@@ -151,14 +151,17 @@ Matrix3<double> inertia(const JsonNode& node) {
 MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     GivenBody b;
     const JsonNode& mass = node.required("mass", "the mass in kg");
-    const JsonNode& moments = node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
     b.mass = mass.number();
-    b.inertia = inertia(moments);
+    // a massless body of a mechanism has none
+    const JsonNode* moments = node.find("inertia");
+    if (!moments && (is_part || b.mass != 0))
+        moments = &node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
+    if (moments) b.inertia = inertia(*moments);
     if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
     if (is_part) {
         positive(mass, "the mass of a part (a hole has a negative density)");
         if (const std::string fault = tensor_fault(b.inertia); !fault.empty())
-            moments.fail(fault, "give the tensor of some distribution of mass; a part's moments may be 0");
+            moments->fail(fault, "give the tensor of some distribution of mass; a part's moments may be 0");
     }
     return b;
 }

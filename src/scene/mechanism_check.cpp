@@ -97,7 +97,7 @@ void check_bodies(const SceneCheck& check, const Scene& scene, const std::vector
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const NamedBody& one = scene.bodies[i];
         const std::string place = fmt::format("/bodies/{}", i);
-        check_body(check, place + "/body", one.body);
+        check_body(check, place + "/body", one.body, BodyRole::mechanism);
         if (!carrier[i])
             check_initial(check, place + "/initial", one.initial);
         else if (!is_default(one.initial))

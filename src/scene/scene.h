@@ -247,10 +247,10 @@ inline constexpr std::array<std::string_view, 6> tolerated_blocks{"attitude", "a
 std::optional<double> tolerated_error(const Scene& scene, std::string_view block);
 
 /// Throws InputError where the scene breaks a rule of the file format: a number that is not finite, a mass or a
-/// principal moment that is not positive, triangle inequality or symmetry broken by more than 1e-12 of the largest
-/// moment, | |q| - 1 | > 1e-6, an empty window, a position beside a pivot, a plane beside a body without a shape or
-/// above where it starts; of several bodies, names that are missing or there twice, joints that form no trees. Whether
-/// loops close is not looked at. `file` is named in the message.
+/// principal moment that is not positive (of several bodies: negative, or moments without mass), triangle inequality or
+/// symmetry broken by more than 1e-12 of the largest moment, | |q| - 1 | > 1e-6, an empty window, a position beside a
+/// pivot, a plane beside a body without a shape or above where it starts; of several bodies, names that are missing or
+/// there twice, joints that form no trees. Whether loops close is not looked at. `file` is named in the message.
 void validate(const Scene& scene, const std::string& file);
 
 /// When a load acts: its window, or all time for an impulse, which has none.

@@ -35,6 +35,11 @@ class SceneCheck {
         if (!std::isfinite(1 / value))
             fail(place, "is " + shortest_decimal(value), fmt::format("{} needs a finite inverse: >= 1e-307", what));
     }
+    void not_negative(const std::string& place, double value, const char* what) const {
+        finite(place, value);
+        if (!(value >= 0)) fail(place, "is " + shortest_decimal(value), fmt::format("{} must be >= 0", what));
+        if (value > 0) positive(place, value, what);
+    }
     void unit(const std::string& place, const Quaternion<double>& q) const {
         const double component[4] = {q.w, q.x, q.y, q.z};
         for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
@@ -76,8 +81,15 @@ class SceneCheck {
     const std::string& file_;
 };
 
-/// The mass properties at a place, "/body", of a whole body.
-void check_body(const SceneCheck& check, const std::string& place, const Body& body);
+/// Which mass properties a body may have.
+enum class BodyRole {
+    single,     ///< the only body of a scene: mass and principal moments > 0
+    mechanism,  ///< one of several: mass and principal moments >= 0, and without mass no moments
+};
+
+/// Checks the mass properties at a place such as "/body". Whether joints leave a body of a mechanism a motion without
+/// inertia depends on its joints: Tree (motion/tree.h) checks it at the start.
+void check_body(const SceneCheck& check, const std::string& place, const Body& body, BodyRole role = BodyRole::single);
 
 /// A start of its own at a place, "/initial".
 void check_initial(const SceneCheck& check, const std::string& place, const Initial& initial);

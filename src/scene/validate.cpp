@@ -42,7 +42,7 @@ void check_moments(const SceneCheck& check, const Vector3<double>& I, const std:
     }
 }
 
-void check_inertia(const SceneCheck& check, const std::string& body_place, const Body& body) {
+void check_inertia(const SceneCheck& check, const std::string& body_place, const Body& body, BodyRole role) {
     // what a source makes is wrong as a whole
     const bool given = !body.source;
     const std::string place = given ? body_place + "/inertia" : body_place;
@@ -56,8 +56,19 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
             for (int j = 0; j < 3; ++j)
                 if (!std::isfinite(J[i][j]))
                     check.fail(place, "has moments of inertia beyond binary64", "give smaller sizes or masses");
+    const bool may_vanish = role == BodyRole::mechanism;
+    if (may_vanish && body.mass == 0) {
+        if (!(J == Matrix3<double>()))
+            check.fail(place, "is not zero, but the mass is 0",
+                       "a body without mass has no moments: give mass, or zeros");
+        return;
+    }
     if (axes_are_principal && given) {
-        for (int i = 0; i < 3; ++i) check.positive(fmt::format("{}/{}", place, i), J[i][i], "a moment of inertia");
+        for (int i = 0; i < 3; ++i) {
+            const std::string at = fmt::format("{}/{}", place, i);
+            may_vanish ? check.not_negative(at, J[i][i], "a moment of inertia")
+                       : check.positive(at, J[i][i], "a moment of inertia");
+        }
         check_moments(check, {J[0][0], J[1][1], J[2][2]}, place, true);
         return;
     }
@@ -72,6 +83,12 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
                            "an inertia tensor is symmetric within 1e-12 of its largest moment");
     for (int i = 0; i < 3; ++i) {
         check.finite(place, I[i]);
+        if (may_vanish) {
+            if (!(I[i] >= -shape_tolerance * largest))
+                check.fail(place, "has the principal moment " + shortest_decimal(I[i]),
+                           "every principal moment must be >= 0");
+            continue;
+        }
         // what is smaller is a zero left over by the diagonalisation's 113 bits
         if (!(I[i] > least_moment * largest) || !std::isfinite(1 / I[i]))
             check.fail(place, "has the principal moment " + shortest_decimal(I[i]),
@@ -198,17 +215,19 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
 
 }  // namespace
 
-void check_body(const SceneCheck& check, const std::string& place, const Body& body) {
+void check_body(const SceneCheck& check, const std::string& place, const Body& body, BodyRole role) {
     if (body.source) {
         if (!(body.mass > 0))
             check.fail(place, fmt::format("has the mass {} in all", shortest_decimal(body.mass)),
                        "the whole must have a mass > 0: make the holes smaller");
         check.positive(place, body.mass, "the mass of the whole");
+    } else if (role == BodyRole::mechanism) {
+        check.not_negative(place + "/mass", body.mass, "the mass");
     } else {
         check.positive(place + "/mass", body.mass, "the mass");
     }
     check.finite(place + "/center_of_mass", body.center_of_mass);
-    check_inertia(check, place, body);
+    check_inertia(check, place, body, role);
 }
 
 void check_initial(const SceneCheck& check, const std::string& place, const Initial& initial) {

@@ -1,4 +1,6 @@
 // What `describe` says of a scene's conditioning.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <sstream>
 
@@ -58,6 +60,36 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     const std::string silent_text = described("silent.json");
     const std::string silent = said(silent_text, "a float engine");
     EXPECT_NE(silent.find("0.05 rad (by default)"), std::string::npos) << silent;
+}
+
+// A chain of 24 links: the page comes at once, with what a fixed number of steps reaches and how to get the rest.
+TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
+    std::string bodies, joints;
+    for (int i = 0; i < 24; ++i) {
+        bodies += fmt::format(R"({}{{"name": "b{}", "body": {{"mass": 0.02, "inertia": [1e-6, 1e-6, 5e-7],
+                                 "center_of_mass": [0, 0, -0.01]}}}})",
+                              i > 0 ? ", " : "", i);
+        joints += fmt::format(R"({}{{"name": "j{}", "type": "revolute", "parent": "{}", "child": "b{}", "damping": 0.01,
+                                 "parent_point": [0, 0, {}], "axis": [{}, {}, 0], "initial": {{"rate": 0.25}}}})",
+                              i > 0 ? ", " : "", i, i > 0 ? fmt::format("b{}", i - 1) : "world", i, i > 0 ? -0.025 : 0,
+                              i % 2, 1 - i % 2);
+    }
+    write("hand.json", fmt::format(R"({{"name": "hand", "duration": 0.05, "bodies": [{}], "joints": [{}],
+                                        "loads": [{{"type": "gravity", "acceleration": [0, 0, -9.81]}}]}})",
+                                   bodies, joints));
+    const Outcome brief = run({"describe", "hand.json"});
+    ASSERT_EQ(brief.exit_code, 0) << brief.err;
+    if (optimised_build) EXPECT_LT(brief.seconds, 0.5);
+    EXPECT_NE(brief.out.find("only until t = "), std::string::npos) << brief.out;
+    EXPECT_NE(brief.out.find("`polhode describe --conditioning` computes it for the whole run"), std::string::npos);
+    const Outcome whole = run({"describe", "hand.json", "--conditioning"});
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    EXPECT_EQ(whole.out.find("only until t = "), std::string::npos) << whole.out;
+    EXPECT_NE(whole.out.find("kappa(T)"), std::string::npos) << whole.out;
+    EXPECT_EQ(whole.out.find("--conditioning"), std::string::npos);
+    // what both know is the same, but for what follows
+    EXPECT_EQ(brief.out.substr(0, brief.out.find("\nConditioning")),
+              whole.out.substr(0, whole.out.find("\nConditioning")));
 }
 
 // 10^7 s on a spring are too much for a description: it says how far it looked, and what it found there.

@@ -242,6 +242,46 @@ TEST_F(Mechanisms, DescribeCountsWhatLoopsTake) {
     EXPECT_NE(outcome.out.find("mobility                    1, the tree's 3 less 2"), std::string::npos) << outcome.out;
 }
 
+// Two point masses on massless strings, and a rod fixed by a massless bracket: every command takes them.
+TEST_F(Mechanisms, EveryCommandTakesPointMassesAndMasslessBodies) {
+    const std::string scene = write("points.json", R"({"name": "points", "duration": 1,
+        "bodies": [{"name": "upper", "body": {"points": [[1, 0, 0, -1]]}},
+                   {"name": "lower", "body": {"mass": 0.5, "inertia": [0, 0, 0], "center_of_mass": [0, 0, -0.75]}},
+                   {"name": "bracket", "body": {"mass": 0}},
+                   {"name": "bar", "body": {"shape": {"type": "rod", "length": 0.5}, "mass": 0.25}}],
+        "joints": [{"name": "shoulder", "type": "revolute", "parent": "world", "child": "upper", "axis": [0, 1, 0],
+                    "initial": {"angle": 1}},
+                   {"name": "elbow", "type": "revolute", "parent": "upper", "parent_point": [0, 0, -1], "child": "lower",
+                    "axis": [0, 1, 0], "initial": {"rate": 1}},
+                   {"name": "mount", "type": "fixed", "parent": "upper", "child": "bracket"},
+                   {"name": "pin", "type": "revolute", "parent": "bracket", "parent_point": [0.25, 0, -0.5],
+                    "child": "bar", "axis": [0, 1, 0], "child_point": [0, 0, 0.25]}],
+        "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
+    const Outcome page = run({"describe", scene});
+    ASSERT_EQ(page.exit_code, 0) << page.err;
+    for (const char* words : {"1.75 kg together", "0 kg", "kappa(T)"})
+        EXPECT_NE(page.out.find(words), std::string::npos) << words << page.out;
+    for (const char* not_a_number : {"nan", "inf,"}) EXPECT_EQ(page.out.find(not_a_number), std::string::npos);
+    ASSERT_EQ(run({"truth", scene, "--samples", "4", "--output", "truth.csv"}).exit_code, 0);
+    for (const char* method : {"auto", "taylor", "dop853", "radau", "ida_index1", "variational_tree"}) {
+        const Outcome solved = run({"solve", scene, "--method", method, "--samples", "4", "--output", "t.csv"});
+        ASSERT_EQ(solved.exit_code, 0) << method << solved.err;
+        const Outcome checked = run({"check", scene, "t.csv", "--max-attitude", "1e-4"});
+        EXPECT_EQ(checked.exit_code, 0) << method << checked.out << checked.err;
+    }
+    const Outcome engine = run({"solve", scene, "--method", "soft_step_4", "--samples", "4"});
+    EXPECT_EQ(engine.exit_code, 1);
+    EXPECT_NE(engine.err.find("body \"upper\" has a moment of inertia of zero, by which the method divides"),
+              std::string::npos)
+        << engine.err;
+    ASSERT_EQ(run({"export", scene, "--samples", "4", "--output", "golden.csv"}).exit_code, 0);
+    EXPECT_EQ(run({"check", scene, "golden.csv", "--max-attitude", "1e-14"}).exit_code, 0);
+    const Outcome json = run({"export", scene, "--samples", "4", "--format", "json"});
+    ASSERT_EQ(json.exit_code, 0) << json.err;
+    EXPECT_EQ(json.out.find("nan"), std::string::npos);
+    EXPECT_FALSE(nlohmann::json::parse(json.out).empty());
+}
+
 TEST_F(Mechanisms, CheckPassesWhatSolveWrites) {
     ASSERT_EQ(run({"solve", swinging, "--samples", "10", "--output", "t.csv"}).exit_code, 0);
     const Outcome outcome = run({"check", swinging, "t.csv", "--max-attitude", "1e-10"});

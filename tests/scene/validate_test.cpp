@@ -26,6 +26,35 @@ std::string fault_with(const std::function<void(Scene&)>& change) {
     return "";
 }
 
+TEST(Validate, ABodyOfAMechanismMayHaveNoMassOrAMomentOfZero) {
+    const auto fault_of = [](double mass, const Matrix3<double>& inertia) {
+        return fault_with([&](Scene& s) {
+            s.bodies.push_back({"arm", {}, {}});
+            s.bodies[0].body.mass = mass, s.bodies[0].body.inertia_B = inertia;
+            Joint hinge;
+            hinge.name = "hinge", hinge.parent = "world", hinge.child = "arm";
+            s.joints = {hinge};
+        });
+    };
+    using V3 = Vector3<double>;
+    Matrix3<double> tilted_rod = parallel_axis(2.0, V3(0.3, -0.4, 0.7));
+    EXPECT_EQ(fault_of(0, {}), "");
+    EXPECT_EQ(fault_of(1, {}), "");
+    EXPECT_EQ(fault_of(1, diagonal(V3(0.5, 0.5, 0))), "");
+    EXPECT_EQ(fault_of(1, tilted_rod), "");
+    EXPECT_NE(fault_of(-1, {}).find("/bodies/0/body/mass: is -1; the mass must be >= 0"), std::string::npos);
+    EXPECT_NE(fault_of(0, diagonal(V3(1, 1, 1))).find("/bodies/0/body/inertia: is not zero, but the mass is 0"),
+              std::string::npos);
+    EXPECT_NE(fault_of(1, diagonal(V3(1, 1, -0.5))).find("/bodies/0/body/inertia/2: is -0.5"), std::string::npos);
+    EXPECT_NE(fault_of(1, diagonal(V3(1, 0, 0))).find("triangle inequality"), std::string::npos);
+    tilted_rod[0][0] -= 1, tilted_rod[1][1] -= 1;
+    EXPECT_NE(fault_of(1, tilted_rod).find("must be >= 0"), std::string::npos);
+    // a scene of one body needs all
+    EXPECT_NE(fault_with([](Scene& s) { s.body.mass = 0; }).find("/body/mass: is 0; the mass must be > 0"),
+              std::string::npos);
+    EXPECT_NE(fault_with([](Scene& s) { s.body.inertia_B = {}; }).find("must be > 0"), std::string::npos);
+}
+
 TEST(Validate, NamesThePlaceOfWhateverIsNotFinite) {
     const std::pair<const char*, std::function<void(Scene&)>> faults[] = {
         {"/duration: is nan", [](Scene& s) { s.duration = nan; }},

@@ -97,6 +97,42 @@ TEST(Tree, MovesAsBodiesHeldByMultipliers) {
         }
 }
 
+/// The tree with some bodies made massless, points or rods; whether its mass matrix is regular.
+bool lighten(Scene& scene, unsigned seed) {
+    Dice dice(seed + 2000);
+    for (NamedBody& named : scene.bodies) {
+        Body& body = named.body;
+        const double kind = dice.number();
+        if (kind < -0.5)
+            body.mass = 0, body.inertia_B = {};
+        else if (kind < 0)
+            body.inertia_B = {};
+        else if (kind < 0.5)
+            body.inertia_B = diagonal(Vector3<double>(0.5, 0.5, 0));
+    }
+    try {
+        Tree<double>(scene, bodies_mass_properties<double>(scene));
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+TEST(Tree, MovesBodiesWithoutMassPointsAndRodsAsMultipliersDo) {
+    int regular = 0, loaded = 0;
+    for (unsigned seed = 0; seed < 400; ++seed) {
+        Scene scene = loaded_tree(seed, 2 + static_cast<int>(seed % 7), seed % 3 == 0);
+        if (!lighten(scene, seed)) continue;
+        ++regular;
+        for (const NamedBody& body : scene.bodies) loaded += body.body.mass == 0;
+        if (seed % 2 == 0) scene.loads.push_back(Impulse{{1, -2, 0.5}, Frame::world, {}, Frame::body, 0, "b1"});
+        scene.name += std::to_string(seed) + " with light bodies";
+        expect_alike(scene);
+    }
+    EXPECT_GE(regular, 60);
+    EXPECT_GE(loaded, 40);
+}
+
 TEST(Tree, ImpulsesGoThroughAllJoints) {
     for (unsigned seed = 0; seed < 20; ++seed) {
         Scene scene = random_tree(seed, 6, seed % 2 == 0);

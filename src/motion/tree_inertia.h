@@ -1,0 +1,113 @@
+// Whether a mechanism of motion/tree.h has a regular mass matrix where it starts. With the articulated inertias D_i of
+// the joints, det M = prod D_i (Featherstone 2008, ch. 7), and D_i depends on what hangs on joint i alone: from the
+// leaves to the root, the first D_i that vanishes names the joint whose motion nothing resists. Bodies without mass,
+// point masses and rods are allowed wherever no D_i vanishes.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "motion/tree.h"
+#include "text/message.h"
+
+namespace polhode {
+
+/// A joint has no inertia where its articulated inertia is less than this, relative to the inertia of all that it
+/// carries: mass, or the trace of the tensor about the joint's point. Binary64 has no digit of such a quotient.
+inline constexpr double least_joint_inertia = 1e-14;
+
+/// Between a third of the smallest eigenvalue of a symmetric matrix and all of it, relative to the positive `size`.
+template <class P>
+double least_eigenvalue_share(const Symmetric3<P>& m, const P& size) {
+    const P xx = m.xx / size, yy = m.yy / size, zz = m.zz / size, xy = m.xy / size, xz = m.xz / size, yz = m.yz / size;
+    const P x = yy * zz - yz * yz, y = xx * zz - xz * xz, z = xx * yy - xy * xy;
+    const P determinant = xx * x - xy * (xy * zz - xz * yz) + xz * (xy * yz - xz * yy), minors = x + y + z;
+    return minors > P(0) ? static_cast<double>(P(determinant / minors)) : 0;
+}
+
+/// Whether all principal moments of a tensor are above 1e-12 of their sum, so that its inverse has digits.
+template <class P>
+bool has_three_moments(const Matrix3<P>& inertia) {
+    const P sum = inertia[0][0] + inertia[1][1] + inertia[2][2];
+    return sum > P(0) && least_eigenvalue_share(symmetric_part(inertia), sum) > 1e-12;
+}
+
+/// What would be one rigid body if no joint gave way: sums over a link and all that hangs on it.
+template <class P>
+struct RigidSums {
+    P mass = P(0);
+    Vector3<P> moment;  ///< of mass about the link's origin, its axes
+    P trace = P(0);     ///< of the inertia tensor about that origin
+};
+
+template <class P>
+void Tree<P>::require_inertia(const Scene& scene) const {
+    TreeWork<P>& at = work<P>();
+    move(start_.data(), at);
+    for (LinkWork<P>& link : at.links) link.force = {};
+    articulate(at);
+    std::vector<RigidSums<P>> carried(links_.links.size());
+    for (std::size_t i = links_.links.size(); i-- > 0;) {
+        const Link<P>& link = links_.links[i];
+        const LinkWork<P>& w = at.links[i];
+        RigidSums<P>& sums = carried[i];
+        sums.mass = sums.mass + link.mass, sums.moment = sums.moment + link.moment;
+        sums.trace = sums.trace + (link.inertia.xx + link.inertia.yy + link.inertia.zz);
+        require_inertia(scene, i, w.inertia, sums.mass, sums.trace);
+        if (link.parent < 0) continue;
+        // sum m |x + r|^2, twice, is the trace about the parent's origin
+        RigidSums<P>& parent = carried[static_cast<std::size_t>(link.parent)];
+        const Vector3<P> moment = w.R * sums.moment;
+        parent.mass = parent.mass + sums.mass;
+        parent.moment = parent.moment + (moment + sums.mass * w.r);
+        parent.trace = parent.trace + (sums.trace + P(4) * dot(w.r, moment) + P(2) * sums.mass * dot(w.r, w.r));
+    }
+}
+
+template <class P>
+void Tree<P>::require_inertia(const Scene& scene, std::size_t i, const ArticulatedInertia<P>& articulated,
+                              const P& mass, const P& trace) const {
+    const Link<P>& link = links_.links[i];
+    const auto is_enough = [](const P& inertia, const P& of) { return inertia > P(least_joint_inertia) * of; };
+    const auto fail = [&](const std::string& body, const std::string& fault, const std::string& remedy) {
+        throw InputError(scene.name, fmt::format("/bodies/{}", body_index(scene, body)),
+                         fmt::format("\"{}\" has no {}", one_line(body, 60), fault), remedy);
+    };
+    if (link.kind == LinkJoint::free) {
+        const std::string& body = scene.bodies[static_cast<std::size_t>(link.base)].name;
+        const char* remedy =
+            "a body that no joint carries needs mass and three moments of inertia, its own or of what "
+            "fixed joints hold to it";
+        if (!(link.mass > P(0))) fail(body, "mass, and no joint carries it", remedy);
+        const P own = link.inertia.xx + link.inertia.yy + link.inertia.zz;
+        if (!(own > P(0)) || !(least_eigenvalue_share(link.inertia, own) > least_joint_inertia))
+            fail(body, "moment of inertia about some axis, and no joint carries it", remedy);
+        return;
+    }
+    const Joint& joint = scene.joints[static_cast<std::size_t>(link.joint)];
+    const std::string name = fmt::format("joint \"{}\"", one_line(joint.name, 60));
+    switch (link.kind) {
+        case LinkJoint::prismatic:
+            if (!is_enough(articulated.M.zz, mass)) fail(joint.child, "mass along " + name, "give it mass, or fix it");
+            break;
+        case LinkJoint::revolute:
+            if (is_enough(articulated.J.zz, trace)) break;
+            fail(joint.child,
+                 joint.type == JointType::universal ? fmt::format("inertia about axis {} of {}", link.axis, name)
+                                                    : "inertia about " + name,
+                 mass > P(0) ? "give it mass away from the axis, or fix it" : "give it mass, or fix it");
+            break;
+        case LinkJoint::spherical:
+            if (!(trace > P(0)) || !(least_eigenvalue_share(articulated.J, trace) > least_joint_inertia))
+                fail(joint.child, "inertia about some axis through " + name,
+                     mass > P(0) ? "give it a moment of inertia about each axis, or use a universal joint"
+                                 : "give it mass, or fix it");
+            break;
+        case LinkJoint::free:
+            break;
+    }
+}
+
+}  // namespace polhode

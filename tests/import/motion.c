@@ -65,10 +65,13 @@ static void print_moment(const mjModel* m, mjData* d, double t, int first) {
     printf("]}");
 }
 
-// what is omitted by name: "armature", "free_damping", "ball_stiffness"; this version knows no gravcomp
+// what is omitted by name: "armature", "free_damping", "ball_stiffness", "fluid", "tendon"; this version knows no gravcomp
 static void drop(mjModel* m, const char* what) {
     if (strstr(what, "armature"))
         for (int i = 0; i < m->nv; ++i) m->dof_armature[i] = 0;
+    if (strstr(what, "fluid")) m->opt.density = m->opt.viscosity = 0;
+    if (strstr(what, "tendon"))
+        for (int i = 0; i < m->ntendon; ++i) m->tendon_stiffness[i] = m->tendon_damping[i] = 0;
     for (int j = 0; j < m->njnt; ++j) {
         if (m->jnt_type[j] == mjJNT_FREE && strstr(what, "free_damping"))
             for (int i = 0; i < 6; ++i) m->dof_damping[m->jnt_dofadr[j] + i] = 0;

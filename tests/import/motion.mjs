@@ -100,10 +100,18 @@ function moment(m, d, t) {
   return { t, bodies };
 }
 
-// what is omitted by name: "armature", "free_damping", "gravcomp", "ball_stiffness"
+// mj_id2name gives no empty string for a body without a name
+const nameOf = (m, b) => (m.names[m.name_bodyadr[b]] ? mujoco.mj_id2name(m, BODY, b) : "");
+
+// what is omitted by name: "armature", "free_damping", "gravcomp", "ball_stiffness", "fluid", "tendon"
 function drop(m, what) {
   if (what.includes("armature")) m.dof_armature.fill(0);
   if (what.includes("gravcomp")) m.body_gravcomp.fill(0);
+  if (what.includes("fluid")) m.opt.density = m.opt.viscosity = 0;
+  if (what.includes("tendon")) {
+    m.tendon_stiffness.fill(0);
+    m.tendon_damping.fill(0);
+  }
   for (let j = 0; j < m.njnt; ++j) {
     const v = m.jnt_dofadr[j];
     if (m.jnt_type[j] === FREE && what.includes("free_damping")) m.dof_damping.fill(0, v, v + 6);
@@ -146,7 +154,7 @@ for await (const line of createInterface({ input: process.stdin })) {
     const weld = m.body_weldid;
     const bodies = [];
     for (let b = 1; b < m.nbody; ++b)
-      bodies.push({ name: mujoco.mj_id2name(m, BODY, b), mass: m.body_mass[b], welded_to: weld[b] - 1 });
+      bodies.push({ name: nameOf(m, b), mass: m.body_mass[b], welded_to: weld[b] - 1 });
     const moments = [moment(m, d, 0)];
     const derivative = differentiator(m, d);
     let q = Float64Array.from(d.qpos);

@@ -196,7 +196,7 @@ def combine(parts):
     return mass, center, tensor
 
 
-def link_mass(link, folder):
+def link_mass(link, folder, scales_to_mass):
     inertial = link.find("inertial")
     if inertial is None:
         return 1.0, np.zeros(3), np.eye(3)
@@ -207,7 +207,10 @@ def link_mass(link, folder):
             m, c, I = shape_mass(collision.find("geometry"), density, folder)
             X = raw_pose(collision.find("pose"))
             parts.append((m, X[:3, :3] @ c + X[:3, 3], X[:3, :3] @ I @ X[:3, :3].T))
-        return combine(parts)
+        mass, center, tensor = combine(parts)
+        if scales_to_mass and inertial.find("mass") is not None:
+            return number_of(inertial, "mass", 1), center, tensor * (number_of(inertial, "mass", 1) / mass)
+        return mass, center, tensor
     given = inertial.find("inertia")
     value = {key: number_of(given, key, 1 if key[1] == key[2] else 0) if given is not None else float(key[1] == key[2])
              for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")}
@@ -226,6 +229,7 @@ class Scope:
     attached to."""
 
     def __init__(self, outer, name, static=False):
+        self.scales_to_mass = outer.scales_to_mass if outer is not None else False
         self.outer, self.name, self.static = outer, name, static or (outer is not None and outer.static)
         self.frames = {}  # name -> (raw pose, relative_to, attached_to, link or None)
         self.links, self.joints, self.inner = [], [], {}
@@ -320,7 +324,7 @@ def fill(scope, at, folder):
             name = child.get("name")
             given = child.find("pose")
             scope.frames[name] = (raw_pose(given), given.get("relative_to", "") if given is not None else "", "", child)
-            scope.links.append((name, link_mass(child, folder)))
+            scope.links.append((name, link_mass(child, folder, scope.scales_to_mass)))
             if not true_of(text_of(child, "gravity", "true")):
                 scope.weightless.add(name)
         elif child.tag == "frame":
@@ -405,12 +409,16 @@ def mjcf_vector(v):
     return " ".join(repr(float(x)) for x in v)
 
 
-def convert_to_mjcf(path):
-    """The MJCF text of an SDFormat file, and its world's gravity (None of a file without a world)."""
+def convert_to_mjcf(path, scales_to_mass=False):
+    """The MJCF text of an SDFormat file, and its world's gravity (None of a file without a world).
+
+    scales_to_mass: a <mass> beside auto="true" scales the automatic inertia, as libsdformat does from 14.7 and 15.2 on;
+    versions before ignore it."""
     path = pathlib.Path(path)
     root = ElementTree.parse(path).getroot()
     convert(root)
     world = Scope(None, "world")
+    world.scales_to_mass = scales_to_mass
     at = root.find("world")
     gravity = None
     if at is not None:

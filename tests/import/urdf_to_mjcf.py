@@ -4,8 +4,10 @@ MuJoCo reads URDF itself, and `compute` has it read every file that it takes. Th
 and the only one for what MuJoCo refuses: links whose tensor is possible only once fixed joints have merged them, tensors
 that rounding made impossible, and links without mass between two hinges.
 
-What it does, in this order: links that fixed joints tie to a link that moves are merged into it, links that they tie to
-the world are left out; a link without mass passes its joint on to its only child; a tensor whose largest moment exceeds
+What it does, in this order: links that fixed joints tie to a link that moves are merged into it (what is left of
+them is a frame), links that they tie to
+the world are left out; a link without mass passes its joint on to its only child, or is left out at the
+end of the tree; a tensor whose largest moment exceeds
 the sum of the others by e loses e/3 there and gains e/3 in each of the others, the smallest change of the three moments.
 """
 import xml.etree.ElementTree as ElementTree
@@ -70,23 +72,27 @@ def convert_to_mjcf(path, free_base=False):
     roots = [name for name in [*masses, *below] if name not in carried]
     roots = list(dict.fromkeys(roots))
 
-    # of the link and what fixed joints tie to it: mass parts in its frame, and the moving joints with their place
+    # of the link and what fixed joints tie to it: mass parts in its frame, the moving joints and the links with their
+    # places in it
     def gather(name, X):
-        parts, moving = [], []
+        parts, moving, tied = [], [], []
         mass = masses.get(name)
         if mass is not None:
             parts.append((mass[0], X[:3, :3] @ mass[1] + X[:3, 3], X[:3, :3] @ mass[2] @ X[:3, :3].T))
         for joint in below.get(name, []):
             Y = X @ origin_of(joint)
             if joint.get("type") == "fixed":
-                more, others = gather(joint.find("child").get("link"), Y)
-                parts, moving = parts + more, moving + others
+                child = joint.find("child").get("link")
+                more, others, links = gather(child, Y)
+                parts, moving, tied = parts + more, moving + others, [*tied, (child, Y), *links]
             else:
                 moving.append((joint, Y))
-        return parts, moving
+        return parts, moving, tied
 
     def write(name, X, elements, indent):
-        parts, moving = gather(name, np.eye(4))
+        parts, moving, tied = gather(name, np.eye(4))
+        if not parts and not moving:
+            return []
         if not parts:
             (joint, Y), = moving
             back = np.linalg.inv(Y)
@@ -100,6 +106,8 @@ def convert_to_mjcf(path, free_base=False):
                  *(f"{space}  {one.text()}" for one in elements),
                  f'{space}  <inertial pos="{mjcf_vector(center)}" quat="{mjcf_vector(quaternion(V))}" mass="{mass!r}" '
                  f'diaginertia="{mjcf_vector(repaired(moments))}"/>']
+        lines += [f'{space}  <body name="{link}" pos="{mjcf_vector(Y[:3, 3])}" '
+                  f'quat="{mjcf_vector(quaternion(Y[:3, :3]))}"/>' for link, Y in tied]
         for joint, Y in moving:
             lines += write(joint.find("child").get("link"), Y, [Element(joint)], indent + 1)
         return [*lines, f"{space}</body>"]

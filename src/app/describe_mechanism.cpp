@@ -263,7 +263,17 @@ void left_out(Report& report, const Problem& problem) {
     const Tree<double>& tree = mechanism_of(problem).tree();
     if (const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows(); redundant > 0)
         report.line(counted(redundant, "loop condition"), "the others imply what they say");
-    for (const std::string& phrase : scene.left_out) report.line("of the robot's file", one_line(phrase, 500));
+}
+
+// What the import of a robot did not model, and what it took without finding it in the file.
+void import_notes(Report& report, const Scene& scene) {
+    const auto list = [&](const char* title, const std::vector<std::string>& phrases) {
+        if (phrases.empty()) return;
+        report.title(title);
+        for (const std::string& phrase : phrases) report.line(one_line(phrase, 500));
+    };
+    list("Constructs of the robot file that are not modelled", scene.omitted);
+    list("Assumptions of the import", scene.assumed);
 }
 
 void kept(Report& report, const Problem& problem) {
@@ -288,6 +298,7 @@ void description::mechanism(Report& report, const Problem& problem) {
     loads(report, problem.scene);
     system_of(report, problem);
     left_out(report, problem);
+    import_notes(report, problem.scene);
     choice(report, problem);
     report.title("Truth");
     report.line("by", std::string(truth_method(problem)) +

@@ -7,7 +7,7 @@
 #include "scene/json_values.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
-#include "scene/robot_xml.h"
+#include "scene/robot_files.h"
 #include "scene/scene_keys.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -198,10 +198,12 @@ MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
     import.only(keys_of(scene_keys(), "import"));
     const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
     const JsonNode& link = import.required("link", "the name of the link or body");
+    const JsonNode* balance = import.find("balance_inertia");
     try {
-        ImportedBody body =
-            parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()), link.string());
-        body.file = file.string(), body.link = link.string();
+        MadeOf body = parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()),
+                                       link.string(), balance && balance->boolean(), {directory, file.string()});
+        if (auto* imported = std::get_if<ImportedBody>(&body))
+            imported->file = file.string(), imported->link = link.string();
         return body;
     } catch (const InputError& error) {
         import.fail(error);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -205,9 +206,22 @@ void parse_joint_start(const JsonNode& node, Joint& j) {
     if (const JsonNode* dependent = node.find("dependent")) j.dependent = dependent->boolean();
 }
 
+namespace {
+
+bool has_gravity(const JsonNode& root) {
+    const JsonNode* loads = root.find("loads");
+    if (!loads || !loads->is_array()) return false;
+    return std::ranges::any_of(loads->elements(), [](const JsonNode* load) {
+        const JsonNode* type = load->is_object() ? load->find("type") : nullptr;
+        return type && type->is_string() && type->string() == "gravity";
+    });
+}
+
+}  // namespace
+
 void parse_mechanism(const JsonNode& root, Scene& scene) {
     const JsonNode* import = root.find("import");
-    if (import) parse_robot_import(*import, scene);
+    if (import) parse_robot_import(*import, has_gravity(root), scene);
     if (const JsonNode* joints = root.find("joints"))
         for (const JsonNode* one : joints->elements()) scene.joints.push_back(joint(*one));
     if (const JsonNode* loops = root.find("loops"))

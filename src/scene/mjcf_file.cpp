@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "scene/mjcf_values.h"
 #include "scene/robot_parts.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -101,7 +102,7 @@ class MjcfReader {
             if (at.Attribute(bound)) note("<compiler>", bound);
     }
 
-    void note(const std::string& what, const std::string& name) { robot_.left_out[what].push_back(name); }
+    void note(const std::string& what, const std::string& name) { robot_.omitted[what].push_back(name); }
 
     // sections that say nothing of how bodies and joints are made
     void leave_out(const XMLElement& at, std::string_view tag) {
@@ -120,7 +121,7 @@ class MjcfReader {
             if (tag == "body") {
                 read_body(*one, link);
             } else if (tag == "geom") {
-                auto& geoms = robot_.left_out["shapes for contact of bodies"];
+                auto& geoms = robot_.omitted["shapes for contact of bodies"];
                 if (geoms.empty() || geoms.back() != name) geoms.push_back(name);
             } else if (tag == "frame" || tag == "replicate" || tag == "composite" || tag == "flexcomp" ||
                        tag == "attach" || tag == "include") {
@@ -163,14 +164,14 @@ class MjcfReader {
     }
 
     std::size_t add_link(const XMLElement& at, const std::string& name) {
-        robot_.links.push_back({name, at.GetLineNum(), {}});
+        robot_.links.push_back({name, xml_.place_of(at), {}});
         return robot_.links.size() - 1;
     }
     RobotJoint& add_joint(const XMLElement& at, const std::string& name, RobotMotion motion, std::size_t parent,
                           std::size_t child, const RobotPose& placement) {
         joint_names_.add(at, name, robot_.joints.size());
         RobotJoint joint;
-        joint.name = name, joint.line = at.GetLineNum(), joint.motion = motion;
+        joint.name = name, joint.place = xml_.place_of(at), joint.motion = motion;
         joint.parent = parent, joint.child = child, joint.placement = placement;
         robot_.joints.push_back(std::move(joint));
         return robot_.joints.back();
@@ -247,6 +248,10 @@ class MjcfReader {
 };
 
 }  // namespace
+
+LinkInertial mjcf_body_inertial(const RobotXml& xml, XMLElement& root, const std::string& body) {
+    return mjcf_inertial(xml, xml.child(named_element(xml, root, "body", body), "inertial"), mjcf_compiler(xml, root));
+}
 
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root) {
     MjcfClasses classes;

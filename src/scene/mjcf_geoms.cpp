@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "body/shapes.h"
+#include "scene/mjcf_values.h"
 #include "scene/robot_parts.h"
 #include "text/message.h"
 

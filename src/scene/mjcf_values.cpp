@@ -1,7 +1,8 @@
 // Orientations and inertials of MJCF.
+#include "scene/mjcf_values.h"
+
 #include <fmt/format.h>
 
-#include "scene/robot_xml.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -121,10 +122,10 @@ ImportedBody mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, cons
     if (inertial.Attribute("fullinertia")) {
         if (inertial.Attribute("diaginertia"))
             xml.fail(inertial, "has both diaginertia and fullinertia", "give one of them");
-        body.inertia = xml.tensor(inertial, xml.attribute(inertial, "fullinertia", 6));
+        body.inertia = RobotXml::tensor(xml.attribute(inertial, "fullinertia", 6));
     } else {
         const std::vector<double> v = xml.attribute(inertial, "diaginertia", 3);
-        body.inertia = xml.tensor(inertial, {v[0], v[1], v[2], 0, 0, 0});
+        body.inertia = RobotXml::tensor({v[0], v[1], v[2], 0, 0, 0});
     }
     return body;
 }

@@ -4,8 +4,8 @@
 
 #include "scene/initial_file.h"
 #include "scene/joint_file.h"
+#include "scene/robot_files.h"
 #include "scene/robot_tree.h"
-#include "scene/robot_xml.h"
 #include "scene/scene_keys.h"
 #include "text/message.h"
 
@@ -51,15 +51,18 @@ void parse_start(const JsonNode& node, Scene& scene) {
 
 }  // namespace
 
-void parse_robot_import(const JsonNode& node, Scene& scene) {
+void parse_robot_import(const JsonNode& node, bool scene_has_gravity, Scene& scene) {
     if (!node.is_object()) node.fail(node.described(), "give an object {\"file\": ..}");
     node.only(keys_of(scene_keys(), "import of a robot"));
     const std::string& file = node.required("file", "the path of a URDF, MJCF or SDFormat file").string();
-    const JsonNode* base = node.find("base");
-    const RobotBase held = base ? robot_base(*base) : RobotBase::as_usual;
+    RobotOptions options;
+    options.scene_has_gravity = scene_has_gravity;
+    if (const JsonNode* base = node.find("base")) options.base = robot_base(*base);
+    if (const JsonNode* model = node.find("model")) options.model = model->string();
+    if (const JsonNode* balance = node.find("balance_inertia")) options.balance_inertia = balance->boolean();
     try {
-        const Robot robot = parse_robot(robot_text(scene.directory, file), file);
-        add_robot(robot, held, file, scene);
+        const std::string text = robot_text(scene.directory, file);
+        add_robot(parse_robot(text, file, options, {scene.directory, file}), options, file, scene);
     } catch (const InputError& error) {
         node.fail(error);
     }

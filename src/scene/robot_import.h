@@ -6,8 +6,9 @@
 
 namespace polhode {
 
-/// The bodies and joints of the robot that the object at `node` names go into `scene`, each number rounded once to
-/// binary64, with what is left out of the file. Throws InputError.
-void parse_robot_import(const JsonNode& node, Scene& scene);
+/// Adds the bodies, joints and loads of the robot that the object at `node` names to `scene`, each number rounded once
+/// to binary64, and the notes on constructs that are not modelled. `scene_has_gravity`: the scene file has a gravity
+/// load, which takes precedence over the robot file's. Throws InputError.
+void parse_robot_import(const JsonNode& node, bool scene_has_gravity, Scene& scene);
 
 }  // namespace polhode

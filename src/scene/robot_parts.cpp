@@ -14,7 +14,45 @@ Vector3<Wide> operator*(const RobotPose& pose, const Vector3<Wide>& point) {
     return rotate(pose.turn, point) + pose.position;
 }
 
-MassProperties<Wide> mass_of(const ImportedBody& inertial) { return MassPropertiesOf<Wide>{}(inertial); }
+MassProperties<Wide> mass_of(const LinkInertial& inertial) {
+    if (const auto* body = std::get_if<ImportedBody>(&inertial)) return MassPropertiesOf<Wide>{}(*body);
+    return std::get<MassProperties<Wide>>(inertial);
+}
+
+namespace {
+
+// Elements of that tag and name, with the names of the models around them in front.
+void find_elements(const XMLElement& within, std::string_view tag, const std::string& wanted, const std::string& scope,
+                   std::vector<const XMLElement*>& found, std::vector<std::string>& names) {
+    for (const XMLElement* one = within.FirstChildElement(); one; one = one->NextSiblingElement()) {
+        const std::string name = name_or(*one, "");
+        if (one->Name() == tag && !name.empty()) {
+            names.push_back(name);
+            if (name == wanted || scope + name == wanted) found.push_back(one);
+        }
+        const bool is_model = std::string_view(one->Name()) == "model";
+        find_elements(*one, tag, wanted, is_model ? scope + name + "::" : scope, found, names);
+    }
+}
+
+}  // namespace
+
+const XMLElement& named_element(const RobotXml& xml, const XMLElement& root, const char* tag, const std::string& name) {
+    std::vector<const XMLElement*> found;
+    std::vector<std::string> names;
+    find_elements(root, tag, name, "", found, names);
+    if (found.empty()) {
+        const std::string meant = did_you_mean(name, names);
+        throw InputError(xml.path(), "", fmt::format("has no {} \"{}\"", tag, one_line(name, 60)),
+                         !meant.empty()  ? meant
+                         : names.empty() ? fmt::format("give a file with a named {}", tag)
+                                         : "give one of " + listed(names));
+    }
+    if (found.size() > 1)
+        xml.fail(*found[1], fmt::format("is a second {} \"{}\"", tag, one_line(name, 60)),
+                 "give \"model::link\", or a different name to each");
+    return *found.front();
+}
 
 void RobotNames::add(const XMLElement& at, const std::string& name, std::size_t index) {
     if (!index_.emplace(name, index).second)
@@ -32,16 +70,21 @@ std::size_t RobotNames::find(const XMLElement& at, const std::string& name) cons
               !meant.empty() ? meant : "give one of " + listed(known));
 }
 
-Robot parse_robot(std::string_view text, const std::string& path) {
+Robot parse_robot(std::string_view text, const std::string& path, const RobotOptions& options,
+                  const RobotFiles& files) {
     tinyxml2::XMLDocument document;
     parse_robot_xml(document, text, path);
-    const RobotXml xml(path);
+    const RobotXml xml(path, files);
     XMLElement& root = *document.RootElement();
     const std::string_view kind = root.Name();
+    if (!options.model.empty() && kind != "sdf")
+        throw InputError(path, "", "is not an SDFormat file, which alone has models to choose from",
+                         "remove \"model\" from the import");
     if (kind == "robot") return urdf_robot(xml, root);
     if (kind == "mujoco") return mjcf_robot(xml, root);
-    if (kind == "sdf") return sdf_robot(xml, root);
-    xml.fail(root, "is the root of no known format", "give a URDF (<robot>), MJCF (<mujoco>) or SDFormat (<sdf>) file");
+    if (kind == "sdf") return sdf_robot(xml, root, options.model);
+    xml.fail(root, "is not the root element of a known format",
+             "give a URDF (<robot>), MJCF (<mujoco>) or SDFormat (<sdf>) file");
 }
 
 }  // namespace polhode

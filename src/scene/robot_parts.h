@@ -1,27 +1,34 @@
-// The readers of whole robots, one for each format.
+// The readers of URDF, MJCF and SDFormat, and what they share.
 #pragma once
 
 #include <tinyxml2.h>
 
+#include <functional>
+#include <variant>
+
+#include "scene/robot_schema.h"
 #include "scene/robot_tree.h"
 #include "scene/robot_xml.h"
 
 namespace polhode {
 
 Robot urdf_robot(const RobotXml& xml, const XMLElement& root);
-/// What <default> says is written into the elements.
+/// Writes included files and the values of <default> into the elements.
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root);
-Robot sdf_robot(const RobotXml& xml, const XMLElement& root);
+Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string& model);
 
-/// Where an MJCF element is in what it stands in.
-RobotPose mjcf_pose(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
-/// The mass properties of a geom, in its body's frame: none of one without mass. Throws InputError at what is no
-/// sphere, capsule, cylinder, box or ellipsoid.
-std::optional<MassProperties<Wide>> mjcf_geom_mass(const RobotXml& xml, const XMLElement& at,
-                                                   const MjcfCompiler& compiler);
+/// The mass properties of one link: an inertial as the file has it, or properties computed from shapes.
+using LinkInertial = std::variant<ImportedBody, MassProperties<Wide>>;
+LinkInertial urdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link);
+LinkInertial mjcf_body_inertial(const RobotXml& xml, XMLElement& root, const std::string& body);
+LinkInertial sdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link);
 
 /// Mass properties in the link's frame.
-MassProperties<Wide> mass_of(const ImportedBody& inertial);
+MassProperties<Wide> mass_of(const LinkInertial& inertial);
+
+/// The only element of that tag and name below `root`. `name` may be qualified by the models around it:
+/// "model::link". Throws InputError if there is none or more than one.
+const XMLElement& named_element(const RobotXml& xml, const XMLElement& root, const char* tag, const std::string& name);
 
 /// The names of links or joints with their places in the list. `add` fails at one that is there already, `find` at one
 /// that is not.
@@ -31,6 +38,7 @@ class RobotNames {
 
     void add(const XMLElement& at, const std::string& name, std::size_t index);
     std::size_t find(const XMLElement& at, const std::string& name) const;
+    bool has(const std::string& name) const { return index_.contains(name); }
 
   private:
     const RobotXml& xml_;

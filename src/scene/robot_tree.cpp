@@ -7,21 +7,26 @@
 #include <utility>
 
 #include "body/rigid_body.h"
+#include "scene/inertia_repair.h"
 #include "scene/robot_parts.h"
 #include "scene/scene_limits.h"
+#include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-// Merges what has no mass.
+// Turns links and joints of a file into bodies and joints of a scene: adds joints that hold the roots, merges links
+// without mass, merges or repairs impossible inertia tensors, rounds every number to binary64.
 class RobotMerger {
   public:
-    RobotMerger(const Robot& robot, RobotBase base, const std::string& path) : robot_(robot), path_(path) {
+    RobotMerger(const Robot& robot, const RobotOptions& options, const std::string& path)
+        : robot_(robot), options_(options), path_(path) {
         carrier_.assign(robot_.links.size(), none);
         for (std::size_t j = 0; j < robot_.joints.size(); ++j) carrier_[robot_.joints[j].child] = j;
         robot_.places.resize(robot_.links.size());
-        hold_roots(base == RobotBase::as_usual ? robot_.roots_are_free : base == RobotBase::free);
+        const bool as_usual = options.base == RobotBase::as_usual;
+        hold_roots(as_usual ? robot_.roots_are_free : options.base == RobotBase::free);
         children_.resize(robot_.links.size());
         for (std::size_t j = 0; j < robot_.joints.size(); ++j)
             if (robot_.joints[j].parent != RobotJoint::world) children_[robot_.joints[j].parent].push_back(j);
@@ -40,24 +45,43 @@ class RobotMerger {
                              "a robot is a tree: close chains by \"loops\" in the scene");
         for (std::size_t k = order.size(); k-- > 0;)
             if (!robot_.links[order[k]].mass) merge_link(order[k]);
+        // a link that is fixed to its parent needs no possible tensor of its own
+        for (std::size_t k = order.size(); k-- > 0;)
+            if (!gone_[order[k]] && has_impossible_tensor(order[k])) merge_impossible(order[k]);
+        for (const std::size_t i : order)
+            if (!gone_[i]) repair(i);
     }
 
-    void build(Scene& scene) const {
+    void build(Scene& scene) {
         for (std::size_t i = 0; i < robot_.links.size(); ++i)
             if (!gone_[i]) build_link(i, scene);
         if (scene.bodies.empty())
             throw InputError(path_, "", "has no link with a mass", "give a robot whose links have an <inertial>");
-        for (const auto& [what, names] : robot_.left_out) scene.left_out.push_back(phrase(what, names));
+        require_motion();
+        for (const Robot::FreeDamping& damping : robot_.free_damping) add_drag(damping, scene);
+        if (robot_.gravity_W && !options_.scene_has_gravity) {
+            const Vector3<double>& g = *robot_.gravity_W;
+            scene.loads.push_back(Gravity{g, {}});
+            scene.assumed.push_back(fmt::format("gravity ({}, {}, {}) m/s^2: {}", shortest_decimal(g[0]),
+                                                shortest_decimal(g[1]), shortest_decimal(g[2]), robot_.gravity_source));
+        } else if (robot_.gravity_W) {
+            scene.assumed.push_back(fmt::format("gravity: the scene's load, in place of {}", robot_.gravity_source));
+        } else if (!options_.scene_has_gravity) {
+            scene.assumed.push_back("gravity: none; the file does not state it, and the scene has no such load");
+        }
+        for (const auto& [what, names] : robot_.assumed) scene.assumed.push_back(phrase(what, names));
+        for (const auto& [what, names] : robot_.omitted) scene.omitted.push_back(phrase(what, names));
     }
 
   private:
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    static constexpr double heavy = 1e5;  // kg
 
     RobotJoint& joint_of(std::size_t link) { return robot_.joints[carrier_[link]]; }
     const RobotJoint& joint_of(std::size_t link) const { return robot_.joints[carrier_[link]]; }
 
-    [[noreturn]] void fail(int line, const std::string& fault, const std::string& remedy) const {
-        throw InputError(path_, line > 0 ? fmt::format("line {}", line) : "", fault, remedy);
+    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
+        throw InputError(path_, place, fault, remedy);
     }
 
     void hold_roots(bool are_free) {
@@ -69,7 +93,7 @@ class RobotMerger {
             joint.name = robot_.links[i].name + "_base";
             while (names.contains(joint.name)) joint.name += "_";
             names.insert(joint.name);
-            joint.line = robot_.links[i].line, joint.child = i;
+            joint.place = robot_.links[i].place, joint.child = i;
             joint.motion = are_free ? RobotMotion::free : RobotMotion::fixed;
             joint.placement = robot_.places[i];
             carrier_[i] = robot_.joints.size();
@@ -77,7 +101,8 @@ class RobotMerger {
         }
     }
 
-    void note(const char* what, const std::string& name) { robot_.left_out[what].push_back(name); }
+    void note(const char* what, const std::string& name) { robot_.omitted[what].push_back(name); }
+    void note_assumed(const char* what, const std::string& name) { robot_.assumed[what].push_back(name); }
 
     void merge_link(std::size_t i) {
         const RobotLink& link = robot_.links[i];
@@ -88,31 +113,29 @@ class RobotMerger {
         gone_[i] = true;
         if (children.empty()) {
             if (joint.motion != RobotMotion::fixed)
-                fail(link.line,
+                fail(link.place,
                      fmt::format("link \"{}\" has no mass, and joint \"{}\" moves it", one_line(link.name, 60),
                                  one_line(joint.name, 60)),
                      "give it an inertial, or make the joint fixed");
             if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
             if (joint.parent != RobotJoint::world || robot_.links.size() > 1)
-                note("links without mass, dropped", link.name);
+                note_assumed("links without mass, dropped", link.name);
         } else if (joint.motion == RobotMotion::fixed) {
-            merge_up(i, joint);
+            merge_up(i, joint, "links without mass, merged");
         } else if (child != children.end()) {
-            merge_down(i, joint, *child);
-        } else if (joint.motion == RobotMotion::revolute && children.size() == 1 &&
-                   robot_.joints[children[0]].motion == RobotMotion::revolute) {
+            merge_down(i, joint, *child, "links without mass, merged");
+        } else if (is_universal(joint, children)) {
             make_universal(i, joint, children[0]);
         } else {
-            fail(link.line,
-                 fmt::format("joints \"{}\" and \"{}\" move one after the other without mass between",
-                             one_line(joint.name, 60), one_line(robot_.joints[children[0]].name, 60)),
-                 "give a link between them with a mass, or a ball joint: only two hinges through one point become one "
-                 "joint, a universal one");
+            // a massless body between moving joints: the scene's mass matrix shows whether it can move
+            gone_[i] = false;
+            robot_.links[i].mass = MassProperties<Wide>{};
+            note_assumed("links without mass between moving joints", link.name);
         }
     }
 
     // what hangs on it hangs on its parent
-    void merge_up(std::size_t i, const RobotJoint& joint) {
+    void merge_up(std::size_t i, const RobotJoint& joint, const char* heading) {
         if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
         for (const std::size_t j : children_[i]) {
             RobotJoint& below = robot_.joints[j];
@@ -120,12 +143,12 @@ class RobotMerger {
             if (joint.parent != RobotJoint::world) children_[joint.parent].push_back(j);
         }
         children_[i].clear();
-        note("links without mass, merged", robot_.links[i].name);
+        note_assumed(heading, robot_.links[i].name);
     }
 
     // the link that is fixed to it takes its place, with its own frame
-    void merge_down(std::size_t i, RobotJoint& joint, std::size_t fixed) {
-        const RobotJoint& tie = robot_.joints[fixed];
+    void merge_down(std::size_t i, RobotJoint& joint, std::size_t fixed, const char* heading) {
+        const RobotJoint tie = robot_.joints[fixed];
         const std::size_t c = tie.child;
         const RobotPose back = inverse(tie.placement);
         joint.placement = joint.placement * tie.placement;
@@ -138,22 +161,34 @@ class RobotMerger {
             children_[c].push_back(j);
         }
         children_[i].clear();
-        note("links without mass, merged", robot_.links[i].name);
+        note_assumed(heading, robot_.links[i].name);
     }
 
-    // two hinges whose lines meet; all in the frame of the link between
+    // Two hinges whose lines meet in one point, in the frame of the link between.
+    struct Meeting {
+        Vector3<Wide> p, a, b, n, d;
+        Wide across;
+    };
+    Meeting meeting_of(const RobotJoint& joint, const RobotJoint& second) const {
+        Meeting m;
+        m.p = joint.point, m.a = joint.axes[0];
+        m.d = second.placement * second.point - m.p, m.b = rotate(second.placement.turn, second.axes[0]);
+        m.n = cross(m.a, m.b), m.across = dot(m.n, m.n);
+        return m;
+    }
+    bool is_universal(const RobotJoint& joint, const std::vector<std::size_t>& children) const {
+        if (joint.motion != RobotMotion::revolute || children.size() != 1) return false;
+        const RobotJoint& second = robot_.joints[children[0]];
+        if (second.motion != RobotMotion::revolute) return false;
+        const Meeting m = meeting_of(joint, second);
+        const Wide apart = dot(m.d, m.n);
+        return m.across > Wide(1e-12) * dot(m.a, m.a) * dot(m.b, m.b) &&
+               apart * apart <= Wide(1e-18) * dot(m.d, m.d) * m.across;
+    }
+
     void make_universal(std::size_t i, RobotJoint& joint, std::size_t second_joint) {
         const RobotJoint& second = robot_.joints[second_joint];
-        const Vector3<Wide> p = joint.point, a = joint.axes[0];
-        const Vector3<Wide> r = second.placement * second.point, b = rotate(second.placement.turn, second.axes[0]);
-        const Vector3<Wide> n = cross(a, b), d = r - p;
-        const Wide across = dot(n, n), scale = dot(d, d);
-        const Wide apart = dot(d, n);
-        if (!(across > Wide(1e-12) * dot(a, a) * dot(b, b)) || !(apart * apart <= Wide(1e-18) * scale * across))
-            fail(robot_.links[i].line,
-                 fmt::format("the axes of \"{}\" and \"{}\" do not meet in one point, and no mass is between",
-                             one_line(joint.name, 60), one_line(second.name, 60)),
-                 "give a link between them with a mass, or axes that meet at an angle: a universal joint");
+        const auto [p, a, b, n, d, across] = meeting_of(joint, second);
         const Vector3<Wide> meeting = p + (dot(cross(d, b), n) / across) * a;
         const RobotPose back = inverse(second.placement);
         const std::size_t c = second.child;
@@ -165,7 +200,81 @@ class RobotMerger {
         joint.stiffness[1] = second.stiffness[0], joint.rest[1] = second.rest[0], joint.damping[1] = second.damping[0];
         joint.child = c, carrier_[c] = carrier_[i];
         children_[i].clear();
-        note("hinges that are one universal joint", joint.name);
+        note_assumed("hinges that are one universal joint", joint.name);
+    }
+
+    bool has_impossible_tensor(std::size_t i) const {
+        const std::optional<MassProperties<Wide>>& mass = robot_.links[i].mass;
+        return mass && repair_inertia(mass->inertia).excess > 0;
+    }
+
+    // With the link that a fixed joint ties it to, or with the world, where its mass does not matter.
+    void merge_impossible(std::size_t i) {
+        RobotLink& link = robot_.links[i];
+        const RobotJoint joint = joint_of(i);
+        if (joint.motion == RobotMotion::fixed) {
+            gone_[i] = true;
+            if (joint.parent == RobotJoint::world) {
+                link.mass.reset();
+                merge_up(i, joint, "links fixed to the world whose tensor is not possible, without effect");
+                return;
+            }
+            add_mass(joint.parent, *link.mass, joint.placement);
+            return merge_up(i, joint, "links merged with their parents, because their own tensor is not possible");
+        }
+        for (const std::size_t j : children_[i]) {
+            if (robot_.joints[j].motion != RobotMotion::fixed) continue;
+            gone_[i] = true;
+            add_mass(robot_.joints[j].child, *link.mass, inverse(robot_.joints[j].placement));
+            return merge_down(i, joint_of(i), j,
+                              "links merged with their children, because their own tensor is not possible");
+        }
+    }
+
+    // `place`: of the added mass's frame in the link
+    void add_mass(std::size_t link, const MassProperties<Wide>& mass, const RobotPose& place) {
+        std::optional<MassProperties<Wide>>& whole = robot_.links[link].mass;
+        const MassProperties<Wide> added = placed(mass, place.position, place.turn);
+        whole = whole ? composite(std::vector<MassProperties<Wide>>{*whole, added}) : added;
+    }
+
+    void repair(std::size_t i) {
+        RobotLink& link = robot_.links[i];
+        if (!link.mass) return;
+        const InertiaRepair repair = repair_inertia(link.mass->inertia);
+        if (repair.excess == 0) return;
+        if (!repair.is_small && !options_.balance_inertia)
+            fail(link.place, fmt::format("link \"{}\" {}", one_line(link.name, 60), repair.description()),
+                 "correct the tensor, or accept the smallest change by \"balance_inertia\": true");
+        link.mass->inertia = repair.inertia;
+        robot_.assumed["inertia tensors repaired by the smallest change of the principal moments"].push_back(
+            fmt::format("{} (excess {:.3g} of the largest moment {:.6g} kg m^2, largest change {:.3g} kg m^2)",
+                        one_line(link.name, 60), repair.excess, repair.largest, repair.change));
+    }
+
+    // Something must move, or there is nothing to solve.
+    void require_motion() const {
+        const RobotLink* first = nullptr;
+        for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+            if (gone_[i]) continue;
+            if (joint_of(i).motion != RobotMotion::fixed) return;
+            if (!first) first = &robot_.links[i];
+        }
+        const std::string name = one_line(first->name, 60);
+        fail(first->place, fmt::format("nothing moves: \"{}\" and all other links are fixed to the world", name),
+             "free the robot by \"base\": \"free\" in the import, or give it a joint that moves");
+    }
+
+    // A drag load acts at the centre of mass, damping of a free joint at the origin of its link.
+    void add_drag(const Robot::FreeDamping& damping, Scene& scene) {
+        const RobotLink& link = robot_.links[damping.link];
+        const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                       [&](const NamedBody& one) { return one.name == link.name; });
+        if (body == scene.bodies.end() ||
+            !(damping.translational == 0 || body->body.center_of_mass == Vector3<double>()))
+            return note("damping of free joints away from the centre of mass", link.name);
+        const double c = damping.rotational;
+        scene.loads.push_back(Drag{{c, c, c}, damping.translational, {}, link.name});
     }
 
     // binary64 without negative zeros
@@ -177,26 +286,20 @@ class RobotMerger {
         return {round_to_double(q.w), round_to_double(q.x), round_to_double(q.y), round_to_double(q.z)};
     }
 
-    void build_link(std::size_t i, Scene& scene) const {
+    void build_link(std::size_t i, Scene& scene) {
         const RobotLink& link = robot_.links[i];
         const RobotJoint& joint = joint_of(i);
         NamedBody one;
         one.name = link.name;
         one.body.mass = double(link.mass->mass);
         one.body.center_of_mass = round_to_double(link.mass->center);
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c <= r; ++c)
-                one.body.inertia_B[r][c] = one.body.inertia_B[c][r] = round_to_double(link.mass->inertia[r][c]);
-        const Vector3<double> moments = principal_frame(cast<Wide>(one.body.inertia_B)).moments;
-        const double largest = std::max({moments[0], moments[1], moments[2]});
-        for (int k = 0; k < 3; ++k)
-            if (!(moments[k] > 1e-30 * largest))
-                fail(link.line,
-                     fmt::format("link \"{}\" has a principal moment that is not > 0", one_line(link.name, 60)),
-                     "a whole body has three moments of inertia > 0");
+        one.body.inertia_B = round_tensor(link.mass->inertia);
+        if (one.body.mass > heavy)
+            note_assumed("links heavier than 1e5 kg: check the units of lengths and densities",
+                         fmt::format("{} ({:.4g} kg)", one_line(link.name, 60), one.body.mass));
         if (joint.motion == RobotMotion::free) {
             if (joint.parent != RobotJoint::world)
-                fail(joint.line, fmt::format("joint \"{}\" frees a link from another", one_line(joint.name, 60)),
+                fail(joint.place, fmt::format("joint \"{}\" frees a link from another", one_line(joint.name, 60)),
                      "only what hangs on the world floats: make its parent the root, without a mass");
             one.initial.orientation = round_to_double(joint.placement.turn);
             one.initial.position_W = round_to_double(joint.placement * link.mass->center);
@@ -244,6 +347,7 @@ class RobotMerger {
     }
 
     Robot robot_;
+    const RobotOptions options_;
     const std::string& path_;
     std::vector<std::size_t> carrier_;                // the joint of each link
     std::vector<std::vector<std::size_t>> children_;  // the joints that hang on each
@@ -252,11 +356,11 @@ class RobotMerger {
 
 }  // namespace
 
-void add_robot(const Robot& robot, RobotBase base, const std::string& path, Scene& scene) {
+void add_robot(const Robot& robot, const RobotOptions& options, const std::string& path, Scene& scene) {
     if (robot.links.size() > most_bodies)
         throw InputError(path, "", fmt::format("has {} links", robot.links.size()),
-                         fmt::format("give {} at the most", most_bodies));
-    RobotMerger merger(robot, base, path);
+                         fmt::format("give at most {}", most_bodies));
+    RobotMerger merger(robot, options, path);
     merger.merge();
     merger.build(scene);
 }

@@ -11,9 +11,13 @@
 #include <vector>
 
 #include "scene/body_source.h"
+#include "scene/robot_files.h"
 #include "scene/scene.h"
 
 namespace polhode {
+
+/// How a robot is held where its file leaves that open.
+enum class RobotBase { as_usual, fixed, free };
 
 /// Where one frame is in another: v_there = rotate(turn, v_here) + position.
 struct RobotPose {
@@ -26,7 +30,7 @@ Vector3<Wide> operator*(const RobotPose& pose, const Vector3<Wide>& point);
 
 struct RobotLink {
     std::string name;
-    int line = 0;                              ///< in the file
+    std::string place;                         ///< in the file, for messages: "line 12"
     std::optional<MassProperties<Wide>> mass;  ///< in the link's frame
 };
 
@@ -36,7 +40,7 @@ struct RobotJoint {
     static constexpr std::size_t world = static_cast<std::size_t>(-1);
 
     std::string name;
-    int line = 0;  ///< in the file
+    std::string place;  ///< in the file, for messages
     RobotMotion motion = RobotMotion::fixed;
     std::size_t parent = world;         ///< a link, or the world
     std::size_t child = 0;              ///< a link; each is the child of one joint at most
@@ -46,26 +50,42 @@ struct RobotJoint {
     std::array<Wide, 2> stiffness{}, rest{}, damping{};
 };
 
-/// What a file has and a scene has no place for: "limits" -> the names of the joints that have them, ..
-using RobotLeftOut = std::map<std::string, std::vector<std::string>>;
+/// Constructs of a file under headings, each with names: "limits of joints" -> the joints that have them.
+using RobotNotes = std::map<std::string, std::vector<std::string>>;
 
 struct Robot {
     std::vector<RobotLink> links;
     std::vector<RobotJoint> joints;  ///< trees; a link without one is a root
-    bool roots_are_free = false;     ///< where nobody says: free bodies or held where they are
+    bool roots_are_free = false;     ///< the format's rule for roots that no joint holds: free bodies, or held in place
     std::vector<RobotPose> places;   ///< of each link in the world, where the file says; of roots alone
-    RobotLeftOut left_out;
+    RobotNotes omitted;              ///< what may change the motion and is not modelled
+    RobotNotes assumed;              ///< values that the file does not state, or that were repaired
+    /// Gravity by the file or its format (m/s^2, world axes); none: the file says nothing (URDF, SDFormat models).
+    std::optional<Vector3<double>> gravity_W;
+    std::string gravity_source;  ///< "MuJoCo's default", "<option gravity>", ..
+    /// Linear drag of free links: link, c of the torque -c w (N m s) and of the force -c v (N s/m) at its origin.
+    struct FreeDamping {
+        std::size_t link = 0;
+        double rotational = 0, translational = 0;
+    };
+    std::vector<FreeDamping> free_damping;
 };
 
-/// The robot in a file's text, the format told by the root element; `path` is named in errors. Throws InputError.
-Robot parse_robot(std::string_view text, const std::string& path);
+/// Which robot to read from a file, and how.
+struct RobotOptions {
+    std::string model;  ///< SDFormat: the model to take, "outer::inner" if nested; empty: all together
+    RobotBase base = RobotBase::as_usual;
+    bool balance_inertia = false;    ///< accept tensors that break the triangle inequality by any amount
+    bool scene_has_gravity = false;  ///< the scene has a gravity load of its own, which takes precedence
+};
 
-/// How a robot is held, where its file leaves that open: as is usual for its format, or as said.
-enum class RobotBase { as_usual, fixed, free };
+/// The robot in a file's text; the root element tells the format. Errors name `path`. Throws InputError.
+Robot parse_robot(std::string_view text, const std::string& path, const RobotOptions& options = {},
+                  const RobotFiles& files = {});
 
-/// Its bodies and joints go into the scene, and what is left out. Links without mass are merged with those that fixed
-/// joints tie them to, or dropped at the ends of the tree; one between two turns makes these a universal joint. Throws
-/// InputError where one without mass is left, or where a scene cannot express the tree.
-void add_robot(const Robot& robot, RobotBase base, const std::string& path, Scene& scene);
+/// Adds the robot's bodies, joints and loads to the scene, and the notes on what was omitted or assumed. Links without
+/// mass are merged with the links that fixed joints tie them to, or dropped at the ends of the tree; one between two
+/// hinges that meet makes these a universal joint. Throws InputError where a scene cannot express the tree.
+void add_robot(const Robot& robot, const RobotOptions& options, const std::string& path, Scene& scene);
 
 }  // namespace polhode

@@ -3,16 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
 #include "body/orientation.h"
-#include "scene/builtin.h"
-#include "scene/scene_limits.h"
 #include "text/decimal.h"
-#include "text/json_document.h"
 #include "text/message.h"
-#include "text/named_file.h"
 
 namespace polhode {
 namespace {
@@ -24,7 +19,16 @@ bool is_one_of(const char* text, const char* one, const char* other) {
 }  // namespace
 
 void RobotXml::fail(const XMLElement& at, const std::string& fault, const std::string& remedy) const {
-    throw InputError(path_, fmt::format("line {}, <{}>", at.GetLineNum(), at.Name()), fault, remedy);
+    const auto* origin = static_cast<const RobotOrigin*>(at.GetUserData());
+    throw InputError(origin ? origin->path : path_,
+                     fmt::format("line {}, <{}>", origin ? origin->line : at.GetLineNum(), one_line(at.Name(), 40)),
+                     fault, remedy);
+}
+
+std::string RobotXml::place_of(const XMLElement& at) const {
+    const auto* origin = static_cast<const RobotOrigin*>(at.GetUserData());
+    return origin ? fmt::format("{}: line {}", one_line(origin->path, 60), origin->line)
+                  : fmt::format("line {}", at.GetLineNum());
 }
 
 const XMLElement& RobotXml::child(const XMLElement& of, const char* name) const {
@@ -93,15 +97,14 @@ bool RobotXml::flag(const XMLElement& at, const char* name) const {
 }
 
 double RobotXml::checked_mass(const XMLElement& at, double mass) const {
-    if (!(mass > 0)) fail(at, fmt::format("has the mass {}", shortest_decimal(mass)), "the mass in kg must be > 0");
+    if (!(mass >= 0))
+        fail(at, fmt::format("has the negative mass {}", shortest_decimal(mass)), "the mass in kg must be >= 0");
     return mass;
 }
 
-Matrix3<double> RobotXml::tensor(const XMLElement& at, const std::vector<double>& v) const {
+Matrix3<double> RobotXml::tensor(const std::vector<double>& v) {
     Matrix3<double> m;
     m[0] = {v[0], v[3], v[4]}, m[1] = {v[3], v[1], v[5]}, m[2] = {v[4], v[5], v[2]};
-    if (const std::string fault = tensor_fault(m); !fault.empty())
-        fail(at, fault, "give the tensor of some distribution of mass");
     return m;
 }
 
@@ -109,21 +112,6 @@ RobotTurn RobotXml::turn_by(const XMLElement& at, const Quaternion<double>& q) c
     const double length = norm(q);
     if (!(length > 1e-100 && length < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
     return q;
-}
-
-RobotPlace sdf_place(const RobotXml& xml, const XMLElement& pose) {
-    RobotPlace place;
-    const char* format = pose.Attribute("rotation_format");
-    if (format && std::string_view(format) == "quat_xyzw") {
-        const std::vector<double> v = xml.content(pose, 7);
-        return {three_of(v), xml.turn_by(pose, {v[6], v[3], v[4], v[5]})};
-    }
-    if (format && std::string_view(format) != "euler_rpy")
-        xml.fail(pose, fmt::format("has the rotation_format \"{}\"", one_line(format, 40)),
-                 "give euler_rpy or quat_xyzw");
-    const std::vector<double> v = xml.content(pose, 6);
-    const char* degrees = pose.Attribute("degrees");
-    return {three_of(v), roll_pitch_yaw(three_of(v, 3), degrees && is_one_of(degrees, "true", "1"))};
 }
 
 ImportedBody urdf_inertial(const RobotXml& xml, const XMLElement& inertial) {
@@ -139,26 +127,7 @@ ImportedBody urdf_inertial(const RobotXml& xml, const XMLElement& inertial) {
     std::vector<double> entries;
     for (const char* name : {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"})
         entries.push_back(xml.attribute(inertia, name, 1)[0]);
-    body.inertia = xml.tensor(inertia, entries);
-    return body;
-}
-
-ImportedBody sdf_inertial(const RobotXml& xml, const XMLElement& inertial) {
-    ImportedBody body;
-    if (const XMLElement* pose = xml.optional_child(inertial, "pose")) {
-        const char* relative = pose->Attribute("relative_to");
-        if (relative && *relative) xml.fail(*pose, "is relative to another frame", "give it relative to the link");
-        const RobotPlace place = sdf_place(xml, *pose);
-        body.center_of_mass = place.position, body.orientation = place.turn;
-    }
-    const XMLElement& mass = xml.child(inertial, "mass");
-    body.mass = xml.checked_mass(mass, xml.content(mass, 1)[0]);
-    const XMLElement& inertia = xml.child(inertial, "inertia");
-    std::vector<double> entries;
-    for (const char* name : {"ixx", "iyy", "izz"}) entries.push_back(xml.content(xml.child(inertia, name), 1)[0]);
-    for (const char* name : {"ixy", "ixz", "iyz"})
-        entries.push_back(xml.content_or(xml.optional_child(inertia, name), 0));
-    body.inertia = xml.tensor(inertia, entries);
+    body.inertia = RobotXml::tensor(entries);
     return body;
 }
 
@@ -171,18 +140,6 @@ const XMLElement& parse_robot_xml(tinyxml2::XMLDocument& document, std::string_v
     const XMLElement* root = document.RootElement();
     if (!root) throw InputError(path, "", "has no element", "give a URDF, MJCF or SDFormat file");
     return *root;
-}
-
-std::string robot_text(const std::string& directory, const std::string& file) {
-    // what the catalogue itself names is built in
-    if (!directory.starts_with(builtin_directory) || file.starts_with('/'))
-        return read_named_text(directory, file, largest_robot_file, "a URDF, MJCF or SDFormat file");
-    const std::string folder = directory.substr(builtin_directory.size());
-    const std::string name = (std::filesystem::path(folder) / file).lexically_normal().generic_string();
-    const std::string_view text = builtin_robot_text(name);
-    if (text.empty())
-        throw InputError(name, "", "is no file that is built in", "give one of " + listed(builtin_robot_names()));
-    return std::string(text);
 }
 
 }  // namespace polhode

@@ -1,14 +1,16 @@
-// What URDF, MJCF and SDFormat files are read by: faults at elements, numbers, poses and inertials.
+// Access to the elements of URDF, MJCF and SDFormat files: errors with their place, numbers, poses and inertials.
 #pragma once
 
 #include <tinyxml2.h>
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "scene/body_source.h"
+#include "scene/robot_files.h"
 
 namespace polhode {
 
@@ -17,14 +19,23 @@ using tinyxml2::XMLElement;
 /// A quaternion of any length but zero, or three turns.
 using RobotTurn = std::variant<Quaternion<double>, EulerTurn>;
 
-/// Reads elements of one file; each throws InputError ("FILE: line 12, <inertia>: FAULT; REMEDY") where they are not
-/// what is asked for.
+/// Where an element comes from that was copied from another file: the element's user data points to it.
+struct RobotOrigin {
+    std::string path;
+    int line = 0;
+};
+
+/// Reads elements of one file. Each function throws InputError ("FILE: line 12, <inertia>: FAULT; REMEDY") if an
+/// element does not have the form that the function expects.
 class RobotXml {
   public:
-    explicit RobotXml(const std::string& path) : path_(path) {}
+    explicit RobotXml(std::string path, RobotFiles files = {}) : path_(std::move(path)), files_(std::move(files)) {}
 
     const std::string& path() const { return path_; }
+    const RobotFiles& files() const { return files_; }
     [[noreturn]] void fail(const XMLElement& at, const std::string& fault, const std::string& remedy) const;
+    /// "line 12", or "other.xml: line 12" of an element from an included file.
+    std::string place_of(const XMLElement& at) const;
 
     /// The only child of that name.
     const XMLElement& child(const XMLElement& of, const char* name) const;
@@ -45,13 +56,15 @@ class RobotXml {
     /// "true" or "1", "false" or "0"; false where it is missing.
     bool flag(const XMLElement& at, const char* name) const;
 
+    /// Fails at a negative mass.
     double checked_mass(const XMLElement& at, double mass) const;
-    /// xx yy zz xy xz yz: the tensor itself.
-    Matrix3<double> tensor(const XMLElement& at, const std::vector<double>& v) const;
+    /// The tensor with the entries xx yy zz xy xz yz, whether or not it is that of a distribution of mass.
+    static Matrix3<double> tensor(const std::vector<double>& v);
     RobotTurn turn_by(const XMLElement& at, const Quaternion<double>& q) const;
 
   private:
-    const std::string& path_;
+    std::string path_;
+    RobotFiles files_;
 };
 
 inline Vector3<double> three_of(const std::vector<double>& v, std::size_t from = 0) {
@@ -63,35 +76,10 @@ inline EulerTurn roll_pitch_yaw(const Vector3<double>& angles, bool in_degrees) 
     return {{0, 1, 2}, angles, in_degrees, false};
 }
 
-/// A position and a turn.
-struct RobotPlace {
-    Vector3<double> position;  ///< m
-    RobotTurn turn;
-};
-
-/// SDFormat's <pose>, whatever it is relative to.
-RobotPlace sdf_place(const RobotXml& xml, const XMLElement& pose);
-
-/// MJCF's <compiler>.
-struct MjcfCompiler {
-    EulerTurn euler{{0, 1, 2}, {}, true, true};  ///< with the angles left open
-    bool in_degrees = true;
-};
-MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root);
-/// The turn that an MJCF element gives by quat, axisangle, euler, xyaxes or zaxis: none where there is none of them.
-Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
-/// The least turn that brings z to the direction v, of any length but zero; `what` is named where it is zero.
-Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v);
-
-/// The inertials of a link of each format.
+/// The <inertial> of a URDF link, with mass and tensor as they stand there.
 ImportedBody urdf_inertial(const RobotXml& xml, const XMLElement& inertial);
-ImportedBody sdf_inertial(const RobotXml& xml, const XMLElement& inertial);
-ImportedBody mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, const MjcfCompiler& compiler);
 
 /// The root element of a file's text. Throws InputError where it is not XML.
 const XMLElement& parse_robot_xml(tinyxml2::XMLDocument& document, std::string_view text, const std::string& path);
-
-/// A robot file's text: of a built-in scene's `directory` a built-in file. Throws InputError.
-std::string robot_text(const std::string& directory, const std::string& file);
 
 }  // namespace polhode

@@ -232,8 +232,9 @@ struct Scene {
     /// The errors that `check` lets pass, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s),
     /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run).
     std::map<std::string, double> tolerated;
-    /// What a robot description says that the scene has no place for, a phrase each. It has no file form.
-    std::vector<std::string> left_out;
+    /// Of an imported robot, one phrase each: constructs of its file that are not modelled, and values that the file
+    /// does not state or that were repaired. They have no file form.
+    std::vector<std::string> omitted, assumed;
 };
 
 /// Whether a scene is one of several bodies, with joints: `bodies` in place of `body`.

@@ -117,6 +117,10 @@ std::span<const FileKey> scene_keys() {
          "a URDF, MJCF or SDFormat file beside the scene"},
         {"import of a robot", "base", "\"fixed\" or \"free\"", "", "fixed; free of SDFormat", "\"free\"",
          "how a root is held that the file ties to nothing"},
+        {"import of a robot", "model", "text", "", "all models", "\"arm\"",
+         "SDFormat: the model to take, \"outer::inner\" if it is nested"},
+        {"import of a robot", "balance_inertia", "true or false", "", "false", "true",
+         "accept tensors that break the triangle inequality, with the smallest change of their principal moments"},
         {"import of a robot", "initial", "object", "", "zero, at rest", "{\"shoulder\": {\"angle\": 0.5}}",
          "by the names of joints the initial of each, by that of a free body its own"},
 
@@ -280,6 +284,8 @@ std::span<const FileKey> scene_keys() {
          "the inertial of a robot description"},
         {"import", "file", "text", "", "required", "\"robot.urdf\"", "a URDF, MJCF or SDFormat file beside the scene"},
         {"import", "link", "text", "", "required", "\"upper_arm\"", "the name of its link or body"},
+        {"import", "balance_inertia", "true or false", "", "false", "true",
+         "accept a tensor that breaks the triangle inequality, with the smallest change of its principal moments"},
 
         {"shape box", "type", "\"box\"", "", "required", "\"box\"", "centred, like all shapes; axes along z"},
         {"shape box", "half_extents", "[x, y, z]", "m", "required", "[0.3, 0.2, 0.1]", "half of each side"},

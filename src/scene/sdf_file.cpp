@@ -16,6 +16,47 @@ constexpr SdfJointType sdf_joint_types[] = {
     {"ball", RobotMotion::spherical},    {"universal", RobotMotion::universal}, {"fixed", RobotMotion::fixed},
 };
 
+// A position and a turn.
+struct RobotPlace {
+    Vector3<double> position;  // m
+    RobotTurn turn;
+};
+
+RobotPlace sdf_place(const RobotXml& xml, const XMLElement& pose) {
+    RobotPlace place;
+    const char* format = pose.Attribute("rotation_format");
+    if (format && std::string_view(format) == "quat_xyzw") {
+        const std::vector<double> v = xml.content(pose, 7);
+        return {three_of(v), xml.turn_by(pose, {v[6], v[3], v[4], v[5]})};
+    }
+    if (format && std::string_view(format) != "euler_rpy")
+        xml.fail(pose, fmt::format("has the rotation_format \"{}\"", one_line(format, 40)),
+                 "give euler_rpy or quat_xyzw");
+    const std::vector<double> v = xml.content(pose, 6);
+    const char* degrees = pose.Attribute("degrees");
+    return {three_of(v), roll_pitch_yaw(three_of(v, 3), degrees && (std::string_view(degrees) == "true" ||
+                                                                    std::string_view(degrees) == "1"))};
+}
+
+ImportedBody sdf_inertial(const RobotXml& xml, const XMLElement& inertial) {
+    ImportedBody body;
+    if (const XMLElement* pose = xml.optional_child(inertial, "pose")) {
+        const char* relative = pose->Attribute("relative_to");
+        if (relative && *relative) xml.fail(*pose, "is relative to another frame", "give it relative to the link");
+        const RobotPlace place = sdf_place(xml, *pose);
+        body.center_of_mass = place.position, body.orientation = place.turn;
+    }
+    const XMLElement& mass = xml.child(inertial, "mass");
+    body.mass = xml.checked_mass(mass, xml.content(mass, 1)[0]);
+    const XMLElement& inertia = xml.child(inertial, "inertia");
+    std::vector<double> entries;
+    for (const char* name : {"ixx", "iyy", "izz"}) entries.push_back(xml.content(xml.child(inertia, name), 1)[0]);
+    for (const char* name : {"ixy", "ixz", "iyz"})
+        entries.push_back(xml.content_or(xml.optional_child(inertia, name), 0));
+    body.inertia = RobotXml::tensor(entries);
+    return body;
+}
+
 bool is_true(const RobotXml& xml, const XMLElement* at) {
     if (!at) return false;
     const std::string_view text = at->GetText() ? at->GetText() : "";
@@ -121,11 +162,11 @@ class SdfReader {
     }
 
   private:
-    void note(const std::string& what, const std::string& name) { robot_.left_out[what].push_back(name); }
+    void note(const std::string& what, const std::string& name) { robot_.omitted[what].push_back(name); }
 
     void read_link(const XMLElement& at) {
         RobotLink link;
-        link.name = xml_.name(at, "name", "the link's name"), link.line = at.GetLineNum();
+        link.name = xml_.name(at, "name", "the link's name"), link.place = xml_.place_of(at);
         names_.add(at, link.name, robot_.links.size());
         const XMLElement* inertial = xml_.optional_child(at, "inertial");
         if (!inertial) xml_.fail(at, "has no <inertial>", "give it: the format's default of 1 kg is no body's");
@@ -150,7 +191,7 @@ class SdfReader {
 
     void read_joint(const XMLElement& at) {
         RobotJoint joint;
-        joint.name = xml_.name(at, "name", "the joint's name"), joint.line = at.GetLineNum();
+        joint.name = xml_.name(at, "name", "the joint's name"), joint.place = xml_.place_of(at);
         joint.motion = motion_of(at);
         const XMLElement &parent = xml_.child(at, "parent"), &child = xml_.child(at, "child");
         const std::string parent_name = text_of_child(xml_, at, "parent");
@@ -211,7 +252,11 @@ class SdfReader {
 
 }  // namespace
 
-Robot sdf_robot(const RobotXml& xml, const XMLElement& root) {
+LinkInertial sdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link) {
+    return sdf_inertial(xml, xml.child(named_element(xml, root, "link", link), "inertial"));
+}
+
+Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string&) {
     // the one that moves, in a world or alone
     const XMLElement* within = root.FirstChildElement("world") ? &xml.child(root, "world") : &root;
     const XMLElement* chosen = nullptr;
@@ -226,8 +271,8 @@ Robot sdf_robot(const RobotXml& xml, const XMLElement& root) {
     }
     if (!chosen) xml.fail(*within, "has no <model> that moves", "give one");
     Robot robot = SdfReader(xml, *chosen).read();
-    for (const std::string& name : still) robot.left_out["static models"].push_back(name);
-    if (within->FirstChildElement("include")) robot.left_out["<include>"].emplace_back("of the world");
+    for (const std::string& name : still) robot.omitted["static models"].push_back(name);
+    if (within->FirstChildElement("include")) robot.omitted["<include>"].emplace_back("of the world");
     return robot;
 }
 

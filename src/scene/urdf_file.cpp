@@ -45,7 +45,7 @@ Vector3<Wide> urdf_axis(const RobotXml& xml, const XMLElement& joint) {
     return axis;
 }
 
-void urdf_left_out(const XMLElement& joint, const std::string& name, RobotLeftOut& left_out) {
+void urdf_left_out(const XMLElement& joint, const std::string& name, RobotNotes& left_out) {
     if (const XMLElement* limit = joint.FirstChildElement("limit"); limit) left_out["limits of joints"].push_back(name);
     if (joint.FirstChildElement("mimic")) left_out["mimicry of joints"].push_back(name);
     if (const XMLElement* dynamics = joint.FirstChildElement("dynamics");
@@ -55,14 +55,18 @@ void urdf_left_out(const XMLElement& joint, const std::string& name, RobotLeftOu
 
 }  // namespace
 
+LinkInertial urdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link) {
+    return urdf_inertial(xml, xml.child(named_element(xml, root, "link", link), "inertial"));
+}
+
 Robot urdf_robot(const RobotXml& xml, const XMLElement& root) {
     Robot robot;
     RobotNames links(xml, "link"), joints(xml, "joint");
     for (const XMLElement* at = root.FirstChildElement("link"); at; at = at->NextSiblingElement("link")) {
         RobotLink link;
-        link.name = xml.name(*at, "name", "the link's name"), link.line = at->GetLineNum();
+        link.name = xml.name(*at, "name", "the link's name"), link.place = xml.place_of(*at);
         links.add(*at, link.name, robot.links.size());
-        if (at->FirstChildElement("collision")) robot.left_out["shapes for contact of links"].push_back(link.name);
+        if (at->FirstChildElement("collision")) robot.omitted["shapes for contact of links"].push_back(link.name);
         if (const XMLElement* inertial = xml.optional_child(*at, "inertial")) {
             // some exporters write a mass of zero where there is none
             const XMLElement* mass = xml.optional_child(*inertial, "mass");
@@ -73,7 +77,7 @@ Robot urdf_robot(const RobotXml& xml, const XMLElement& root) {
     std::vector<bool> carried(robot.links.size());
     for (const XMLElement* at = root.FirstChildElement("joint"); at; at = at->NextSiblingElement("joint")) {
         RobotJoint joint;
-        joint.name = xml.name(*at, "name", "the joint's name"), joint.line = at->GetLineNum();
+        joint.name = xml.name(*at, "name", "the joint's name"), joint.place = xml.place_of(*at);
         joints.add(*at, joint.name, robot.joints.size());
         joint.motion = urdf_motion(xml, *at);
         const XMLElement &parent = xml.child(*at, "parent"), &child = xml.child(*at, "child");
@@ -90,13 +94,13 @@ Robot urdf_robot(const RobotXml& xml, const XMLElement& root) {
             joint.axes[0] = urdf_axis(xml, *at);
         if (const XMLElement* dynamics = xml.optional_child(*at, "dynamics"))
             joint.damping[0] = Wide(xml.attribute_or(*dynamics, "damping", 0));
-        urdf_left_out(*at, joint.name, robot.left_out);
+        urdf_left_out(*at, joint.name, robot.omitted);
         robot.joints.push_back(std::move(joint));
     }
     for (const XMLElement* at = root.FirstChildElement(); at; at = at->NextSiblingElement()) {
         const std::string_view tag = at->Name();
         if (tag != "link" && tag != "joint" && tag != "material")
-            robot.left_out[fmt::format("<{}>", one_line(tag, 40))].push_back(name_or(*at, ""));
+            robot.omitted[fmt::format("<{}>", one_line(tag, 40))].push_back(name_or(*at, ""));
     }
     return robot;
 }

@@ -16,7 +16,9 @@ namespace {
 Scene robot_scene(const std::string& text, RobotBase base = RobotBase::as_usual) {
     Scene scene;
     scene.name = "robot", scene.duration = 1;
-    add_robot(parse_robot(text, "robot.xml"), base, "robot.xml", scene);
+    RobotOptions options;
+    options.base = base;
+    add_robot(parse_robot(text, "robot.xml", options), options, "robot.xml", scene);
     validate(scene, "robot.xml");
     return scene;
 }
@@ -108,7 +110,7 @@ TEST(RobotImport, UrdfJointsMoveAsItsMatricesSay) {
     expect_same(by_contract(joint_named(s, "j3"), z), rpy(3, 0, 0) * turned({1, 0, 0}, z), 1e-15);
     EXPECT_EQ(s.bodies[1].body.mass, 2);
     EXPECT_EQ(s.bodies[1].body.center_of_mass, Vector3<double>(0.1, 0.2, 0.3));
-    EXPECT_EQ(s.left_out, (std::vector<std::string>{"<transmission>: t1", "friction of joints: j1",
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"<transmission>: t1", "friction of joints: j1",
                                                     "limits of joints: j1", "links without mass, merged: world_link"}));
 }
 
@@ -124,7 +126,7 @@ TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
     ASSERT_EQ(before.bodies.size(), 2u);
     EXPECT_EQ(joint_named(before, "j").parent, "a");
     expect_same(by_contract(joint_named(before, "j"), 0.9), step * other * turned({0, 0.6, 0.8}, 0.9), 1e-15);
-    EXPECT_EQ(before.left_out,
+    EXPECT_EQ(before.omitted,
               (std::vector<std::string>{"links without mass, dropped: tip", "links without mass, merged: m"}));
     // behind it, with a second link on the frame
     const Scene behind =
@@ -314,7 +316,7 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.left_out, (std::vector<std::string>{"<actuator>: m", "<option>: gravity", "armature of joints: h",
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"<actuator>: m", "<option>: gravity", "armature of joints: h",
                                                     "friction of joints: h", "hinges that are one universal joint: x+y",
                                                     "limits of joints: h", "springs of ball joints: ball"}));
     // orientations: a quarter turn about z by each of the ways
@@ -351,7 +353,7 @@ TEST(RobotImport, FramesOfSdf) {
     // a model that nothing ties to the world is free, and where it is
     EXPECT_NEAR(s.bodies[0].initial.position_W[0], 10 + std::cos(1.0), 1e-15);
     EXPECT_NEAR(s.bodies[0].initial.position_W[1], std::sin(1.0), 1e-15);
-    EXPECT_EQ(s.left_out, (std::vector<std::string>{"limits of joints: j", "static models: ground"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"limits of joints: j", "static models: ground"}));
 }
 
 TEST(RobotImport, RefusesWhatItCannotMake) {
@@ -425,7 +427,7 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     ASSERT_EQ(built_in.joints.size(), 6u);
     EXPECT_EQ(joint_named(built_in, "waist").coordinate[0], 0.25);
     EXPECT_EQ(joint_named(built_in, "flange_roll").rate[0], 4);
-    EXPECT_EQ(built_in.left_out,
+    EXPECT_EQ(built_in.omitted,
               (std::vector<std::string>{"limits of joints: waist, shoulder, elbow, wrist_bend",
                                         "links without mass, dropped: tool", "links without mass, merged: base"}));
     // what is written stands alone

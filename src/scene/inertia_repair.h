@@ -1,0 +1,30 @@
+// The nearest possible inertia tensor to one that is not that of any distribution of mass.
+#pragma once
+
+#include <string>
+
+#include "body/algebra.h"
+#include "body/wide.h"
+
+namespace polhode {
+
+/// A tensor whose principal moments satisfy a + b >= c in every order, nearest to the given one.
+struct InertiaRepair {
+    Matrix3<Wide> inertia;  ///< with the given principal axes, kg m^2
+    double largest = 0;     ///< principal moment that was given, kg m^2
+    double excess = 0;      ///< largest moment minus the sum of the other two, as a fraction of `largest`; 0: possible
+    double change = 0;      ///< largest change of a principal moment, kg m^2
+    bool is_small = false;  ///< excess <= 1e-3: rounding of the numbers in the file
+
+    /// "breaks the triangle inequality: its largest moment exceeds the sum of the other two by 0.012 of itself"
+    std::string description() const;
+};
+
+/// Finds the smallest change (Euclidean, of the three principal moments) that makes the tensor possible. A tensor that
+/// is possible within 1e-12 of its largest moment is returned unchanged.
+InertiaRepair repair_inertia(const Matrix3<Wide>& inertia);
+
+/// The tensor with each entry rounded to binary64 and symmetric.
+Matrix3<double> round_tensor(const Matrix3<Wide>& inertia);
+
+}  // namespace polhode

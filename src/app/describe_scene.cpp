@@ -26,6 +26,8 @@ namespace {
 
 using namespace description;
 
+constexpr double heavy_mesh = 1e5;  // kg
+
 std::string made_of(const MadeOf& source) {
     struct Words {
         std::string operator()(const GivenBody&) const { return "numbers"; }
@@ -54,6 +56,8 @@ void mass_properties(Report& report, const Problem& problem) {
     report.title("Mass properties");
     if (body.source) report.line("made of", made_of(body.source->made_of));
     report.line("mass", number(body.mass) + " kg");
+    if (body.source && std::holds_alternative<MeshBody>(body.source->made_of) && body.mass > heavy_mesh)
+        report.line("", "heavier than 1e5 kg: if the file's coordinates are in millimetres, give \"scale\": 0.001");
     report.line("centre of mass", text(body.center_of_mass) + " m, from the body's origin");
     report.line("inertia about it", text(body.inertia_B) + " kg m^2, body axes");
     if (problem.scene.pivot) {

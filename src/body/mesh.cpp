@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -37,32 +38,30 @@ double enclosed_volume(const Mesh& mesh) {
 std::string mesh_fault(const Mesh& mesh) {
     if (mesh.triangles.empty()) return "has no triangles";
     const std::vector<int> same = same_places(mesh);
-    std::map<std::pair<int, int>, int> edges;  // directed, how often
+    // how often each edge is run through from its lower vertex to its higher one, less the other way
+    std::map<std::pair<int, int>, int> edges;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::array<int, 3>& triangle = mesh.triangles[t];
         for (const int corner : triangle)
             if (corner < 0 || corner >= static_cast<int>(mesh.vertices.size()))
-                return fmt::format("triangle {} has a corner {} that is no vertex", t + 1, corner + 1);
+                return fmt::format("triangle {} refers to vertex {}, which does not exist", t + 1, corner + 1);
         for (int k = 0; k < 3; ++k) {
             const int from = same[triangle[k]], to = same[triangle[(k + 1) % 3]];
-            if (from == to) return fmt::format("triangle {} is degenerate: two corners are one point", t + 1);
-            ++edges[{from, to}];
+            if (from != to) edges[std::minmax(from, to)] += from < to ? 1 : -1;
         }
     }
-    for (const auto& entry : edges) {
-        const std::pair<int, int>& edge = entry.first;
-        const int count = entry.second;
-        const auto across = edges.find({edge.second, edge.first});
-        const int back = across == edges.end() ? 0 : across->second;
-        const auto named = [&] {
-            return fmt::format("the edge from vertex {} to {}", edge.first + 1, edge.second + 1);
-        };
-        if (count + back > 2) return fmt::format("{} belongs to {} triangles", named(), count + back);
-        if (count == 2)
-            return fmt::format("two triangles run through {} the same way: their orientations disagree", named());
-        if (back == 0) return fmt::format("{} belongs to one triangle: the surface is open", named());
+    std::erase_if(edges, [](const auto& edge) { return edge.second == 0; });
+    if (edges.empty()) return "";
+    constexpr std::size_t most = 5;
+    std::vector<std::string> named;
+    for (const auto& [edge, count] : edges) {
+        if (named.size() == most) break;
+        named.push_back(fmt::format("{}-{}", edge.first + 1, edge.second + 1));
     }
-    return "";
+    return fmt::format(
+        "is not a closed surface: {} edge{} run through more often in one direction than in the other, "
+        "between vertices {}{}",
+        edges.size(), edges.size() == 1 ? " is" : "s are", fmt::join(named, ", "), edges.size() > most ? ", .." : "");
 }
 
 }  // namespace polhode

@@ -9,20 +9,42 @@
 
 namespace polhode {
 
-/// Triangles by the indices of their vertices (m), counter-clockwise as seen from outside.
+/// Triangles by the indices of their vertices, counter-clockwise as seen from outside.
 struct Mesh {
-    std::vector<Vector3<double>> vertices;
+    std::vector<Vector3<double>> vertices;  ///< in the file's units
     std::vector<std::array<int, 3>> triangles;
+    Vector3<double> scale{1, 1, 1};  ///< m per unit along each axis; negative: mirrored
+
+    /// Vertex i in m, in the scalar S.
+    template <class S>
+    Vector3<S> vertex(std::size_t i) const {
+        const Vector3<double>& v = vertices[i];
+        return {S(scale[0]) * S(v[0]), S(scale[1]) * S(v[1]), S(scale[2]) * S(v[2])};
+    }
 };
 
-/// Why the triangles do not bound a body, in a few words, or empty: a vertex that is not there, a degenerate triangle
-/// (a corner twice), an edge that is open, shared by more than two triangles, or run through twice in one direction
-/// (orientations that disagree). Vertices at the same place count as one.
+/// Why the volume integrals of the triangles are not those of a body, or an empty string: no triangles, a vertex that
+/// does not exist, or an edge that is not balanced. Every edge must be run through equally often in both directions:
+/// then the triangles form one or several closed surfaces and the divergence theorem is exact, also with triangles of
+/// no area and with edges that several closed parts share. The message names up to five unbalanced edges. Vertices at
+/// the same place count as one.
 std::string mesh_fault(const Mesh& mesh);
 
-/// The volume (m^3) that a faultless mesh encloses, negative where its triangles face inward, 0 where it is no more
-/// than what rounding of the coordinates would leave.
+/// The volume (in cubed units of the file) that a faultless mesh encloses, negative where its triangles face inward, 0
+/// where it is no more than what rounding of the coordinates would leave.
 double enclosed_volume(const Mesh& mesh);
+
+/// The extent of a body whose coordinates are multiplied by these factors, none of them zero.
+template <class S>
+Extent<S> scaled(const Extent<S>& extent, const Vector3<double>& scale) {
+    Extent<S> e = extent;
+    for (int i = 0; i < 3; ++i) {
+        e.size = e.size * S(scale[i] < 0 ? -scale[i] : scale[i]);
+        e.mean[i] = e.mean[i] * S(scale[i]);
+        for (int j = 0; j < 3; ++j) e.spread[i][j] = e.spread[i][j] * S(scale[i]) * S(scale[j]);
+    }
+    return e;
+}
 
 /// Volume (m^3), centroid and the mean of (r - centroid)(r - centroid)^T of what a faultless mesh that faces outward
 /// bounds, as a sum over the tetrahedra from one point to each triangle (exact: B. Mirtich 1996, J. Graphics Tools 1;
@@ -56,7 +78,7 @@ Extent<S> mesh_extent(const Mesh& mesh) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j)
             extent.spread[i][j] = extent.spread[j][i] = one_twenty[i][j] / twenty - mean[i] * mean[j];
-    return extent;
+    return scaled(extent, mesh.scale);
 }
 
 }  // namespace polhode

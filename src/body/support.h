@@ -142,7 +142,10 @@ template <class S>
 std::vector<SupportPiece<S>> support(const Mesh& mesh) {
     std::vector<SupportPiece<S>> pieces;
     pieces.reserve(mesh.vertices.size());
-    for (const Vector3<double>& v : mesh.vertices) pieces.push_back(SupportOf<S>::point(S(v[0]), S(v[1]), S(v[2])));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const Vector3<S> v = mesh.vertex<S>(i);
+        pieces.push_back(SupportOf<S>::point(v[0], v[1], v[2]));
+    }
     return pieces;
 }
 

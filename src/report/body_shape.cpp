@@ -90,7 +90,8 @@ class ShapeWriter {
     void add_body(const MeshBody& body, const Place& place) {
         if (body.mesh.triangles.size() > most_triangles) return;
         const auto first = vertices.size() / 3;
-        for (const Vector3<double>& v : body.mesh.vertices) push(vertices, place.at(v));
+        for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
+            push(vertices, place.at(body.mesh.vertex<double>(i)));
         for (const std::array<int, 3>& triangle : body.mesh.triangles)
             for (const int corner : triangle) faces.push_back(first + static_cast<std::size_t>(corner));
     }

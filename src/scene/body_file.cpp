@@ -182,11 +182,22 @@ MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
     return body;
 }
 
+// One factor for all axes, or one for each.
+Vector3<double> mesh_scale(const JsonNode& node) {
+    const Vector3<double> scale =
+        node.is_number() ? Vector3<double>(node.number(), node.number(), node.number()) : vector3(node);
+    for (int i = 0; i < 3; ++i)
+        if (scale[i] == 0) node.fail(node.described(), "give factors in m per unit of the file, not 0");
+    return scale;
+}
+
 MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) {
     const JsonNode& file = *node.find("mesh");
+    const JsonNode* scale = node.find("scale");
     const Amount how_much = amount(node, is_part);
     try {
         auto [mesh, hash] = read_mesh(directory, file.string());
+        if (scale) mesh.scale = mesh_scale(*scale);
         return MeshBody{file.string(), std::move(hash), std::move(mesh), how_much};
     } catch (const InputError& error) {
         file.fail(error);
@@ -342,7 +353,12 @@ struct SourceWriter {
     }
     // what is in the file belongs to the scene's identity as much as its name
     std::string operator()(const MeshBody& b) const {
-        return fmt::format("\"mesh\": {} /* {} */, {}", json_string(b.file), b.hash, json_amount(b.amount));
+        const Vector3<double>& s = b.mesh.scale;
+        const std::string scale = s == Vector3<double>(1, 1, 1) ? ""
+                                  : s[0] == s[1] && s[1] == s[2]
+                                      ? fmt::format("\"scale\": {}, ", shortest_decimal(s[0]))
+                                      : fmt::format("\"scale\": {}, ", write_json(s));
+        return fmt::format("\"mesh\": {} /* {} */, {}{}", json_string(b.file), b.hash, scale, json_amount(b.amount));
     }
     std::string operator()(const ImportedBody& b) const {
         return fmt::format("\"import\": {{\"file\": {} /* {} */, \"link\": {}}}", json_string(b.file), b.hash,

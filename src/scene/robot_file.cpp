@@ -26,15 +26,17 @@ MadeOf parse_robot_body(std::string_view text, const std::string& path, const st
     tinyxml2::XMLDocument document;
     parse_robot_xml(document, text, path);
     const RobotXml xml(path, files);
-    LinkInertial inertial = read_inertial(xml, *document.RootElement(), link);
-    MassProperties<Wide> properties = mass_of(inertial);
-    if (!(properties.mass > 0))
-        throw InputError(path, "", fmt::format("link \"{}\" has no mass", one_line(link, 60)),
-                         "choose a link with a mass > 0");
+    XMLElement& root = *document.RootElement();
+    LinkInertial inertial = read_inertial(xml, root, link);
+    const MassProperties<Wide> properties = mass_of(inertial);
+    const auto fail = [&](const std::string& fault, const std::string& remedy) {
+        const char* tag = std::string_view(root.Name()) == "mujoco" ? "body" : "link";
+        xml.fail(named_element(xml, root, tag, link), fmt::format("\"{}\" {}", one_line(link, 60), fault), remedy);
+    };
+    if (!(properties.mass > 0)) fail("has no mass", "choose a link with a mass > 0");
     const InertiaRepair repair = repair_inertia(properties.inertia);
     if (repair.excess > 0 && !repair.is_small && !balance_inertia)
-        throw InputError(path, "", fmt::format("link \"{}\" {}", one_line(link, 60), repair.description()),
-                         "correct the tensor, or accept the smallest change by \"balance_inertia\": true");
+        fail(repair.description(), "correct the tensor, or accept the smallest change by \"balance_inertia\": true");
     if (auto* body = std::get_if<ImportedBody>(&inertial); body && repair.excess == 0) {
         body->hash = content_hash(text);
         return *body;

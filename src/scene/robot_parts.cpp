@@ -70,6 +70,22 @@ std::size_t RobotNames::find(const XMLElement& at, const std::string& name) cons
               !meant.empty() ? meant : "give one of " + listed(known));
 }
 
+namespace {
+
+// A file with xacro's macros is not a robot description yet.
+void refuse_xacro(const RobotXml& xml, const XMLElement& at) {
+    const char* remedy = "expand the file with xacro first: xacro FILE > robot.urdf";
+    if (std::string_view(at.Name()).starts_with("xacro:")) xml.fail(at, "is a macro of xacro", remedy);
+    for (const tinyxml2::XMLAttribute* a = at.FirstAttribute(); a; a = a->Next())
+        if (std::string_view(a->Value()).find("${") != std::string_view::npos)
+            xml.fail(at,
+                     fmt::format("has the expression \"{}\" in {}", one_line(a->Value(), 40), one_line(a->Name(), 40)),
+                     remedy);
+    for (const XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement()) refuse_xacro(xml, *one);
+}
+
+}  // namespace
+
 Robot parse_robot(std::string_view text, const std::string& path, const RobotOptions& options,
                   const RobotFiles& files) {
     tinyxml2::XMLDocument document;
@@ -80,7 +96,10 @@ Robot parse_robot(std::string_view text, const std::string& path, const RobotOpt
     if (!options.model.empty() && kind != "sdf")
         throw InputError(path, "", "is not an SDFormat file, which alone has models to choose from",
                          "remove \"model\" from the import");
-    if (kind == "robot") return urdf_robot(xml, root);
+    if (kind == "robot") {
+        refuse_xacro(xml, root);
+        return urdf_robot(xml, root);
+    }
     if (kind == "mujoco") return mjcf_robot(xml, root);
     if (kind == "sdf") return sdf_robot(xml, root, options.model);
     xml.fail(root, "is not the root element of a known format",

@@ -286,6 +286,17 @@ class RobotMerger {
         return {round_to_double(q.w), round_to_double(q.x), round_to_double(q.y), round_to_double(q.z)};
     }
 
+    // Where a free joint leaves its child in the world: below links that do not move.
+    std::optional<RobotPose> free_place(const RobotJoint& joint) const {
+        RobotPose place = joint.placement;
+        for (std::size_t at = joint.parent; at != RobotJoint::world;) {
+            const RobotJoint& above = joint_of(at);
+            if (above.motion != RobotMotion::fixed) return {};
+            place = above.placement * place, at = above.parent;
+        }
+        return place;
+    }
+
     void build_link(std::size_t i, Scene& scene) {
         const RobotLink& link = robot_.links[i];
         const RobotJoint& joint = joint_of(i);
@@ -298,11 +309,13 @@ class RobotMerger {
             note_assumed("links heavier than 1e5 kg: check the units of lengths and densities",
                          fmt::format("{} ({:.4g} kg)", one_line(link.name, 60), one.body.mass));
         if (joint.motion == RobotMotion::free) {
-            if (joint.parent != RobotJoint::world)
-                fail(joint.place, fmt::format("joint \"{}\" frees a link from another", one_line(joint.name, 60)),
-                     "only what hangs on the world floats: make its parent the root, without a mass");
-            one.initial.orientation = round_to_double(joint.placement.turn);
-            one.initial.position_W = round_to_double(joint.placement * link.mass->center);
+            const std::optional<RobotPose> place = free_place(joint);
+            if (!place)
+                fail(joint.place,
+                     fmt::format("joint \"{}\" frees a link from one that moves", one_line(joint.name, 60)),
+                     "make the world its parent, or a link that is fixed to the world");
+            one.initial.orientation = round_to_double(place->turn);
+            one.initial.position_W = round_to_double(*place * link.mass->center);
         } else {
             scene.joints.push_back(built(joint));
         }
@@ -338,12 +351,13 @@ class RobotMerger {
     // "limits of joints: a, b, c"; the names of many are counted
     static std::string phrase(const std::string& what, const std::vector<std::string>& names) {
         constexpr std::size_t most = 8;
-        std::vector<std::string> told;
+        std::vector<std::string> listed_names;
         for (const std::string& name : names)
-            if (!name.empty() && told.size() < most && std::find(told.begin(), told.end(), name) == told.end())
-                told.push_back(one_line(name, 60));
-        if (names.size() > most) told.push_back(fmt::format("{} in all", names.size()));
-        return told.empty() ? what : what + ": " + listed(told);
+            if (!name.empty() && listed_names.size() < most &&
+                std::find(listed_names.begin(), listed_names.end(), name) == listed_names.end())
+                listed_names.push_back(one_line(name, 200));
+        if (names.size() > most) listed_names.push_back(fmt::format("{} in all", names.size()));
+        return listed_names.empty() ? what : what + ": " + listed(listed_names);
     }
 
     Robot robot_;

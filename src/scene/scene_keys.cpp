@@ -278,6 +278,8 @@ std::span<const FileKey> scene_keys() {
         {"body of points", "points", "list of [m, x, y, z]", "kg, m", "required", "[[1, 0.5, 0, 0], ..]",
          "point masses"},
         {"body of a mesh", "mesh", "text", "", "required", "\"body.stl\"", "a closed OBJ or STL file beside the scene"},
+        {"body of a mesh", "scale", "number or [x, y, z]", "m per unit", "1", "0.001",
+         "factors on the file's coordinates, 0.001 if they are in millimetres; negative: mirrored"},
         {"body of a mesh", "mass", "number > 0", "kg", "this or density", "2.5", "the mass"},
         {"body of a mesh", "density", "number", "kg/m^3", "this or mass", "1000", "negative in a part that is a hole"},
         {"body imported", "import", "object", "", "required", "{\"file\": \"robot.urdf\", \"link\": \"arm\"}",

@@ -1,5 +1,7 @@
-// Whole robots of URDF.
+// URDF: links and joints of a robot.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "scene/robot_parts.h"
 #include "text/message.h"
@@ -21,8 +23,8 @@ RobotMotion urdf_motion(const RobotXml& xml, const XMLElement& joint) {
     for (const UrdfJointType& one : urdf_joint_types)
         if (type == one.name) return one.motion;
     if (type == "planar")
-        xml.fail(joint, "is a planar joint",
-                 "give two prismatic joints and a revolute one, with links of some mass between");
+        xml.fail(joint, fmt::format("joint \"{}\" is a planar joint", name_or(joint, "")),
+                 "give two prismatic joints and a revolute joint, with links between them that may have no mass");
     xml.fail(joint, fmt::format("has the type \"{}\"", one_line(type, 40)),
              "give revolute, continuous, prismatic, fixed or floating");
 }
@@ -45,13 +47,105 @@ Vector3<Wide> urdf_axis(const RobotXml& xml, const XMLElement& joint) {
     return axis;
 }
 
-void urdf_left_out(const XMLElement& joint, const std::string& name, RobotNotes& left_out) {
-    if (const XMLElement* limit = joint.FirstChildElement("limit"); limit) left_out["limits of joints"].push_back(name);
-    if (joint.FirstChildElement("mimic")) left_out["mimicry of joints"].push_back(name);
-    if (const XMLElement* dynamics = joint.FirstChildElement("dynamics");
-        dynamics && dynamics->DoubleAttribute("friction") != 0)
-        left_out["friction of joints"].push_back(name);
+// <gazebo> holds elements of many kinds: the kinds are named, but for looks.
+void note_gazebo(const XMLElement& gazebo, RobotNotes& omitted) {
+    static constexpr std::string_view looks[] = {"material", "visual"};
+    for (const XMLElement* one = gazebo.FirstChildElement(); one; one = one->NextSiblingElement())
+        if (std::ranges::find(looks, one->Name()) == std::end(looks))
+            omitted["<gazebo>"].push_back(one_line(one->Name(), 40));
 }
+
+std::optional<MassProperties<Wide>> urdf_mass(const RobotXml& xml, const XMLElement& link, const std::string& name,
+                                              RobotNotes& omitted) {
+    const XMLElement* inertial = xml.optional_child(link, "inertial");
+    if (!inertial) return {};
+    // exporters write a mass of zero for links without one, often without a tensor
+    const XMLElement& mass = xml.child(*inertial, "mass");
+    if (xml.attribute(mass, "value", 1)[0] != 0) return mass_of(urdf_inertial(xml, *inertial));
+    if (const XMLElement* inertia = xml.optional_child(*inertial, "inertia"))
+        for (const char* entry : {"ixx", "iyy", "izz"})
+            if (xml.attribute_or(*inertia, entry, 0) != 0) {
+                omitted["inertia tensors of links with mass 0"].push_back(name);
+                break;
+            }
+    return {};
+}
+
+class UrdfReader {
+  public:
+    explicit UrdfReader(const RobotXml& xml) : xml_(xml), links_(xml, "link"), joints_(xml, "joint") {}
+
+    Robot read(const XMLElement& root) {
+        for (const XMLElement* at = root.FirstChildElement("link"); at; at = at->NextSiblingElement("link"))
+            read_link(*at);
+        carrier_.resize(robot_.links.size());
+        for (const XMLElement* at = root.FirstChildElement("joint"); at; at = at->NextSiblingElement("joint"))
+            read_joint(*at);
+        for (const XMLElement* at = root.FirstChildElement(); at; at = at->NextSiblingElement()) {
+            const std::string_view tag = at->Name();
+            if (tag == "gazebo") note_gazebo(*at, robot_.omitted);
+            // its child would be fixed to the world, or free
+            if (tag.ends_with(":joint"))
+                xml_.fail(*at, fmt::format("\"{}\" is a joint outside the format", name_or(*at, "")),
+                          "give a joint of a type that URDF has, or write the scene with \"bodies\" and \"joints\"");
+        }
+        survey_robot(xml_, root, urdf_constructs(), robot_.omitted);
+        return std::move(robot_);
+    }
+
+  private:
+    void read_link(const XMLElement& at) {
+        RobotLink link;
+        link.name = xml_.name(at, "name", "the link's name"), link.place = xml_.place_of(at);
+        links_.add(at, link.name, robot_.links.size());
+        link.mass = urdf_mass(xml_, at, link.name, robot_.omitted);
+        robot_.links.push_back(std::move(link));
+    }
+
+    std::size_t parent_of(const XMLElement& at, const std::string& joint) {
+        const XMLElement& parent = xml_.child(at, "parent");
+        const std::string name = xml_.name(parent, "link", "a link's name");
+        if (name == "world" && !links_.has(name)) {
+            robot_.assumed["parent \"world\" without a link of that name: the world, of joints"].push_back(joint);
+            return RobotJoint::world;
+        }
+        return links_.find(parent, name);
+    }
+
+    void read_joint(const XMLElement& at) {
+        RobotJoint joint;
+        joint.name = xml_.name(at, "name", "the joint's name"), joint.place = xml_.place_of(at);
+        joints_.add(at, joint.name, robot_.joints.size());
+        joint.motion = urdf_motion(xml_, at);
+        joint.parent = parent_of(at, joint.name);
+        const XMLElement& child = xml_.child(at, "child");
+        joint.child = links_.find(child, xml_.name(child, "link", "a link's name"));
+        if (!carrier_[joint.child].empty())
+            xml_.fail(child,
+                      fmt::format("makes \"{}\" the child of joint \"{}\", and it is the child of \"{}\"",
+                                  one_line(robot_.links[joint.child].name, 60), one_line(joint.name, 60),
+                                  one_line(carrier_[joint.child], 60)),
+                      "give each link one joint that carries it, and close chains by \"loops\" in the scene");
+        carrier_[joint.child] = joint.name;
+        joint.placement = urdf_origin(xml_, at);
+        const bool has_axis = joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic;
+        if (has_axis) joint.axes[0] = urdf_axis(xml_, at);
+        if (const XMLElement* dynamics = xml_.optional_child(at, "dynamics")) {
+            const double damping = xml_.attribute_or(*dynamics, "damping", 0);
+            const double friction = xml_.attribute_or(*dynamics, "friction", 0);
+            if (has_axis) joint.damping[0] = Wide(damping);
+            // the format does not say what they mean for six degrees of freedom
+            if (joint.motion == RobotMotion::free && (damping != 0 || friction != 0))
+                robot_.omitted["dynamics of floating joints"].push_back(joint.name);
+        }
+        robot_.joints.push_back(std::move(joint));
+    }
+
+    const RobotXml& xml_;
+    RobotNames links_, joints_;
+    std::vector<std::string> carrier_;  // name of the joint that carries each link
+    Robot robot_;
+};
 
 }  // namespace
 
@@ -59,50 +153,6 @@ LinkInertial urdf_link_inertial(const RobotXml& xml, const XMLElement& root, con
     return urdf_inertial(xml, xml.child(named_element(xml, root, "link", link), "inertial"));
 }
 
-Robot urdf_robot(const RobotXml& xml, const XMLElement& root) {
-    Robot robot;
-    RobotNames links(xml, "link"), joints(xml, "joint");
-    for (const XMLElement* at = root.FirstChildElement("link"); at; at = at->NextSiblingElement("link")) {
-        RobotLink link;
-        link.name = xml.name(*at, "name", "the link's name"), link.place = xml.place_of(*at);
-        links.add(*at, link.name, robot.links.size());
-        if (at->FirstChildElement("collision")) robot.omitted["shapes for contact of links"].push_back(link.name);
-        if (const XMLElement* inertial = xml.optional_child(*at, "inertial")) {
-            // some exporters write a mass of zero where there is none
-            const XMLElement* mass = xml.optional_child(*inertial, "mass");
-            if (!mass || xml.attribute(*mass, "value", 1)[0] != 0) link.mass = mass_of(urdf_inertial(xml, *inertial));
-        }
-        robot.links.push_back(std::move(link));
-    }
-    std::vector<bool> carried(robot.links.size());
-    for (const XMLElement* at = root.FirstChildElement("joint"); at; at = at->NextSiblingElement("joint")) {
-        RobotJoint joint;
-        joint.name = xml.name(*at, "name", "the joint's name"), joint.place = xml.place_of(*at);
-        joints.add(*at, joint.name, robot.joints.size());
-        joint.motion = urdf_motion(xml, *at);
-        const XMLElement &parent = xml.child(*at, "parent"), &child = xml.child(*at, "child");
-        joint.parent = links.find(parent, xml.name(parent, "link", "a link's name"));
-        joint.child = links.find(child, xml.name(child, "link", "a link's name"));
-        if (carried[joint.child])
-            xml.fail(
-                child,
-                fmt::format("is a second joint's that carries \"{}\"", one_line(robot.links[joint.child].name, 60)),
-                "a robot is a tree: give each link one joint, and close chains by \"loops\" in the scene");
-        carried[joint.child] = true;
-        joint.placement = urdf_origin(xml, *at);
-        if (joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic)
-            joint.axes[0] = urdf_axis(xml, *at);
-        if (const XMLElement* dynamics = xml.optional_child(*at, "dynamics"))
-            joint.damping[0] = Wide(xml.attribute_or(*dynamics, "damping", 0));
-        urdf_left_out(*at, joint.name, robot.omitted);
-        robot.joints.push_back(std::move(joint));
-    }
-    for (const XMLElement* at = root.FirstChildElement(); at; at = at->NextSiblingElement()) {
-        const std::string_view tag = at->Name();
-        if (tag != "link" && tag != "joint" && tag != "material")
-            robot.omitted[fmt::format("<{}>", one_line(tag, 40))].push_back(name_or(*at, ""));
-    }
-    return robot;
-}
+Robot urdf_robot(const RobotXml& xml, const XMLElement& root) { return UrdfReader(xml).read(root); }
 
 }  // namespace polhode

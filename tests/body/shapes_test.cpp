@@ -186,12 +186,12 @@ TEST(Mesh, SaysWhyItBoundsNoBody) {
         return mesh_fault(changed);
     };
     EXPECT_EQ(mesh_fault(mesh), "");
-    EXPECT_NE(fault([](Mesh& m) { m.triangles.pop_back(); }).find("open"), std::string::npos);
-    EXPECT_NE(fault([](Mesh& m) { std::swap(m.triangles[3][0], m.triangles[3][1]); }).find("disagree"),
+    EXPECT_NE(fault([](Mesh& m) { m.triangles.pop_back(); }).find("3 edges are run through"), std::string::npos);
+    EXPECT_NE(fault([](Mesh& m) { std::swap(m.triangles[3][0], m.triangles[3][1]); }).find("not a closed surface"),
               std::string::npos);
-    EXPECT_NE(fault([](Mesh& m) { m.triangles[2] = {1, 1, 2}; }).find("degenerate"), std::string::npos);
-    EXPECT_NE(fault([](Mesh& m) { m.triangles[2] = {1, 8, 2}; }).find("no vertex"), std::string::npos);
-    EXPECT_NE(fault([](Mesh& m) { m.triangles.push_back(m.triangles[0]); }).find("triangles"), std::string::npos);
+    EXPECT_NE(fault([](Mesh& m) { m.triangles[2] = {1, 8, 2}; }).find("does not exist"), std::string::npos);
+    EXPECT_NE(fault([](Mesh& m) { m.triangles.push_back(m.triangles[0]); }).find("not a closed surface"),
+              std::string::npos);
     EXPECT_NE(fault([](Mesh& m) { m.triangles.clear(); }).find("no triangles"), std::string::npos);
     // triangles with corners of their own, as in a file of triangles alone
     Mesh apart;
@@ -201,6 +201,36 @@ TEST(Mesh, SaysWhyItBoundsNoBody) {
         apart.triangles.push_back({n, n + 1, n + 2});
     }
     EXPECT_EQ(mesh_fault(apart), "");
+}
+
+// Triangles of no area and edges that two closed parts share leave the volume integrals as they are.
+TEST(Mesh, BalancedEdgesAreEnough) {
+    const Mesh box = mesh_of(Box{{1, 1, 1}});
+    Mesh with_slivers = box;
+    with_slivers.triangles.push_back({1, 1, 2});
+    with_slivers.triangles.push_back({0, 3, 5}), with_slivers.triangles.push_back({0, 5, 3});
+    EXPECT_EQ(mesh_fault(with_slivers), "");
+    expect_near(of_mesh(with_slivers, 2), of_mesh(box, 2), 1e-15);
+    // two boxes that meet in an edge
+    Mesh two = box;
+    const int n = static_cast<int>(box.vertices.size());
+    for (const Vector3<double>& v : box.vertices) two.vertices.push_back(v + Vector3<double>(2, 2, 0));
+    for (const std::array<int, 3>& t : box.triangles) two.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+    EXPECT_EQ(mesh_fault(two), "");
+    const MassProperties<double> one = of_mesh(box, 2);
+    const Quaternion<double> none{1, 0, 0, 0};
+    expect_near(of_mesh(two, 2), composite<double>({one, placed(one, {2, 2, 0}, none)}), 1e-14);
+}
+
+// A scaled mesh is the mesh of the scaled coordinates.
+RC_GTEST_PROP(Mesh, ScaleMultipliesCoordinates, ()) {
+    const Vector3<double> scale(any(0.1, 3), -any(0.1, 3), any(0.1, 3));
+    Mesh mesh = mesh_of(Box{{any(0.1, 2), any(0.1, 2), any(0.1, 2)}}), scaled = mesh;
+    for (Vector3<double>& v : scaled.vertices)
+        for (int i = 0; i < 3; ++i) v[i] *= scale[i];
+    for (std::array<int, 3>& t : scaled.triangles) std::swap(t[0], t[1]);  // one mirror image
+    mesh.scale = scale;
+    expect_near(of_mesh(mesh, 2), of_mesh(scaled, 2), 1e-13);
 }
 
 // A box cut in two, one half turned and placed, and a hole in the other.

@@ -15,6 +15,7 @@
 #include "integrators/method.h"
 #include "motion/trajectory_columns.h"
 #include "scene/builtin.h"
+#include "scene/robot_schema.h"
 #include "scene/scene_file.h"
 #include "scene/scene_keys.h"
 #include "table/table.h"
@@ -113,6 +114,38 @@ std::string key_table() {
     return markdown(table);
 }
 
+// What the importer of robot files does with each element and attribute of a format.
+const char* name_of(RobotVerdict verdict) {
+    return verdict == RobotVerdict::modelled     ? "modelled"
+           : verdict == RobotVerdict::irrelevant ? "irrelevant"
+                                                 : "omitted";
+}
+std::string element_of(const RobotConstruct& one) {
+    const std::string element = fmt::format("<{}>", one.element);
+    return one.parent.empty() || one.parent == "*" ? element : fmt::format("<{}>/{}", one.parent, element);
+}
+std::vector<Entry> construct_entries() {
+    std::vector<Entry> entries;
+    for (const RobotFormat& format : robot_formats())
+        for (const RobotConstruct& one : format.constructs())
+            entries.push_back({fmt::format("{} {}{}{}", format.name, element_of(one), one.attribute.empty() ? "" : " ",
+                                           one.attribute),
+                               fmt::format("{}: {}", name_of(one.verdict), one.note)});
+    return entries;
+}
+std::string construct_tables() {
+    std::string text;
+    for (const RobotFormat& format : robot_formats()) {
+        Table table{{"element", "attribute", "verdict", "what it is read as, why it does not matter, or its heading"},
+                    {}};
+        for (const RobotConstruct& one : format.constructs())
+            table.rows.push_back({fmt::format("`{}`", element_of(one)), std::string(one.attribute),
+                                  std::string(name_of(one.verdict)), std::string(one.note)});
+        text += fmt::format("{}### {}\n\n{}", text.empty() ? "" : "\n", format.name, markdown(table));
+    }
+    return text;
+}
+
 std::string as_text(const std::vector<Entry>& entries) {
     std::size_t width = 0;
     for (const Entry& entry : entries) width = std::max(width, entry.name.size());
@@ -146,6 +179,7 @@ const char* name_of(Control control) {
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
     if (what == "scenes") return scene_index();
     if (what == "keys") return key_table();
+    if (what == "constructs") return construct_tables();
     Table table{{"name", "about"}, {}};
     if (what == "methods") {
         table.columns = {"method", "setting", "order", "conserves", "about"};
@@ -177,9 +211,10 @@ void add_list(CLI::App& program, int&) {
     command
         ->add_option("WHAT", options->what,
                      "scenes, methods, experiments, metrics, keys (of scene and experiment files), columns (of "
-                     "trajectories) or engines")
+                     "trajectories), engines or constructs (elements and attributes of robot files)")
         ->required()
-        ->check(CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines"}));
+        ->check(
+            CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs"}));
     engines_option(*command);
     command->add_option("--format", options->format, "text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
@@ -191,6 +226,7 @@ void add_list(CLI::App& program, int&) {
                                            : options->what == "keys"        ? key_entries()
                                            : options->what == "columns"     ? column_entries()
                                            : options->what == "engines"     ? engine_entries()
+                                           : options->what == "constructs"  ? construct_entries()
                                                                             : metrics();
         write_output("", options->format == "json"       ? as_json(entries)
                          : options->format == "markdown" ? as_markdown(options->what, entries)

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
+#include <algorithm>
 #include <map>
-#include <utility>
+#include <optional>
+#include <tuple>
 
+#include "scene/robot_xml.h"
 #include "text/decimal.h"
 #include "text/message.h"
 

@@ -8,9 +8,15 @@
 #include <string_view>
 
 #include "scene/robot_tree.h"
-#include "scene/robot_xml.h"
+
+namespace tinyxml2 {
+class XMLElement;
+}
 
 namespace polhode {
+
+class RobotXml;
+using tinyxml2::XMLElement;
 
 enum class RobotVerdict {
     modelled,    ///< part of the scene

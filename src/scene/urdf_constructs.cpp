@@ -1,5 +1,7 @@
 // What the importer does with each element and attribute of URDF (ROS 1 and 2, urdfdom's schema, and the tags of
 // Gazebo, Drake and MoveIt that are found in such files).
+#include <tinyxml2.h>
+
 #include "scene/robot_schema.h"
 
 namespace polhode {

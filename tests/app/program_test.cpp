@@ -255,9 +255,10 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
     EXPECT_TRUE(index.ends_with("\n\n" + listed.out)) << "run experiments/update_readme";
 }
 
-TEST_F(Program, TheReferenceOfKeysAndColumnsIsTheOneGenerated) {
-    const std::string page = read(fs::path(POLHODE_SOURCE_DIR) / "experiments/README.md");
-    for (const char* what : {"keys", "columns"}) {
+TEST_F(Program, TheReferenceOfKeysColumnsAndConstructsIsTheOneGenerated) {
+    for (const auto& [what, file] :
+         {std::pair("keys", "README.md"), std::pair("columns", "README.md"), std::pair("constructs", "robots.md")}) {
+        const std::string page = read(fs::path(POLHODE_SOURCE_DIR) / "experiments" / file);
         const Outcome listed = run({"list", what, "--format", "markdown"});
         EXPECT_EQ(listed.exit_code, 0) << listed.err;
         EXPECT_NE(page.find(fmt::format("<!-- begin: {0} -->\n{1}<!-- end: {0} -->", what, listed.out)),

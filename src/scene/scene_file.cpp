@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
 
 #include "scene/body_file.h"
 #include "scene/builtin.h"
@@ -72,6 +74,25 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     return s;
 }
 
+// A place in the bodies or joints of an imported robot by the name that its file gives: "/bodies/3/body/mass" ->
+// "/import, body \"arm\", mass".
+std::string place_in_robot(const Scene& scene, const std::string& place) {
+    const auto named = [&](const char* list, const char* what, const auto& all) -> std::string {
+        const std::string_view prefix = list;
+        if (!place.starts_with(prefix)) return "";
+        std::size_t index = 0;
+        const auto [end, fault] = std::from_chars(place.data() + prefix.size(), place.data() + place.size(), index);
+        if (fault != std::errc() || index >= all.size()) return "";
+        const std::size_t last = place.rfind('/');
+        const std::string detail = last >= std::size_t(end - place.data()) ? ", " + place.substr(last + 1) : "";
+        return fmt::format("/import, {} \"{}\"{}", what, one_line(all[index].name, 60), detail);
+    };
+    for (const std::string& by_name :
+         {named("/bodies/", "body", scene.bodies), named("/joints/", "joint", scene.joints)})
+        if (!by_name.empty()) return by_name;
+    return place;
+}
+
 bool is_file(const std::string& path) {
     struct stat status {};
     return ::stat(path.c_str(), &status) == 0;
@@ -104,7 +125,13 @@ std::string scenes_meant(const std::string& name) {
 Scene parse_scene(std::string_view text, const std::string& file, const std::string& directory) {
     const JsonDocument document(text, file);
     Scene parsed = scene(document.root(), directory);
-    validate(parsed, file);
+    const bool is_imported = document.root().find("import");
+    try {
+        validate(parsed, file);
+    } catch (const InputError& error) {
+        if (!is_imported) throw;
+        throw error.moved_to(file, place_in_robot(parsed, error.place()));
+    }
     return parsed;
 }
 

@@ -17,6 +17,14 @@ class InputError : public std::runtime_error {
     InputError(const std::string& file, const std::string& place, const std::string& fault, const std::string& remedy);
     /// A fault in what `file` brings in at `place`: "FILE: PLACE: " and the fault's own line.
     InputError(const std::string& file, const std::string& place, const InputError& inner);
+
+    /// Where the fault is in its file; empty for the whole file.
+    const std::string& place() const { return place_; }
+    /// The same fault and remedy at another place.
+    InputError moved_to(const std::string& file, const std::string& place) const;
+
+  private:
+    std::string place_, fault_and_remedy_;
 };
 
 /// `text` fit for one line on a terminal: control characters, line separators and bytes that are not UTF-8 escaped

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "body/mass_properties.h"
@@ -564,6 +566,22 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     EXPECT_NEAR(there[1], 0, 1e-15);
     EXPECT_NEAR(there[2], 0.36 + 0.08 + 0.45 + 0.38 + 0.09, 1e-15);
     EXPECT_NEAR(tip.A[2][2], 1, 1e-15);
+}
+
+// A rule of scenes that a robot breaks is reported with the robot's names, not with an index.
+TEST(RobotImport, FaultsOfTheSceneNameTheLink) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_robot_names";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "r.urdf") << urdf(link("base, with comma") + link("b") +
+                                             joint("j", "revolute", "base, with comma", "b"));
+    try {
+        parse_scene(R"({"name": "a", "duration": 1, "import": {"file": "r.urdf"}})", "s.json", folder.string());
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_EQ(std::string(error.what()).find("s.json: /import, body \"base, with comma\", name: "), 0u)
+            << error.what();
+    }
+    std::filesystem::remove_all(folder);
 }
 
 TEST(RobotImport, TheMemberImport) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "text/printable.h"
 
@@ -103,30 +104,20 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 
 std::string listed(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
-namespace {
-
-std::string line_of(const std::string& file, const std::string& place, const std::string& rest) {
-    return one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") + rest;
-}
-
-}  // namespace
+InputError::InputError(const std::string& file, const std::string& place, Rest rest)
+    : std::runtime_error(one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") + rest.text),
+      place_(place),
+      rest_(std::move(rest)) {}
 
 InputError::InputError(const std::string& file, const std::string& place, const std::string& fault,
                        const std::string& remedy)
-    : std::runtime_error(line_of(file, place, one_line(fault, 300) + "; " + one_line(remedy, 400))),
-      place_(place),
-      fault_and_remedy_(one_line(fault, 300) + "; " + one_line(remedy, 400)) {}
+    : InputError(file, place, Rest{one_line(fault, 300) + "; " + one_line(remedy, 400)}) {}
 
 InputError::InputError(const std::string& file, const std::string& place, const InputError& inner)
-    : std::runtime_error(one_line(file, 200) + ": " + one_line(place, 100) + ": " + one_line(inner.what(), 900)),
-      place_(place),
-      fault_and_remedy_(one_line(inner.what(), 900)) {}
+    : InputError(file, one_line(place, 100), Rest{one_line(inner.what(), 900)}) {}
 
 InputError InputError::moved_to(const std::string& file, const std::string& place) const {
-    InputError moved(file, place, "", "");
-    static_cast<std::runtime_error&>(moved) = std::runtime_error(line_of(file, place, fault_and_remedy_));
-    moved.fault_and_remedy_ = fault_and_remedy_;
-    return moved;
+    return {file, place, rest_};
 }
 
 }  // namespace polhode

@@ -24,7 +24,13 @@ class InputError : public std::runtime_error {
     InputError moved_to(const std::string& file, const std::string& place) const;
 
   private:
-    std::string place_, fault_and_remedy_;
+    struct Rest {
+        std::string text;  ///< fault and remedy
+    };
+    InputError(const std::string& file, const std::string& place, Rest rest);
+
+    std::string place_;
+    Rest rest_;
 };
 
 /// `text` fit for one line on a terminal: control characters, line separators and bytes that are not UTF-8 escaped

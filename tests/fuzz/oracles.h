@@ -93,14 +93,17 @@ inline void robot(std::string_view text, RobotBase base) {
     const std::optional<Scene> scene = parsed([&] {
         Scene made;
         made.name = "robot", made.duration = 1;
-        add_robot(parse_robot(text, "fuzz"), base, "fuzz", made);
+        RobotOptions options;
+        options.base = base, options.balance_inertia = one_in(4, text);
+        add_robot(parse_robot(text, "fuzz", options), options, "fuzz", made);
         validate(made, "fuzz");
         return made;
     });
     if (!scene) return;
     const std::string written = write_scene(*scene);
     require(write_scene(parse_scene(written, "written")) == written, "a robot does not read back");
-    for (const std::string& phrase : scene->left_out) require_one_line(phrase);
+    for (const std::vector<std::string>* phrases : {&scene->omitted, &scene->assumed})
+        for (const std::string& phrase : *phrases) require_one_line(phrase);
 }
 
 /// Surfaces and robot descriptions: refused by one line, or bodies that have mass properties.
@@ -115,9 +118,9 @@ inline void body(std::string_view bytes) {
         }
     }
     parsed([&] {
-        const ImportedBody body = parse_robot_body(bytes, "fuzz", "base");
-        require(body.mass > 0 && tensor_fault(body.inertia).empty(), "a link has no mass or no tensor");
-        return body_of(body_source(body));
+        const Body body = body_of(body_source(parse_robot_body(bytes, "fuzz", "base")));
+        require(body.mass > 0 && tensor_fault(body.inertia_B).empty(), "a link has no mass or an impossible tensor");
+        return body;
     });
     for (const RobotBase base : {RobotBase::as_usual, RobotBase::free, RobotBase::fixed}) robot(bytes, base);
 }

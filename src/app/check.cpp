@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/lookup.h"
 #include "check/check_files.h"
 #include "check/foreign_table.h"
 #include "check/limits.h"
@@ -68,7 +69,7 @@ int check_command(const CheckOptions& options) {
         drawn.resize(drawn.size() - 4);
         require_output(options.picture);
     }
-    const Scene scene = find_scene(options.scene);
+    const Scene scene = read_scene_with_notes(options.scene);
     ErrorLimits limits(scene);
     limits.report_only = options.report_only;
     for (const auto& [block, text] : options.limits)

@@ -261,8 +261,10 @@ void left_out(Report& report, const Problem& problem) {
                                 "right-hand side",
                                 brief(*normal)));
     const Tree<double>& tree = mechanism_of(problem).tree();
-    if (const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows(); redundant > 0)
-        report.line(counted(redundant, "loop condition"), "the others imply what they say");
+    const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows();
+    if (redundant > 0) report.line(counted(redundant, "loop condition"), "the others imply what they say");
+    const bool all_free = std::ranges::all_of(links.carrier, [](int joint) { return joint < 0; });
+    if (full <= taken && all_free && redundant == 0) report.line("nothing");
 }
 
 // What the import of a robot did not model, and what it took without finding it in the file.

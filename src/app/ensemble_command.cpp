@@ -352,7 +352,7 @@ int ensemble_command(const EnsembleOptions& options) {
     require_count("--samples", options.samples, most_samples);
     require_count("--rows-at-once", options.rows_at_once, most_rows_at_once);
     require_output(options.output);
-    Scene scene = find_scene(options.scene);
+    Scene scene = read_scene_with_notes(options.scene);
     if (options.duration) scene.duration = *options.duration;
     EnsembleSettings settings;
     settings.tolerance = options.tolerance.value_or(settings.tolerance);

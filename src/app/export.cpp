@@ -9,6 +9,7 @@
 #include <string>
 
 #include "app/commands.h"
+#include "app/lookup.h"
 #include "check/golden.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
@@ -36,7 +37,7 @@ int export_command(const ExportOptions& options) {
     if (options.duration) require_positive("--duration", *options.duration);
     const Convention convention = convention_option(options.convention);
     require_output(options.output);
-    Scene scene = find_scene(options.scene);
+    Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
     const Reference truth = reference(scene, options.samples);

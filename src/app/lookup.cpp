@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "app/commands.h"
 #include "integrators/engines/engine_methods.h"
+#include "scene/scene_file.h"
 #include "scene/scene_limits.h"
 #include "text/message.h"
 #include "text/named_file.h"
@@ -86,6 +88,19 @@ const Method& method_named(const std::string& name) {
             if (name == known_as) meant = fmt::format("what comes nearest here: {}", here);
     throw UsageError(
         fmt::format("there is no method {}; {}", name, meant.empty() ? "see polhode list methods" : meant));
+}
+
+Scene read_scene_with_notes(const std::string& name_or_path) {
+    Scene scene = find_scene(name_or_path);
+    std::vector<std::string> kinds;
+    for (const std::string& phrase : scene.omitted) kinds.push_back(phrase.substr(0, phrase.find(": ")));
+    if (!kinds.empty())
+        std::fputs(fmt::format("polhode: note: the robot file of {} has constructs that are not modelled: {}; "
+                               "`polhode describe` lists them\n",
+                               one_line(scene.name, 60), one_line(listed(kinds), 600))
+                       .c_str(),
+                   stderr);
+    return scene;
 }
 
 }  // namespace polhode

@@ -111,7 +111,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
 int solve_command(const SolveOptions& options) {
     require_sane(options);
     if (options.method != "auto") method_named(options.method);
-    Scene scene = find_scene(options.scene);
+    Scene scene = read_scene_with_notes(options.scene);
     if (options.duration) scene.duration = *options.duration;
     require_states(scene, options.samples);
     Settings settings;

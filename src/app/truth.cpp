@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/lookup.h"
 #include "integrators/truth/balls/certified.h"
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"
@@ -175,7 +176,7 @@ int truth_command(const TruthOptions& options) {
     require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
     require_output(options.reactions);
-    Scene scene = find_scene(options.scene);
+    Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);

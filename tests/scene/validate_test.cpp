@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "body/rigid_body.h"
 #include "scene/random_scene.h"
 #include "scene/scene.h"
 

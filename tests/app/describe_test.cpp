@@ -79,7 +79,7 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
                                    bodies, joints));
     const Outcome brief = run({"describe", "hand.json"});
     ASSERT_EQ(brief.exit_code, 0) << brief.err;
-    if (optimised_build) EXPECT_LT(brief.seconds, 0.5);
+    EXPECT_LT(brief.seconds, optimised_build ? 0.5 : 60);
     EXPECT_NE(brief.out.find("only until t = "), std::string::npos) << brief.out;
     EXPECT_NE(brief.out.find("`polhode describe --conditioning` computes it for the whole run"), std::string::npos);
     const Outcome whole = run({"describe", "hand.json", "--conditioning"});

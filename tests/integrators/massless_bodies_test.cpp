@@ -18,7 +18,7 @@ namespace polhode {
 namespace {
 
 using massless::body_of, massless::joint_of, massless::scene_of;
-using Many = Real<50>;
+using Many = truth::Real<50>;
 
 // theta1, theta2, their rates: the double pendulum of point masses, angles from the vertical.
 using Angles = std::array<Many, 4>;
@@ -117,7 +117,7 @@ TEST(MasslessBodies, EveryMethodSolvesThePointMassPendulumOrSaysWhyNot) {
         const Trajectory run = solve(problem, *method, settings);
         if (run.status == Status::unsupported) continue;
         ASSERT_EQ(run.status, Status::ok) << method->name << ": " << run.message;
-        const Bodies last(run.samples.end() - 2, run.samples.end());
+        const std::vector<Sample> last(run.samples.end() - 2, run.samples.end());
         EXPECT_LT(distance_of(last, &truth.samples[2]), method->control == Control::fixed_step ? 5e-3 : 1e-4)
             << method->name;
         ++solved;
@@ -192,7 +192,7 @@ TEST(MasslessBodies, ThreeHingesApartWithMasslessLinksKeepTheEnergy) {
         EXPECT_LT(
             std::abs((at.energy.high - truth.system[0].energy.high) + (at.energy.low - truth.system[0].energy.low)),
             1e-23);
-    EXPECT_GT(std::abs(truth.system[2].kinetic.high - truth.system[0].kinetic.high), 1);
+    EXPECT_GT(std::abs(truth.system[2].kinetic.high - truth.system[0].kinetic.high), 0.1);
 }
 
 // A point mass at the end of a massless arm on a massless slider reaches as far from the rail as the arm is long. It
@@ -217,7 +217,7 @@ TEST(MasslessBodies, ARunIntoASingularMassMatrixEndsWithAStatus) {
         EXPECT_NE(run.message, "") << name;
         for (const Sample& sample : run.samples) EXPECT_TRUE(std::isfinite(sample.position_W[0])) << name;
     }
-    const Reference truth = reference(scene, 4, 17, 20);
+    const Reference truth = reference(scene, 4, 17, 5);
     EXPECT_FALSE(truth.available);
     EXPECT_NE(truth.message, "");
 }

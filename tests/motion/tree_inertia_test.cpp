@@ -40,16 +40,16 @@ Joint wrist(JointType type, const Vector3<double>& axis = {0, 1, 0}) {
 }
 
 TEST(TreeInertia, NamesTheBodyAndTheMotionWithoutInertia) {
-    const NamedBody nothing = body_of("tip", 0), point = body_of("tip", 2, {}, {0, 0, -0.25});
+    const NamedBody no_mass = body_of("tip", 0), point = body_of("tip", 2, {}, {0, 0, -0.25});
     const NamedBody rod = body_of("tip", 2, {0.5, 0.5, 0}, {0, 0, -0.25});
-    const std::pair<Scene, const char*> cases[] = {
-        {arm_and_tip(nothing, wrist(JointType::revolute)),
+    const std::pair<Scene, const char*> refused[] = {
+        {arm_and_tip(no_mass, wrist(JointType::revolute)),
          "arm: /bodies/1: \"tip\" has no inertia about joint \"wrist\"; give it mass, or fix it"},
-        {arm_and_tip(nothing, wrist(JointType::prismatic)),
+        {arm_and_tip(no_mass, wrist(JointType::prismatic)),
          "arm: /bodies/1: \"tip\" has no mass along joint \"wrist\"; give it mass, or fix it"},
-        {arm_and_tip(nothing, wrist(JointType::universal)),
+        {arm_and_tip(no_mass, wrist(JointType::universal)),
          "arm: /bodies/1: \"tip\" has no inertia about axis 1 of joint \"wrist\"; give it mass, or fix it"},
-        {arm_and_tip(nothing, wrist(JointType::spherical)),
+        {arm_and_tip(no_mass, wrist(JointType::spherical)),
          "arm: /bodies/1: \"tip\" has no inertia about some axis through joint \"wrist\"; give it mass, or fix it"},
         // a point mass on the axis, and a ball joint that lets it turn about the line to it
         {arm_and_tip(point, wrist(JointType::revolute, {0, 0, 1})),
@@ -59,14 +59,14 @@ TEST(TreeInertia, NamesTheBodyAndTheMotionWithoutInertia) {
         {arm_and_tip(rod, wrist(JointType::spherical)),
          "\"tip\" has no inertia about some axis through joint \"wrist\""},
     };
-    for (const auto& [scene, message] : cases) {
+    for (const auto& [scene, message] : refused) {
         const std::string fault = fault_of(scene);
         EXPECT_NE(fault.find(message), std::string::npos) << "wanted: " << message << "\ngot: " << fault;
     }
     for (const NamedBody& tip : {point, rod})
         for (const JointType type : {JointType::revolute, JointType::prismatic, JointType::universal, JointType::fixed})
             EXPECT_EQ(fault_of(arm_and_tip(tip, wrist(type))), "");
-    EXPECT_EQ(fault_of(arm_and_tip(nothing, wrist(JointType::fixed))), "");
+    EXPECT_EQ(fault_of(arm_and_tip(no_mass, wrist(JointType::fixed))), "");
 }
 
 // The joint whose motion has no inertia is named, not the one below it: a massless link between two parallel hinges.

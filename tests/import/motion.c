@@ -65,7 +65,8 @@ static void print_moment(const mjModel* m, mjData* d, double t, int first) {
     printf("]}");
 }
 
-// what is omitted by name: "armature", "free_damping", "ball_stiffness", "fluid", "tendon"; this version knows no gravcomp
+// what is omitted by name: "armature", "free_damping", "ball_stiffness", "fluid", "tendon"; this version knows no
+// gravcomp
 static void drop(mjModel* m, const char* what) {
     if (strstr(what, "armature"))
         for (int i = 0; i < m->nv; ++i) m->dof_armature[i] = 0;
@@ -130,7 +131,8 @@ int main(int count, char** arguments) {
             fflush(stdout);
             continue;
         }
-        if (strcmp(field[2], "file")) sscanf(field[2], "%lf %lf %lf", m->opt.gravity, m->opt.gravity + 1, m->opt.gravity + 2);
+        if (strcmp(field[2], "file"))
+            sscanf(field[2], "%lf %lf %lf", m->opt.gravity, m->opt.gravity + 1, m->opt.gravity + 2);
         m->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_ACTUATION | mjDSBL_CONTACT;
         drop(m, field[3]);
         mjData* d = mj_makeData(m);

@@ -409,8 +409,33 @@ def mjcf_vector(v):
     return " ".join(repr(float(x)) for x in v)
 
 
-def convert_to_mjcf(path, scales_to_mass=False):
-    """The MJCF text of an SDFormat file, and its world's gravity (None of a file without a world).
+AXES = {"revolute": ["axis"], "continuous": ["axis"], "prismatic": ["axis"], "universal": ["axis", "axis2"], "ball": [],
+        "fixed": []}
+
+
+def read_joint(scope, joint, poses):
+    """A joint between two links; point and axes are the child's."""
+    name, kind = joint.get("name"), joint.get("type")
+    if kind not in AXES:
+        raise SdfError(f"joint {name} is a {kind}")
+    parent, child = scope.link_of(text_of(joint, "parent")), scope.link_of(text_of(joint, "child"))
+    here = scope.pose_of(name)
+    to_child = np.linalg.inv(poses[child]) @ scope.in_world()  # from the scope's frame
+    axes = []
+    for tag in AXES[kind]:
+        axis, v = joint_axis(scope, joint, tag, here)
+        given = axis.find("dynamics")
+        dynamics = {key: number_of(given, of, 0) if given is not None else 0.0
+                    for key, of in (("damping", "damping"), ("stiffness", "spring_stiffness"),
+                                    ("springref", "spring_reference"))}
+        axes.append((to_child[:3, :3] @ v, dynamics))
+    return {"name": "::".join([*scope.path(), name]), "type": kind, "parent": parent, "child": child,
+            "point": to_child[:3, :3] @ here[:3, 3] + to_child[:3, 3], "axes": axes}
+
+
+def read_sdf(path, scales_to_mass=False):
+    """Links by their paths: poses in the world, masses (mass, centre, tensor), which gravity does not act on, which are
+    static; joints; the world's gravity, None of a file without a world.
 
     scales_to_mass: a <mass> beside auto="true" scales the automatic inertia, as libsdformat does from 14.7 and 15.2 on;
     versions before ignore it."""
@@ -420,67 +445,55 @@ def convert_to_mjcf(path, scales_to_mass=False):
     world = Scope(None, "world")
     world.scales_to_mass = scales_to_mass
     at = root.find("world")
-    gravity = None
-    if at is not None:
-        gravity = numbers(text_of(at, "gravity", "0 0 -9.8"))
     fill(world, root if at is None else at, path.parent)
 
-    poses, masses, carrier, weightless = {}, {}, {}, set()
+    robot = {"poses": {}, "masses": {}, "weightless": set(), "static": set(), "joints": [],
+             "gravity": None if at is None else numbers(text_of(at, "gravity", "0 0 -9.8"))}
     for scope in scopes(world):
         X = scope.in_world()
         for name, mass in scope.links:
             own = (*scope.path(), name)
-            poses[own], masses[own] = X @ scope.pose_of(name), mass
+            robot["poses"][own], robot["masses"][own] = X @ scope.pose_of(name), mass
             if name in scope.weightless:
-                weightless.add(own)
+                robot["weightless"].add(own)
             if scope.static:
-                carrier[own] = (WORLD, None, [])
+                robot["static"].add(own)
     for scope in scopes(world):
-        if scope.static:
-            continue
-        X = scope.in_world()
-        for joint in scope.joints:
-            name, kind = joint.get("name"), joint.get("type")
-            full_name = "::".join([*scope.path(), name])
-            parent, child = scope.link_of(text_of(joint, "parent")), scope.link_of(text_of(joint, "child"))
-            here = scope.pose_of(name)
-            child_pose = np.linalg.inv(poses[child]) @ X  # of the scope's frame in the child
-            point = child_pose[:3, :3] @ here[:3, 3] + child_pose[:3, 3]
-            elements = []
-            tags = {"revolute": ["axis"], "continuous": ["axis"], "prismatic": ["axis"], "universal": ["axis", "axis2"],
-                    "ball": [], "fixed": []}
-            if kind not in tags:
-                raise SdfError(f"joint {name} is a {kind}")
-            for i, tag in enumerate(tags[kind]):
-                axis, v = joint_axis(scope, joint, tag, here)
-                dynamics = axis.find("dynamics")
-                more = ""
-                if dynamics is not None:
-                    more = (f' damping="{text_of(dynamics, "damping", 0)}"'
-                            f' stiffness="{text_of(dynamics, "spring_stiffness", 0)}"'
-                            f' springref="{text_of(dynamics, "spring_reference", 0)}"')
-                elements.append(f'<joint name="{full_name}{"_2" if i else ""}" '
-                                f'type="{"slide" if kind == "prismatic" else "hinge"}" '
-                                f'pos="{mjcf_vector(point)}" axis="{mjcf_vector(child_pose[:3, :3] @ v)}"{more}/>')
-            if kind == "ball":
-                elements.append(f'<joint name="{full_name}" type="ball" pos="{mjcf_vector(point)}"/>')
-            if child in carrier:
-                raise SdfError(f"{'::'.join(child)} has two joints")
-            carrier[child] = (parent, full_name, elements)
+        if not scope.static:
+            robot["joints"] += [read_joint(scope, joint, robot["poses"]) for joint in scope.joints]
+    return robot
+
+
+def joint_elements(joint):
+    if joint["type"] == "ball":
+        return [f'<joint name="{joint["name"]}" type="ball" pos="{mjcf_vector(joint["point"])}"/>']
+    kind = "slide" if joint["type"] == "prismatic" else "hinge"
+    return [f'<joint name="{joint["name"]}{"_2" if i else ""}" type="{kind}" pos="{mjcf_vector(joint["point"])}" '
+            f'axis="{mjcf_vector(v)}"' + "".join(f' {key}="{x!r}"' for key, x in dynamics.items()) + "/>"
+            for i, (v, dynamics) in enumerate(joint["axes"])]
+
+
+def write_mjcf(robot):
+    poses = robot["poses"]
+    carrier = {own: (WORLD, []) for own in robot["static"]}
+    for joint in robot["joints"]:
+        if joint["child"] in carrier:
+            raise SdfError(f"{'::'.join(joint['child'])} has two joints")
+        carrier[joint["child"]] = (joint["parent"], joint_elements(joint))
 
     def body(own, indent):
-        parent, _, elements = carrier.get(own, (WORLD, None, ["<freejoint/>"]))
+        parent, elements = carrier.get(own, (WORLD, ["<freejoint/>"]))
         X = poses[own] if parent == WORLD else np.linalg.inv(poses[parent]) @ poses[own]
-        mass, center, tensor = masses[own]
+        mass, center, tensor = robot["masses"][own]
         moments, V = principal(tensor)
         space = "  " * indent
-        gravity_off = ' gravcomp="1"' if own in weightless else ""
+        gravity_off = ' gravcomp="1"' if own in robot["weightless"] else ""
         lines = [f'{space}<body name="{"::".join(own)}" pos="{mjcf_vector(X[:3, 3])}" '
                  f'quat="{mjcf_vector(quaternion(X[:3, :3]))}"{gravity_off}>',
                  *(f"{space}  {one}" for one in elements),
                  f'{space}  <inertial pos="{mjcf_vector(center)}" quat="{mjcf_vector(quaternion(V))}" '
                  f'mass="{mass!r}" diaginertia="{mjcf_vector(moments)}"/>']
-        for other, (its_parent, _, _) in carrier.items():
+        for other, (its_parent, _) in carrier.items():
             if its_parent == own:
                 lines += body(other, indent + 1)
         return [*lines, f"{space}</body>"]
@@ -489,4 +502,4 @@ def convert_to_mjcf(path, scales_to_mass=False):
     for own in poses:
         if carrier.get(own, (WORLD,))[0] == WORLD:
             lines += body(own, 2)
-    return "\n".join([*lines, "  </worldbody>", "</mujoco>", ""]), gravity
+    return "\n".join([*lines, "  </worldbody>", "</mujoco>", ""])

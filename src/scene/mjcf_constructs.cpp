@@ -6,12 +6,12 @@ namespace {
 
 using enum RobotVerdict;
 
-constexpr RobotConstruct constructs[] = {
+constexpr RobotConstruct mjcf_rows[] = {
     {"", "mujoco", "", modelled, "the root element"},
 };
 
 }  // namespace
 
-std::span<const RobotConstruct> mjcf_constructs() { return constructs; }
+std::span<const RobotConstruct> mjcf_constructs() { return mjcf_rows; }
 
 }  // namespace polhode

@@ -6,12 +6,12 @@ namespace {
 
 using enum RobotVerdict;
 
-constexpr RobotConstruct constructs[] = {
+constexpr RobotConstruct sdf_rows[] = {
     {"", "sdf", "", modelled, "the root element"},
 };
 
 }  // namespace
 
-std::span<const RobotConstruct> sdf_constructs() { return constructs; }
+std::span<const RobotConstruct> sdf_constructs() { return sdf_rows; }
 
 }  // namespace polhode

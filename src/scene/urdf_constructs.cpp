@@ -20,7 +20,7 @@ bool has_friction(const XMLElement& dynamics) {
     return dynamics.DoubleAttribute("friction") != 0 && !is_floating(dynamics) && !is_joint_type(dynamics, "fixed", "");
 }
 
-constexpr RobotConstruct constructs[] = {
+constexpr RobotConstruct urdf_rows[] = {
     {"", "robot", "", modelled, "links and joints"},
     {"", "robot", "name", irrelevant, "a name"},
     {"", "robot", "version", irrelevant, "1.0 and 1.1 differ in nothing that is read"},
@@ -78,6 +78,6 @@ constexpr RobotConstruct constructs[] = {
 
 }  // namespace
 
-std::span<const RobotConstruct> urdf_constructs() { return constructs; }
+std::span<const RobotConstruct> urdf_constructs() { return urdf_rows; }
 
 }  // namespace polhode

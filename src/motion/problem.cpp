@@ -1,5 +1,7 @@
 #include "motion/problem.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "motion/contact.h"
@@ -9,6 +11,7 @@
 #include "motion/own_system.h"
 #include "motion/rounded.h"
 #include "motion/translation.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -42,10 +45,51 @@ std::vector<PosedImpulse<double>> rounded(const std::vector<PosedImpulse<P>>& im
     return r;
 }
 
+// Throws where the equations of several bodies would ignore a part of the scene. validate() refuses these, too; here no
+// path around it leads to a motion that lacks them.
+void refuse_parts_of_one_body(const Scene& scene) {
+    const auto fail = [&](const std::string& place, const char* fault, const char* remedy) {
+        throw InputError(scene.name, place, fault, remedy);
+    };
+    for (std::size_t i = 0; i < scene.loads.size(); ++i)
+        if (std::holds_alternative<UserTorque>(scene.loads[i]))
+            fail(fmt::format("/loads/{}", i), "is a user-defined torque in a scene of several bodies",
+                 "give a load of type torque or force with \"body\", or a motor on a joint");
+    if (scene.pivot)
+        fail("/pivot", "is given in a scene of several bodies", "hold a body by a joint whose parent is \"world\"");
+    if (!scene.planes.empty()) fail("/planes", "are given in a scene of several bodies", "remove them");
+    const Body &body = scene.body, no_body;
+    if (body.mass != no_body.mass || !(body.inertia_B == no_body.inertia_B) ||
+        !(body.center_of_mass == no_body.center_of_mass) || body.source)
+        fail("/body", "is given in a scene of several bodies", "give its properties to one of \"bodies\"");
+    const Initial &initial = scene.initial, at_rest;
+    if (!(initial.orientation == at_rest.orientation && initial.angular_velocity == at_rest.angular_velocity &&
+          initial.position_W == at_rest.position_W && initial.velocity_W == at_rest.velocity_W))
+        fail("/initial", "is given in a scene of several bodies", "give it to one of \"bodies\" or to a joint");
+}
+
+// Throws where the equations of one body would ignore a part of the scene.
+void refuse_parts_of_several_bodies(const Scene& scene) {
+    const char* remedy = "give \"bodies\" in place of \"body\"";
+    if (!scene.joints.empty()) throw InputError(scene.name, "/joints", "are given in a scene of one body", remedy);
+    if (!scene.loops.empty()) throw InputError(scene.name, "/loops", "are given in a scene of one body", remedy);
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+        const Load& load = scene.loads[i];
+        if (!load_body(load).empty() || std::holds_alternative<Motor>(load) ||
+            std::holds_alternative<PointSpring>(load))
+            throw InputError(scene.name, fmt::format("/loads/{}", i), "needs several bodies in a scene of one body",
+                             remedy);
+    }
+}
+
 }  // namespace
 
 Problem pose(const Scene& scene, Formulation formulation) {
-    if (is_mechanism(scene)) return pose_mechanism(scene);
+    if (is_mechanism(scene)) {
+        refuse_parts_of_one_body(scene);
+        return pose_mechanism(scene);
+    }
+    refuse_parts_of_several_bodies(scene);
     Problem problem;
     problem.scene = scene;
     problem.formulation = formulation;

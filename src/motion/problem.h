@@ -116,7 +116,9 @@ struct Problem {
     std::shared_ptr<const ErasedModel> own;
 };
 
-/// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's.
+/// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's. Throws
+/// InputError where the equations would ignore a part of the scene: a UserTorque, `pivot`, `planes`, `body` or
+/// `initial` beside several bodies; joints, loops, motors, point springs or loads of a named body beside one body.
 Problem pose(const Scene& scene, Formulation formulation = Formulation::reduced);
 
 /// The index of the segment that holds time t (s): the last whose begin <= t.

@@ -56,6 +56,7 @@ ReadScene::ReadScene(const std::string& text, const std::string& file, const std
         torque.window.until = until.value_or(torque.window.until);
         scene_.loads.emplace_back(std::move(torque));
     }
+    if (!torques.empty()) validate(scene_, file);
 }
 
 std::shared_ptr<const Problem> ReadScene::problem(Formulation formulation, bool reactions) const {

@@ -171,7 +171,8 @@ struct NamesInLoad {
 
     void operator()(const Gravity&) const {}
     void operator()(const UserTorque&) const {
-        check.fail(place, "is a torque of the user's own in a scene of several bodies", "give one of the other loads");
+        check.fail(place, "is a user-defined torque in a scene of several bodies",
+                   "give a load of type torque or force with \"body\", or a motor on a joint");
     }
     void operator()(const Motor& load) const {
         const Joint& joint = scene.joints[joints.find(place + "/joint", load.joint)];

@@ -4,6 +4,7 @@
 
 #include "motion/moderate_scene.h"
 #include "motion/systems.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -123,6 +124,51 @@ TEST(Scales, CoverTheMotion) {
     EXPECT_NEAR(problem.scales.angular_velocity, 2, 0.1);
     EXPECT_NEAR(problem.scales.position, std::hypot(30, 500), 5);
     EXPECT_NEAR(problem.scales.velocity, std::hypot(3, 100), 1);
+}
+
+/// Where pose() finds a part of the scene that the equations would ignore; empty where it finds none.
+template <class Change>
+std::string ignored_part(const Scene& scene, Change&& change) {
+    Scene changed = scene;
+    change(changed);
+    try {
+        pose(changed);
+    } catch (const InputError& fault) {
+        return fault.place();
+    }
+    return "";
+}
+
+TEST(Pose, RefusesWhatSeveralBodiesWouldIgnore) {
+    Scene several;
+    several.name = "several", several.bodies = {{"a", {}, {}}, {"b", {}, {}}};
+    const UserTorque torque{"mine", [](const LoadState&) { return Vector3<double>(); }, {}};
+    EXPECT_EQ(ignored_part(several, [](Scene&) {}), "");
+    EXPECT_EQ(ignored_part(several, [&](Scene& s) { s.loads = {Gravity{}, torque}; }), "/loads/1");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.pivot = Vector3<double>(); }), "/pivot");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.planes = {Plane{}}; }), "/planes");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.mass = 2; }), "/body");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.inertia_B[0][0] = 1.5; }), "/body");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.center_of_mass = {1, 0, 0}; }), "/body");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.initial.angular_velocity = {1, 0, 0}; }), "/initial");
+    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.initial.velocity_W = {1, 0, 0}; }), "/initial");
+}
+
+TEST(Pose, RefusesWhatOneBodyWouldIgnore) {
+    Scene one;
+    one.name = "one";
+    EXPECT_EQ(ignored_part(one, [](Scene&) {}), "");
+    EXPECT_EQ(ignored_part(one, [](Scene& s) { s.joints.emplace_back(); }), "/joints");
+    EXPECT_EQ(ignored_part(one, [](Scene& s) { s.loops.emplace_back(); }), "/loops");
+    EXPECT_EQ(ignored_part(one, [](Scene& s) { s.loads = {Motor{"hinge", 1, {}}}; }), "/loads/0");
+    EXPECT_EQ(ignored_part(one, [](Scene& s) { s.loads = {Gravity{}, PointSpring{}}; }), "/loads/1");
+    EXPECT_EQ(ignored_part(one,
+                           [](Scene& s) {
+                               Torque torque{{0, 0, 1}, Frame::body, {}};
+                               torque.body = "arm";
+                               s.loads = {torque};
+                           }),
+              "/loads/0");
 }
 
 }  // namespace

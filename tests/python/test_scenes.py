@@ -131,3 +131,60 @@ def test_a_scene_names_files_in_its_own_folder_unless_that_is_allowed(tmp_path):
         assert polhode.scene(tmp_path / "sub" / "s.json").name == "s"
     finally:
         polhode.allow_outside_files(False)
+
+
+def test_a_torque_on_several_bodies_is_refused_by_the_call():
+    pendulum = polhode.scene("mechanisms/double_pendulum")
+    with pytest.raises(polhode.InputError, match='type "torque" or "force" with "body", or a "motor"') as fault:
+        pendulum.add_torque(lambda now: (0, 0, 1))
+    assert "\n" not in str(fault.value) and "/bodies" in str(fault.value)
+    # the refused torque was not added
+    assert polhode.solve(pendulum, samples=2).status == "ok"
+    robot = polhode.Scene({"name": "robot", "duration": 1, "import": {"file": "robot.urdf"}})
+    with pytest.raises(polhode.InputError, match="/import"):
+        robot.add_torque(lambda now: (0, 0, 1))
+
+
+def test_a_scene_with_a_torque_that_gets_several_bodies_is_refused_by_every_use():
+    calls = []
+    scene = polhode.scene("free_asymmetric").add_torque(lambda now: calls.append(now.t) or (0, 0, 1))
+    several = json.loads(polhode.scene("mechanisms/double_pendulum").json())
+    scene.clear()
+    scene.update(several)
+    uses = [scene.describe, lambda: polhode.truth(scene, samples=2), lambda: polhode.run({"scenes": scene})]
+    uses += [lambda method=method: polhode.solve(scene, method)
+             for method in ("auto", "taylor", "dop853", "cvode_adams", "extrapolation", "exact")]
+    for use in uses:
+        with pytest.raises(polhode.InputError, match="user-defined torque in a scene of several bodies"):
+            use()
+    assert not calls
+
+
+@pytest.mark.parametrize("window", [{"start": 1, "until": 0.5}, {"start": 1, "until": 1}, {"start": float("nan")}])
+def test_a_torque_that_never_acts_is_refused(window):
+    scene = polhode.scene("free_asymmetric").add_torque(lambda now: (0, 0, 1), **window)
+    with pytest.raises(polhode.InputError, match="/loads/0/"):
+        polhode.solve(scene)
+
+
+@pytest.mark.parametrize(
+    ("several", "key", "value"),
+    [
+        (True, "pivot", [0, 0, 0]),
+        (True, "planes", [{"normal": [0, 0, 1], "offset": -9, "restitution": 1}]),
+        (True, "initial", {"angular_velocity": [1, 0, 0]}),
+        (True, "body", {"mass": 1, "inertia": [1, 1, 1]}),
+        (True, "loads", [{"type": "torque", "vector": [0, 0, 1], "frame": "body"}]),
+        (False, "joints", []),
+        (False, "loops", []),
+        (False, "bodies", []),
+        (False, "loads", [{"type": "motor", "joint": "hinge", "torque": 1}]),
+        (False, "loads", [{"type": "torque", "vector": [0, 0, 1], "frame": "body", "body": "arm"}]),
+        (False, "loads", [{"type": "point_spring", "first": "a", "second": "b", "stiffness": 1, "rest_length": 1}]),
+    ],
+)
+def test_nothing_of_one_body_is_ignored_beside_several_nor_the_reverse(several, key, value):
+    scene = polhode.scene("mechanisms/double_pendulum" if several else "free_asymmetric")
+    scene[key] = value
+    with pytest.raises(polhode.InputError, match=f"/{key}"):
+        polhode.solve(scene)

@@ -216,7 +216,7 @@ class Scene(Block):
         start: float | None = None,
         until: float | None = None,
     ) -> Scene:
-        """Adds a torque of one's own, smooth in its arguments.
+        """Adds a user-defined torque, smooth in its arguments, to a scene of one body.
 
         There is no truth for a scene that has one, and methods that need derivatives answer ``unsupported``.
 
@@ -235,6 +235,12 @@ class Scene(Block):
         Scene
             This one.
 
+        Raises
+        ------
+        InputError
+            In a scene of several bodies, where a load of type ``torque`` or ``force`` with ``body``, or a motor on a
+            joint, acts instead.
+
         Examples
         --------
         >>> import polhode
@@ -243,6 +249,12 @@ class Scene(Block):
         >>> motion.method, motion.status
         ('dop853', 'ok')
         """
+        key = "bodies" if "bodies" in self else "import" if "import" in self else None
+        if key is not None:
+            raise _polhode.InputError(
+                f"{self._file}: /{key}: makes a scene of several bodies, and a user-defined torque needs a scene of one "
+                "body; append to \"loads\" a load of type \"torque\" or \"force\" with \"body\", or a \"motor\" with "
+                "\"joint\"")
         self._changes.count += 1
         self._torques.append((function, name or getattr(function, "__name__", "torque"), start, until))
         return self

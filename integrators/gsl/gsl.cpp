@@ -53,7 +53,7 @@ class GslSession {
 
     void restart() {
         system_.initial(y_.data());
-        main_.evaluations = 0;
+        main_.evaluations = side_.evaluations = 0;
         steps_ = rejected_ = 0;
         gsl_odeiv2_driver_reset(driver_.get());
     }
@@ -123,6 +123,7 @@ class GslSession {
     /// Since restart().
     long steps() const { return steps_; }
     long rhs_evaluations() const { return main_.evaluations; }
+    long sample_evaluations() const { return side_.evaluations; }
     SolverCounts counts() const { return {rejected_ + static_cast<long>(driver_->e->failed_steps), {}, {}}; }
 
   private:
@@ -241,8 +242,9 @@ constexpr Method each[] = {
      .documentation =
          "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R times the "
          "component's scale, by GSL's own step control (`control_scaled`). Steps stop exactly at events and at the end "
-         "alone; a sample inside a step is reached sideways, by steps of its own from the step's start that are not "
-         "counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
+         "alone; a sample inside a step is reached by separate steps from the start of the step; their right-hand "
+         "sides "
+         "are counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
      .source = "Prince & Dormand 1981, High order embedded Runge-Kutta formulae, J. Comput. Appl. Math. 7, 67-75; "
                "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
      .solve = solve_by<rk8pd>,

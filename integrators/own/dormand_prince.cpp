@@ -5,7 +5,7 @@ namespace {
 
 template <class Register>
 POLHODE_INLINE void step_by_terms(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                  const RotationState& from, double h, RotationStep& to) {
+                                  const RotationState& from, double h, Dop853RotationStep& to) {
     switch (coefficients.terms) {
         case RotationTerms::none:
             return dop853_step<RotationTerms::none, Register>(coefficients, allowance, from, h, to);
@@ -19,16 +19,16 @@ POLHODE_INLINE void step_by_terms(const RotationCoefficients& coefficients, cons
 }  // namespace
 
 void dop853_step_plain(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                       const RotationState& from, double h, RotationStep& to) {
+                       const RotationState& from, double h, Dop853RotationStep& to) {
     step_by_terms<LaneHalves>(coefficients, allowance, from, h, to);
 }
 POLHODE_TARGET_AVX2 void dop853_step_avx2(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                          const RotationState& from, double h, RotationStep& to) {
+                                          const RotationState& from, double h, Dop853RotationStep& to) {
     step_by_terms<LaneHalves>(coefficients, allowance, from, h, to);
 }
 POLHODE_TARGET_AVX512 void dop853_step_avx512(const RotationCoefficients& coefficients,
                                               const RotationAllowance& allowance, const RotationState& from, double h,
-                                              RotationStep& to) {
+                                              Dop853RotationStep& to) {
     step_by_terms<Lanes8>(coefficients, allowance, from, h, to);
 }
 

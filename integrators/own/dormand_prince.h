@@ -77,10 +77,15 @@ struct Dop853Tableau {
 };
 inline constexpr Dop853Tableau dop853;
 
+/// What a step gave, with the rates of its stages.
+struct Dop853RotationStep : RotationStep {
+    alignas(64) double rates[dop853_stages][8];
+};
+
 /// One step on a register; `squared_error` and `squared_error_before` are of the estimates of order 5 and 3.
 template <RotationTerms terms, class Register>
 POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                                const RotationState& from, double h, RotationStep& to) {
+                                const RotationState& from, double h, Dop853RotationStep& to) {
     const RotationRate<terms, Register> rate(coefficients);
     const Register y = loaded<Register>(from.y), zero = broadcast<Register>(0), step = broadcast<Register>(h);
     Register k[dop853_stages];
@@ -97,6 +102,7 @@ POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const 
         } else {
             k[i] = rate(y + step * weighted(i, dop853.a[i]));
         }
+        store(to.rates[i], k[i]);
     });
     constexpr std::integral_constant<int, dop853_stages> all;
     const Register slope = weighted(all, dop853.b), change = step * slope;
@@ -112,7 +118,7 @@ POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const 
 }
 
 using Dop853Step = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double h,
-                        RotationStep& to);
+                        Dop853RotationStep& to);
 /// One step, compiled for each instruction set; all give the same bits.
 Dop853Step dop853_step_plain, dop853_step_avx2, dop853_step_avx512;
 /// The step for an instruction set that the processor has.

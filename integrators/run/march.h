@@ -62,7 +62,8 @@ inline double longest_step(const Problem& problem, const Settings& settings) {
 /// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
 /// scheme for first-order systems is one through SystemStepper. One whose step can fail has `bool failed() const` and
 /// `void explain(Trajectory&)`, which gives status and message; it stays where it is after a failure. One that has more
-/// to tell at the end has `void report(Trajectory&)`.
+/// to tell at the end has `void report(Trajectory&)`. One whose sample() evaluates right-hand sides has
+/// `long sample_evaluations() const`, since restart; rhs_evaluations() does not include them.
 template <class S>
 concept Stepper = requires(S s, const S c, const Segment& segment, double t, double h) {
     { s.restart() } -> std::same_as<void>;       // back to t = 0
@@ -247,7 +248,9 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         else
             diverge(intervals.steps(), std::move(what));
     }
-    trajectory.rhs_evaluations = stepper.rhs_evaluations();
+    if constexpr (requires { stepper.sample_evaluations(); })
+        trajectory.sample_evaluations = stepper.sample_evaluations();
+    trajectory.rhs_evaluations = stepper.rhs_evaluations() + trajectory.sample_evaluations;
     return trajectory;
 }
 

@@ -1,4 +1,4 @@
-// The driver of steppers that choose their own steps by a tolerance: looks sideways for the samples.
+// The driver of steppers that choose their own steps by a tolerance: samples lie inside steps, which they do not cut.
 #pragma once
 
 #include <concepts>
@@ -24,8 +24,13 @@ concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const S
     { c.rhs_evaluations() } -> std::same_as<long>;
 };
 
-/// Tolerance-driven steps, cut only at events and at the end. A sample inside a step is reached sideways: a copy of
-/// the stepper as it was at the step's start goes there by itself. So the steps do not depend on the sampling.
+/// Tolerance-driven steps, cut only at events and at the end, so that they do not depend on the sampling. A stepper
+/// with dense output has `sample_inside(t)`, the motion at a time inside the last accepted step. For any other stepper,
+/// a copy as it was at the start of the step integrates to the sample; its evaluations are counted as sample
+/// evaluations.
+///
+/// A stepper whose samples cost evaluations has `long sample_evaluations() const`, since restart(); rhs_evaluations()
+/// does not include them.
 ///
 /// One that solves implicit equations has `long newton_failures() const`, since restart(): the attempts that ended as
 /// rejected because they did not converge.
@@ -34,12 +39,18 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     constexpr int attempts_per_step = 1000;
     Trajectory trajectory;
     const double T = problem.scene.duration;
-    long rejected = 0;
+    constexpr bool has_dense_output = requires { stepper.sample_inside(T); };
+    long rejected = 0, beside = 0;  // `beside`: evaluations by copies
     Watch watch(problem, settings, trajectory);
+    const auto sampling = [](const S& s) {
+        if constexpr (requires { s.sample_evaluations(); }) return s.sample_evaluations();
+        return 0L;
+    };
+    const auto sample_evaluations = [&] { return beside + sampling(stepper); };
     // goes from t to at most `stop` by one accepted step; false: the run has ended
     const auto advance = [&](S& s, double& t, double& h, double stop) {
         for (int i = 0; i < attempts_per_step; ++i) {
-            if (!watch.may_attempt(s.rhs_evaluations())) return false;
+            if (!watch.may_attempt(s.rhs_evaluations() + sample_evaluations())) return false;
             const double left = stop - t;
             // a remainder of a few rounding errors joins the step
             const bool last = h >= left * (1 - 1e-14);
@@ -68,7 +79,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     };
     const auto run = [&](bool recording) {
         stepper.restart();
-        rejected = 0;
+        rejected = beside = 0;
         watch.restart();
         SampleQueue samples = recording ? sample_queue(problem, settings) : SampleQueue();
         double t = 0, h = 0;
@@ -80,8 +91,8 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
         const auto show = [&](double at) { return watch.record(stepper.sample(at)); };
         return follow(problem.segments, samples, enter, show, [&](const Segment& segment) {
             while (t < segment.end) {
-                if (!watch.may_step(stepper.rhs_evaluations())) return false;
-                const bool looking = samples.front() <= t + h * 1.0000001;
+                if (!watch.may_step(stepper.rhs_evaluations() + sample_evaluations())) return false;
+                const bool looking = !has_dense_output && samples.front() <= t + h * 1.0000001;
                 std::optional<S> before;
                 if (looking) before = stepper;
                 double from = t, side_step = h;
@@ -91,11 +102,19 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                     const double at = samples.front();
                     if (at == t) {
                         if (!show(t)) return false;
+                        continue;
+                    }
+                    if constexpr (has_dense_output) {
+                        if (!watch.record(stepper.sample_inside(at))) return false;
                     } else {
                         if (!before) return watch.fail(Status::failed, "a sample was passed unseen");
+                        const auto evaluations = [&] { return before->rhs_evaluations() + sampling(*before); };
+                        const long counted = evaluations();
                         while (from < at)
                             if (!advance(*before, from, side_step, at)) return false;
-                        if (!watch.record(before->sample(at))) return false;
+                        const auto inside = before->sample(at);
+                        beside += evaluations() - counted;
+                        if (!watch.record(inside)) return false;
                     }
                 }
                 if (!watch.stays_sane([&] { return stepper.sample(t); })) return false;
@@ -105,13 +124,14 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
     };
     repeat(settings, trajectory, run);
     trajectory.steps = watch.steps() / settings.repetitions;
-    trajectory.rhs_evaluations = stepper.rhs_evaluations();
     trajectory.counts.rejected_steps = rejected;
     if constexpr (requires { stepper.newton_failures(); }) {
         trajectory.counts.newton_failures = stepper.newton_failures();
         trajectory.counts.rejected_steps = rejected - stepper.newton_failures();
     }
     if (!settings.record && trajectory.status == Status::ok) watch.record(stepper.sample(T));
+    trajectory.sample_evaluations = sample_evaluations();
+    trajectory.rhs_evaluations = stepper.rhs_evaluations() + trajectory.sample_evaluations;
     return trajectory;
 }
 

@@ -20,7 +20,9 @@ struct SolverFailure {
 
 /// A solver with its state, on one problem. Flags below zero say that it can go on no further, and failure() what they
 /// mean. One that can tell of its troubles has `SolverCounts counts()`; one whose sample() leaves a trace in what it
-/// tells at the end has `look()`, which does not.
+/// tells at the end has `look()`, which does not. One whose
+/// samples inside a step cost evaluations has `long sample_evaluations() const`, since restart; rhs_evaluations() does
+/// not include them.
 template <class S>
 concept SolverSession = requires(S s, const Segment& segment, double t, int flag) {
     s.restart();                                    // back to t = 0, all counts to zero
@@ -48,7 +50,8 @@ class SolverRun {
     Trajectory solve() {
         const bool complete = repeat(settings_, trajectory_, [&](bool recording) { return run(recording); });
         trajectory_.steps = session_.steps();
-        trajectory_.rhs_evaluations = session_.rhs_evaluations();
+        trajectory_.sample_evaluations = sample_evaluations();
+        trajectory_.rhs_evaluations = session_.rhs_evaluations() + trajectory_.sample_evaluations;
         if constexpr (requires { session_.counts(); }) trajectory_.counts = session_.counts();
         if (!settings_.record && complete) watch_.record(session_.sample());
         return std::move(trajectory_);
@@ -58,6 +61,10 @@ class SolverRun {
     bool fail(int flag) {
         const SolverFailure failure = session_.failure(flag);
         return watch_.fail(failure.status, failure.message);
+    }
+    long sample_evaluations() const {
+        if constexpr (requires { session_.sample_evaluations(); }) return session_.sample_evaluations();
+        return 0;
     }
     auto look() {
         if constexpr (requires { session_.look(); }) return session_.look();
@@ -81,7 +88,7 @@ class SolverRun {
         return follow(problem_.segments, samples, enter, show, [&](const Segment& segment) {
             int still = 0;
             while (session_.time() < segment.end) {
-                if (!watch_.may_step(session_.rhs_evaluations())) return false;
+                if (!watch_.may_step(session_.rhs_evaluations() + sample_evaluations())) return false;
                 const double begin = session_.time();
                 if (const int flag = session_.step(); flag < 0) return fail(flag);
                 const double t = session_.time();

@@ -56,6 +56,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         Base::restart();
         lag_ = 0;
         started_ = false;
+        sample_evaluations_ = 0;
     }
     void enter(const Segment& segment) {
         land(this->y_, this->evaluations_);
@@ -96,10 +97,10 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
     }
     Sample sample(double t) const {
         Y landed = this->y_;
-        long sideways = 0;
-        land(landed, sideways);
+        land(landed, sample_evaluations_);
         return this->system_.motion(t, landed.data());
     }
+    long sample_evaluations() const { return sample_evaluations_; }
 
   private:
     double kinetic_scale() const {
@@ -162,6 +163,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
 
     const Tableau* table_;
     bool started_ = false;
+    mutable long sample_evaluations_ = 0;  // of steps over the lag that samples alone need
     double energy_ = 0, round_off_ = 0;
     double lag_ = 0;    // s, the own clock ahead of the caller's
     double clock_ = 0;  // s, the caller's after the last step

@@ -68,6 +68,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         Base::begin();
         steps_ = 0;
         counts_ = {}, counted_ = {};
+        if (aside_) aside_->restart();
     }
 
     /// An event: impulses, then the loads of this segment. ARKODE's step control starts again.
@@ -125,9 +126,11 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// Why sample_inside() had none.
     int inside_flag() const { return inside_flag_; }
 
-    /// Since restart(). Those that went sideways for a sample do not count.
+    /// Since restart(), without the steps and evaluations of samples.
     long steps() const { return steps_; }
     long rhs_evaluations() const { return this->evaluations_; }
+    /// Evaluations for samples inside a step, since restart().
+    long sample_evaluations() const { return aside_ ? aside_->evaluations_ : 0; }
     SolverCounts counts() {
         count();
         SolverCounts counts{counts_.rejected_steps, {}, {}};

@@ -80,11 +80,18 @@ struct Trajectory {
     std::vector<Reaction<double>> reactions;
     std::vector<double> impact_times;  ///< s, of the impacts on the scene's planes
     long steps = 0;                    ///< taken
-    long rhs_evaluations = 0;          ///< evaluations of the right-hand side, or what a method counts in their place
-    SolverCounts counts;               ///< the solver's own troubles
-    double seconds = 0;                ///< wall clock of the integration alone, set-up left out
-    bool limit_reached = false;        ///< `failed` because of one of Settings' limits
-    double step = 0;                   ///< s, the fixed step really taken (the largest); 0 where there is none
+    /// Evaluations of the right-hand side by the whole run. That is the number of calls of a UserTorque that acts all
+    /// the time, and of `derivative` of a user-defined system with doubles. Rejected attempts, first-step guesses and
+    /// samples between steps are included. Not included: calls while a scene is posed, Jacobians (formed by automatic
+    /// differentiation), and energies. Methods that evaluate no right-hand side count the unit of work that their
+    /// documentation names; integrators/README.md lists them.
+    long rhs_evaluations = 0;
+    /// Those of rhs_evaluations that only the samples cost: 0 for a method that samples without evaluations.
+    long sample_evaluations = 0;
+    SolverCounts counts;         ///< the solver's own troubles
+    double seconds = 0;          ///< wall clock of the integration alone, set-up left out
+    bool limit_reached = false;  ///< `failed` because of one of Settings' limits
+    double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
 
     /// How many times have samples.
     std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }

@@ -163,6 +163,8 @@ void bind_solving(py::module_& module) {
         .def_property_readonly("message", [](const SolvedScene& s) { return s.trajectory.message; })
         .def_property_readonly("steps", [](const SolvedScene& s) { return s.trajectory.steps; })
         .def_property_readonly("rhs_evaluations", [](const SolvedScene& s) { return s.trajectory.rhs_evaluations; })
+        .def_property_readonly("sample_evaluations",
+                               [](const SolvedScene& s) { return s.trajectory.sample_evaluations; })
         .def_property_readonly("counts", [](const SolvedScene& s) { return counts_of(s.trajectory); })
         .def_property_readonly("seconds", [](const SolvedScene& s) { return s.trajectory.seconds; })
         .def_property_readonly("step", [](const SolvedScene& s) { return s.trajectory.step; })

@@ -72,7 +72,7 @@ class Bytes {
         for (const double defect : t.orthogonality_defect) add(defect);
         for (const Reaction<double>& reaction : t.reactions) add(reaction.force_W), add(reaction.torque_W);
         for (const double time : t.impact_times) add(time);
-        add(t.steps), add(t.rhs_evaluations), add(t.step);
+        add(t.steps), add(t.rhs_evaluations - t.sample_evaluations), add(t.step);
         add(t.counts.rejected_steps), add(t.counts.newton_failures), add(t.counts.order_reductions);
     }
     std::string hash() const { return content_hash(bytes_); }

@@ -48,7 +48,7 @@ TEST_P(EveryMethod, EndsTheSameWhetherItRecordsOrNot) {
     EXPECT_EQ(whole.samples.back().q, end.samples.back().q);
     EXPECT_EQ(whole.samples.back().angular_velocity_B, end.samples.back().angular_velocity_B);
     EXPECT_EQ(whole.steps, end.steps);
-    EXPECT_EQ(whole.rhs_evaluations, end.rhs_evaluations);
+    EXPECT_EQ(whole.rhs_evaluations - whole.sample_evaluations, end.rhs_evaluations - end.sample_evaluations);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, ::testing::ValuesIn(methods().begin(), methods().end()), name_of_method);

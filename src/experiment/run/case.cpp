@@ -92,7 +92,9 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     result.cut = trajectory.limit_reached;
     if (trajectory.step > 0) result.step_taken = trajectory.step;
     if (trajectory.status != Status::unsupported) {
-        result.steps = trajectory.steps, result.rhs_evaluations = trajectory.rhs_evaluations;
+        // of the run that is timed, which keeps no samples
+        result.steps = trajectory.steps;
+        result.rhs_evaluations = trajectory.rhs_evaluations - trajectory.sample_evaluations;
         result.counts = trajectory.counts;
         const ErrorSeries series = error_series(problem.scene, trajectory, reference);
         result.errors = errors(series, trajectory, reference);

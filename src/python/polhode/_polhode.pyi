@@ -69,6 +69,7 @@ class SolvedScene:
     message: str
     steps: int
     rhs_evaluations: int
+    sample_evaluations: int
     counts: dict[str, int | None]
     seconds: float
     step: float

@@ -61,8 +61,14 @@ class Trajectory:
         ``ok``, ``unsupported``, ``diverged``, ``tolerance_not_met`` or ``failed``.
     message : str
         Why, where the status is not ``ok``.
-    steps, rhs_evaluations : int
-        What it cost.
+    steps : int
+        Accepted steps.
+    rhs_evaluations : int
+        Evaluations of the right-hand side by the whole run, samples between steps included. For a torque added by
+        `Scene.add_torque` that acts all the time, this is the number of its calls, apart from those made to pose the
+        scene. Methods that evaluate no right-hand side count their own unit of work (see ``polhode.describe(METHOD)``).
+    sample_evaluations : int
+        Those of ``rhs_evaluations`` that only the samples cost.
     seconds : float
         Wall clock of the integration alone.
     """
@@ -77,6 +83,7 @@ class Trajectory:
         self.status: str = native.status
         self.steps: int = native.steps
         self.rhs_evaluations: int = native.rhs_evaluations
+        self.sample_evaluations: int = native.sample_evaluations
         self.seconds: float = native.seconds
 
     def __getattr__(self, name: str) -> Any:

@@ -93,7 +93,7 @@ TEST_P(Gsl, TakesTheSameStepsHoweverItIsSampled) {
             EXPECT_EQ(t.samples.back().q, whole.samples.back().q);
             EXPECT_EQ(t.samples.back().angular_velocity_B, whole.samples.back().angular_velocity_B);
             EXPECT_EQ(t.steps, whole.steps);
-            EXPECT_EQ(t.rhs_evaluations, whole.rhs_evaluations);
+            EXPECT_EQ(t.rhs_evaluations - t.sample_evaluations, whole.rhs_evaluations - whole.sample_evaluations);
         }
 }
 

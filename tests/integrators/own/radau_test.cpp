@@ -86,7 +86,8 @@ TEST(RadauMethod, PaysNothingForDampingAfterTheTransient) {
                      both = with_tolerance(whole, "radau", tolerance);
     EXPECT_LT(error_at(brief, first, driven_attitude(c, 2 * c, 10)), 1e-10);
     EXPECT_LT(error_at(whole, both, driven_attitude(c, 2 * c, 20)), 1e-10);
-    EXPECT_LT(static_cast<double>(both.rhs_evaluations - first.rhs_evaluations), 10 * 100);
+    const auto of_steps = [](const Trajectory& t) { return t.rhs_evaluations - t.sample_evaluations; };
+    EXPECT_LT(of_steps(both) - of_steps(first), 10 * 100);
 }
 
 // The truth is made by collocation in multiprecision in two formulations.
@@ -177,7 +178,7 @@ TEST(RadauMethod, NeedsFewerRightHandSidesThanBdf) {
         for (double tolerance = 1e-6; tolerance > 1e-14; tolerance /= 10) {
             const Trajectory trajectory = with_tolerance(scene, method, tolerance);
             if (trajectory.status == Status::ok && attitude_error(trajectory.samples.back().q, truth) < 1e-9)
-                least = std::min(least, trajectory.rhs_evaluations);
+                least = std::min(least, trajectory.rhs_evaluations - trajectory.sample_evaluations);
         }
         return least;
     };

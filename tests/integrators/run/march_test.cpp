@@ -69,6 +69,9 @@ double difference(const Sample& a, const Sample& b) {
                      distance(a.position_W, b.position_W), distance(a.velocity_W, b.velocity_W)});
 }
 
+/// Evaluations of the steps alone, without those that samples between them cost.
+long of_steps(const Trajectory& t) { return t.rhs_evaluations - t.sample_evaluations; }
+
 TEST_P(March, TakesTheSameStepsWithAndWithoutSamples) {
     const Problem problem = pose(everything(3));
     const Method& method = *find_method(GetParam().method);
@@ -85,7 +88,7 @@ TEST_P(March, TakesTheSameStepsWithAndWithoutSamples) {
         ASSERT_EQ(other->samples.size(), 1u);
         expect_same_bits(other->samples[0], recorded.samples.back());
         EXPECT_EQ(other->steps, recorded.steps);
-        EXPECT_EQ(other->rhs_evaluations, recorded.rhs_evaluations);
+        EXPECT_EQ(of_steps(*other), of_steps(recorded));
     }
 }
 
@@ -99,7 +102,7 @@ TEST_P(March, ToleranceDrivenStepsDoNotDependOnTheSampling) {
     }
     const Trajectory one = GetParam().on(everything(3), 1), many = GetParam().on(everything(3), 301);
     EXPECT_EQ(one.steps, many.steps);
-    EXPECT_EQ(one.rhs_evaluations, many.rhs_evaluations);
+    EXPECT_EQ(of_steps(one), of_steps(many));
     expect_same_bits(one.samples.back(), many.samples.back());
 }
 

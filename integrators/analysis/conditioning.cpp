@@ -85,7 +85,8 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
     };
     const auto go = [&](const Segment& segment) {
         while (session.time() < segment.end && !samples.empty()) {
-            if (++result.steps > max_steps)
+            result.budget_spent = ++result.steps > max_steps;
+            if (result.budget_spent)
                 return fail(fmt::format("more than {} steps: known until t = {:g} s", max_steps, session.time()));
             if (Interruption::is_wanted()) return fail("interrupted");
             if (processor_time() > end)

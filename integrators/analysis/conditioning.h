@@ -28,6 +28,7 @@ struct Peak {
 
 struct Conditioning {
     bool available = false;        ///< kappa is known at all the times asked for
+    bool budget_spent = false;     ///< it is not, for want of steps: ConditioningSettings bounds them
     std::string message;           ///< why it is not, or how it was made and what it is worth
     std::vector<double> times;     ///< s; where not available those that were reached
     std::vector<double> state;     ///< kappa(t), one for each time

@@ -298,7 +298,8 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
         while (t < segment.end && !samples.empty()) {
             const double stop = std::min(segment.end, std::max(samples.front(), t));
             while (t < stop) {
-                if (static_cast<double>(++result.steps) > most_steps)
+                result.budget_spent = static_cast<double>(++result.steps) > most_steps;
+                if (result.budget_spent)
                     return fail(fmt::format("more than {:.0f} steps: known until t = {:.4g} s", most_steps, t));
                 if (Interruption::is_wanted()) return fail("interrupted");
                 if (processor_time() > end)

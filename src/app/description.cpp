@@ -96,7 +96,7 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
     }
     const Conditioning found = polhode::conditioning(problem, times, settings);
     const auto how_to_get_it = [&] {
-        if (budget == ConditioningBudget::brief)
+        if (budget == ConditioningBudget::brief && found.budget_spent)
             report.line("", "`polhode describe --conditioning` computes it for the whole run");
     };
     // the start alone says nothing

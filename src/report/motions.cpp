@@ -15,6 +15,7 @@
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
+#include "motion/mechanism_motion.h"
 #include "motion/problem.h"
 #include "report/body_shape.h"
 #include "report/keyframes.h"
@@ -173,6 +174,10 @@ class MotionWriter {
             for (const NamedBody& body : scene_.bodies) size = std::max(size, size_of(body.body));
         else
             size = size_of(scene_.body);
+        // point masses are as far from their joints as they are large
+        if (size == 0)
+            for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
+        if (size == 0) size = 1;
         tolerance_ = {visible_angle, 2e-3 * size};
         const Keyframes keyframes = thinned(motion, tolerance_, true);
         worst_ = keyframes.off;

@@ -120,6 +120,17 @@ TEST(BodyShape, MeshesStandWhereTheirPartsDo) {
     EXPECT_TRUE(body_shape_json("b", large)["vertices"].is_null());
 }
 
+TEST(BodyShape, APointMassIsAPointAndABodyWithoutMassIsEmpty) {
+    const Json point = body_shape_json("p", Body{2, {}, {}, nullptr});
+    EXPECT_EQ(point["points"], Json({0, 0, 0}));
+    const Json massless = body_shape_json("m", Body{0, {}, {}, nullptr});
+    EXPECT_TRUE(massless["points"].is_null());
+    for (const Json& drawn : {point, massless}) {
+        EXPECT_EQ(drawn["moments"], Json({0, 0, 0}));
+        EXPECT_EQ(drawn["principal"], Json({1, 0, 0, 0}));
+    }
+}
+
 TEST(BodyShape, NumbersAloneAreABoxOfTheMoments) {
     const Body body = body_from({{"mass", 2}, {"inertia", {{2, 0.5, 0}, {0.5, 3, 0}, {0, 0, 4}}}});
     const Json drawn = body_shape_json("b", body);

@@ -1,265 +1,232 @@
-// Whole robots of MJCF.
+// Robots of MJCF (MuJoCo XML, versions 2 and 3).
+//
+// The reader walks the tree of bodies of a model whose included files and class defaults are written into its elements
+// (mjcf_model.h). Each <body> becomes a link; MjcfCollector expands <frame>, <replicate> and <attach>, MjcfMasses
+// computes masses, and MjcfJoints makes the joints, with links without mass between several joints of one body. A
+// joint's coordinate zero is the pose as written, which is MuJoCo's qpos = ref; keyframes play no part. Bodies without
+// joints are welded to their parents.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
-#include "scene/mjcf_values.h"
+#include "scene/mjcf_joints.h"
+#include "scene/mjcf_parts.h"
 #include "scene/robot_parts.h"
-#include "text/decimal.h"
+#include "scene/scene_limits.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-constexpr const char* whole_remedy = "write the model out whole (MuJoCo's mj_saveLastXML) and give that file";
-
-// What <default> says of <joint> and <geom> in each class.
-using MjcfAttributes = std::map<std::string, std::string>;
-struct MjcfClass {
-    MjcfAttributes joint, geom;
-};
-using MjcfClasses = std::map<std::string, MjcfClass>;
-
-bool is_turn(const std::string& name) {
-    return name == "quat" || name == "euler" || name == "axisangle" || name == "xyaxes" || name == "zaxis";
+// The last value of an attribute of <option> or, with `tag`, of an element in it.
+const XMLElement* option_with(const XMLElement& root, const char* attribute, const char* tag = nullptr) {
+    const XMLElement* found = nullptr;
+    for (const XMLElement* o = root.FirstChildElement("option"); o; o = o->NextSiblingElement("option")) {
+        const XMLElement* at = tag ? o->FirstChildElement(tag) : o;
+        if (at && at->Attribute(attribute)) found = at;
+    }
+    return found;
 }
 
-void read_defaults(const RobotXml& xml, const XMLElement& at, MjcfClass inherited, bool top, MjcfClasses& classes) {
-    std::string name = top ? "main" : "";
-    if (const char* given = at.Attribute("class")) name = given;
-    if (name.empty()) xml.fail(at, "has no \"class\"", "give the class's name");
-    for (const XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement()) {
-        const std::string_view tag = one->Name();
-        if (tag != "joint" && tag != "geom") continue;
-        MjcfAttributes& attributes = tag == "joint" ? inherited.joint : inherited.geom;
-        for (const tinyxml2::XMLAttribute* a = one->FirstAttribute(); a; a = a->Next())
-            attributes[a->Name()] = a->Value();
-    }
-    classes[name] = inherited;
-    if (top) classes["main"] = inherited;
-    for (const XMLElement* one = at.FirstChildElement("default"); one; one = one->NextSiblingElement("default"))
-        read_defaults(xml, *one, inherited, false, classes);
+bool is_enabled(const RobotXml& xml, const XMLElement& root, const char* flag) {
+    const XMLElement* at = option_with(root, flag, "flag");
+    if (!at) return true;
+    const std::string_view value = at->Attribute(flag);
+    if (value != "enable" && value != "disable")
+        xml.fail(*at, fmt::format("has \"{}\" in {}", one_line(value, 40), flag), "give enable or disable");
+    return value == "enable";
 }
 
-// An attribute that is missing is its class's; of ways to say one thing the element's own.
-void complete(const RobotXml& xml, XMLElement& at, const MjcfClasses& classes, const std::string& child_class) {
-    const char* own = at.Attribute("class");
-    const std::string name = own ? own : child_class;
-    const auto found = classes.find(name);
-    if (found == classes.end()) {
-        if (name == "main") return;
-        xml.fail(at, fmt::format("has the class \"{}\", which no <default> has", one_line(name, 40)), "give the class");
-    }
-    bool turned = false;
-    for (const tinyxml2::XMLAttribute* a = at.FirstAttribute(); a; a = a->Next()) turned = turned || is_turn(a->Name());
-    const bool spans = at.Attribute("fromto");
-    const bool is_joint = std::string_view(at.Name()) == "joint";
-    for (const auto& [key, value] : is_joint ? found->second.joint : found->second.geom) {
-        if (at.Attribute(key.c_str()) || (is_turn(key) && (turned || spans))) continue;
-        if (key != "class" && key != "name") at.SetAttribute(key.c_str(), value.c_str());
-    }
-}
-
-void complete_bodies(const RobotXml& xml, XMLElement& body, const MjcfClasses& classes, std::string child_class) {
-    if (const char* given = body.Attribute("childclass")) child_class = given;
-    for (XMLElement* one = body.FirstChildElement(); one; one = one->NextSiblingElement()) {
-        const std::string_view tag = one->Name();
-        if (tag == "joint" || tag == "geom") complete(xml, *one, classes, child_class);
-        if (tag == "body") complete_bodies(xml, *one, classes, child_class);
-    }
-}
-
-// Body by body.
 class MjcfReader {
   public:
-    MjcfReader(const RobotXml& xml, const XMLElement& root)
-        : xml_(xml), compiler_(mjcf_compiler(xml, root)), names_(xml, "body"), joint_names_(xml, "joint") {
-        for (const XMLElement* c = root.FirstChildElement("compiler"); c; c = c->NextSiblingElement("compiler"))
-            read_compiler(*c);
+    MjcfReader(const RobotXml& xml, MjcfLibrary& library, const MjcfModel& model)
+        : xml_(xml),
+          library_(library),
+          model_(model),
+          collector_(xml, library),
+          masses_(xml, robot_.assumed),
+          names_(xml, "body"),
+          joints_(xml, robot_) {
+        const bool passive = is_enabled(xml, *model.root, "passive");
+        joints_.set_passive_forces(passive && is_enabled(xml, *model.root, "spring"),
+                                   passive && is_enabled(xml, *model.root, "damper"));
     }
 
-    Robot read(const XMLElement& root) {
-        for (const XMLElement* at = root.FirstChildElement(); at; at = at->NextSiblingElement()) {
-            const std::string_view tag = at->Name();
-            if (tag == "worldbody")
-                read_children(*at, RobotJoint::world, "world");
-            else if (tag == "include")
-                xml_.fail(*at, "brings in another file", whole_remedy);
-            else
-                leave_out(*at, tag);
+    Robot read() {
+        MjcfScope scope;
+        scope.model = &model_;
+        for (const XMLElement* world = model_.root->FirstChildElement("worldbody"); world;
+             world = world->NextSiblingElement("worldbody")) {
+            const MjcfParts parts = collector_.collect(*world, scope);
+            if (parts.inertial) xml_.fail(*parts.inertial->at, "is an <inertial> of the world", "give it to a body");
+            if (!parts.joints.empty()) xml_.fail(*parts.joints[0].at, "is a joint of the world", "give it to a body");
+            if (parts.can_collide) note_shapes("world");
+            read_bodies(parts, RobotJoint::world, false);
         }
+        scale_masses();
+        name_bodies();
+        joints_.finish();
+        read_gravity();
+        survey_robot(xml_, *model_.root, mjcf_constructs(), robot_.omitted);
+        for (const auto& [path, attached] : library_.attached_models())
+            survey_robot(xml_, *attached->root, mjcf_constructs(), robot_.omitted);
         return std::move(robot_);
     }
 
+    // The mass of one body, by its element.
+    LinkInertial inertial_of(const XMLElement& at) {
+        MjcfScope scope;
+        scope.model = &model_;
+        const MjcfMasses::Body body = body_of(at, name_or(at, ""), collector_.collect(at, scope), scope);
+        if (!library_.has_other_files())
+            if (const std::optional<ImportedBody> given = masses_.given(body)) return *given;
+        const std::optional<MassProperties<Wide>> mass = masses_.of(body);
+        if (!mass) xml_.fail(at, "has no mass", "give it an <inertial>, or geoms with a mass");
+        return *mass;
+    }
+
   private:
-    void read_compiler(const XMLElement& at) {
-        if (const char* coordinate = at.Attribute("coordinate"); coordinate && std::string_view(coordinate) != "local")
-            xml_.fail(at, "has coordinates that are not local", whole_remedy);
-        if (xml_.attribute_or(at, "settotalmass", -1) > 0) xml_.fail(at, "scales all masses", whole_remedy);
-        if (at.Attribute("inertiagrouprange")) groups_ = &at;
-        if (const char* geoms = at.Attribute("inertiafromgeom")) inertia_from_geom_ = geoms;
-        for (const char* bound : {"boundmass", "boundinertia", "balanceinertia"})
-            if (at.Attribute(bound)) note("<compiler>", bound);
+    static MjcfMasses::Body body_of(const XMLElement& at, const std::string& name, const MjcfParts& parts,
+                                    const MjcfScope& scope) {
+        return {name, &at, scope.model, parts.inertial, parts.geoms};
     }
 
-    void note(const std::string& what, const std::string& name) { robot_.omitted[what].push_back(name); }
+    void note_shapes(const std::string& name) { robot_.omitted["shapes for contact of bodies"].push_back(name); }
 
-    // sections that say nothing of how bodies and joints are made
-    void leave_out(const XMLElement& at, std::string_view tag) {
-        for (const char* known : {"compiler", "default", "asset", "visual", "statistic", "size", "custom", "keyframe"})
-            if (tag == known) return;
-        const std::string what = fmt::format("<{}>", one_line(tag, 40));
-        if (tag == "option")
-            for (const tinyxml2::XMLAttribute* a = at.FirstAttribute(); a; a = a->Next()) note(what, a->Name());
-        for (const XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement())
-            note(what, name_or(*one, one->Name()));
+    void read_bodies(const MjcfParts& parts, std::size_t parent, bool moves) {
+        for (const MjcfParts::Part& body : parts.bodies) read_body(*body.at, body.scope, parent, moves);
     }
 
-    void read_children(const XMLElement& of, std::size_t link, const std::string& name) {
-        for (const XMLElement* one = of.FirstChildElement(); one; one = one->NextSiblingElement()) {
-            const std::string_view tag = one->Name();
-            if (tag == "body") {
-                read_body(*one, link);
-            } else if (tag == "geom") {
-                auto& geoms = robot_.omitted["shapes for contact of bodies"];
-                if (geoms.empty() || geoms.back() != name) geoms.push_back(name);
-            } else if (tag == "frame" || tag == "replicate" || tag == "composite" || tag == "flexcomp" ||
-                       tag == "attach" || tag == "include") {
-                xml_.fail(*one, "makes bodies in a way that is not read", whole_remedy);
-            } else if (tag == "plugin") {
-                note("<plugin>", name);
-            } else if (link == RobotJoint::world && (tag == "joint" || tag == "freejoint")) {
-                xml_.fail(*one, "is a joint of the world", "give it to a body");
+    // `moves`: the parent moves
+    void read_body(const XMLElement& at, const MjcfScope& scope, std::size_t parent, bool moves) {
+        const char* given = at.Attribute("name");
+        const std::string name = given && *given ? scope.name(given) : fmt::format("body{}", ++unnamed_);
+        if (robot_.links.size() >= most_bodies)
+            xml_.fail(at, fmt::format("is more than the {}th body", most_bodies), "give a smaller robot");
+        MjcfScope inner = scope;
+        inner.pose = {}, inner.depth = scope.depth + 1;
+        const MjcfParts parts = collector_.collect(at, inner);
+        const bool is_mocap = xml_.flag(at, "mocap");
+        if (is_mocap && (parent != RobotJoint::world || !parts.joints.empty()))
+            xml_.fail(at, "is a mocap body with joints or inside another body", "put it in the world, without joints");
+        moves = moves || !parts.joints.empty();
+        const RobotPose place = scope.pose * mjcf_pose(xml_, at, scope.model->compiler);
+        const std::size_t link = joints_.add_body(at, name, parent, place, parts);
+        if (given && *given) {
+            names_.add(at, name, link);
+        } else {
+            generated_.push_back(link);
+        }
+        robot_.links[link].mass = mass_of(body_of(at, name, parts, scope), moves);
+        if (!moves) static_.push_back({link, is_mocap});
+        if (is_mocap) robot_.assumed["mocap bodies, held in place"].push_back(name);
+        if (is_mocap) joints_.hold(at, name, link, place);
+        if (scope.model->compiler.aligns_free && parts.bodies.empty()) joints_.align(link);
+        if (parts.can_collide) note_shapes(name);
+        read_bodies(parts, link, moves);
+    }
+
+    // The mass of a body that does not move counts for settotalmass alone.
+    std::optional<MassProperties<Wide>> mass_of(const MjcfMasses::Body& body, bool moves) {
+        if (moves || model_.compiler.total_mass > 0) return masses_.of(body);
+        try {
+            return masses_.of(body);
+        } catch (const InputError&) {
+            robot_.assumed["bodies that do not move, without mass because it cannot be computed"].push_back(body.name);
+            return {};
+        }
+    }
+
+    void scale_masses() {
+        const MjcfCompiler& compiler = model_.compiler;
+        if (!(compiler.total_mass > 0)) return;
+        std::set<std::size_t> left_out;  // fusestatic removes bodies that are welded to the world before the scaling
+        for (const auto& [link, is_mocap] : static_)
+            if (compiler.fuses_static && !is_mocap) left_out.insert(link);
+        Wide total = 0;
+        for (std::size_t i = 0; i < robot_.links.size(); ++i)
+            if (robot_.links[i].mass && !left_out.contains(i)) total = total + robot_.links[i].mass->mass;
+        if (!(total > Wide(0))) return;
+        const Wide scale = Wide(compiler.total_mass) / total;
+        for (RobotLink& link : robot_.links) {
+            if (!link.mass) continue;
+            link.mass->mass = scale * link.mass->mass;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) link.mass->inertia[i][j] = scale * link.mass->inertia[i][j];
+        }
+        robot_.assumed["masses scaled to settotalmass"].push_back(
+            fmt::format("{} kg in all, factor {:.9g}", compiler.total_mass, double(scale)));
+    }
+
+    // Generated names must differ from the given ones.
+    void name_bodies() {
+        std::set<std::string> taken;
+        for (const RobotLink& link : robot_.links) taken.insert(link.name);
+        for (const std::size_t i : generated_) {
+            std::string& name = robot_.links[i].name;
+            if (names_.has(name)) {
+                while (taken.contains(name)) name += "_";
+                taken.insert(name);
             }
+            robot_.assumed["generated names of bodies"].push_back(name);
         }
     }
 
-    void read_body(const XMLElement& at, std::size_t parent) {
-        const std::string name = name_or(at, fmt::format("body{}", ++unnamed_bodies_).c_str());
-        if (xml_.flag(at, "mocap")) xml_.fail(at, "is moved by hand (mocap)", "leave it out, or hold it by a joint");
-        if (xml_.attribute_or(at, "gravcomp", 0) != 0) note("compensation of gravity of bodies", name);
-        const RobotPose place = mjcf_pose(xml_, at, compiler_);
-        const std::size_t body = add_link(at, name);
-        names_.add(at, name, body);
-        robot_.links[body].mass = mass_of_body(at);
-        std::vector<const XMLElement*> joints;
-        for (const XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement())
-            if (std::string_view(one->Name()) == "joint" || std::string_view(one->Name()) == "freejoint")
-                joints.push_back(one);
-        if (joints.empty() && parent != RobotJoint::world)
-            add_joint(at, name + "_weld", RobotMotion::fixed, parent, body, place);
-        if (joints.empty() && parent == RobotJoint::world) {
-            robot_.places.resize(robot_.links.size());
-            robot_.places[body] = place;
+    void read_gravity() {
+        robot_.gravity_W = Vector3<double>(0, 0, -9.81), robot_.gravity_source = "MuJoCo's default";
+        if (const XMLElement* option = option_with(*model_.root, "gravity")) {
+            robot_.gravity_W = three_of(xml_.attribute(*option, "gravity", 3));
+            robot_.gravity_source = "<option gravity>";
         }
-        // each but the last moves a link without mass, in the body's own frame
-        std::size_t from = parent;
-        for (std::size_t k = 0; k < joints.size(); ++k) {
-            const bool last = k + 1 == joints.size();
-            const std::size_t to = last ? body : add_link(*joints[k], fmt::format("{} (joint {})", name, k + 1));
-            read_joint(*joints[k], name, from, to, k == 0 ? place : RobotPose{}, joints.size());
-            from = to;
-        }
-        read_children(at, body, name);
-    }
-
-    std::size_t add_link(const XMLElement& at, const std::string& name) {
-        robot_.links.push_back({name, xml_.place_of(at), {}});
-        return robot_.links.size() - 1;
-    }
-    RobotJoint& add_joint(const XMLElement& at, const std::string& name, RobotMotion motion, std::size_t parent,
-                          std::size_t child, const RobotPose& placement) {
-        joint_names_.add(at, name, robot_.joints.size());
-        RobotJoint joint;
-        joint.name = name, joint.place = xml_.place_of(at), joint.motion = motion;
-        joint.parent = parent, joint.child = child, joint.placement = placement;
-        robot_.joints.push_back(std::move(joint));
-        return robot_.joints.back();
-    }
-
-    void read_joint(const XMLElement& at, const std::string& body, std::size_t from, std::size_t to,
-                    const RobotPose& place, std::size_t count) {
-        const bool free_joint = std::string_view(at.Name()) == "freejoint";
-        const char* type = free_joint ? "free" : at.Attribute("type") ? at.Attribute("type") : "hinge";
-        const std::string_view kind = type;
-        const std::string name = name_or(
-            at, count == 1 ? (body + "_joint").c_str() : fmt::format("{}_joint{}", body, ++unnamed_joints_).c_str());
-        if (kind == "free") {
-            if (from != RobotJoint::world || count != 1)
-                xml_.fail(at, "is free, but not the only joint of a body in the world", "free joints hold nothing");
-            add_joint(at, name, RobotMotion::free, from, to, place);
-            return;
-        }
-        if (kind != "hinge" && kind != "slide" && kind != "ball")
-            xml_.fail(at, fmt::format("has the type \"{}\"", one_line(kind, 40)), "give hinge, slide, ball or free");
-        RobotJoint& joint = add_joint(at, name,
-                                      kind == "hinge"   ? RobotMotion::revolute
-                                      : kind == "slide" ? RobotMotion::prismatic
-                                                        : RobotMotion::spherical,
-                                      from, to, place);
-        if (at.Attribute("pos")) joint.point = cast<Wide>(three_of(xml_.attribute(at, "pos", 3)));
-        joint.axes[0] = {Wide(0), Wide(0), Wide(1)};
-        if (at.Attribute("axis")) joint.axes[0] = cast<Wide>(three_of(xml_.attribute(at, "axis", 3)));
-        if (joint.axes[0] == Vector3<Wide>()) xml_.fail(at, "has the axis zero", "give a direction");
-        read_forces(at, joint);
-    }
-
-    // its spring, its damper, and what acts on it that a scene has no place for
-    void read_forces(const XMLElement& at, RobotJoint& joint) {
-        if (at.Attribute("springdamper")) xml_.fail(at, "has a springdamper", "give stiffness and damping as numbers");
-        joint.damping[0] = Wide(xml_.attribute_or(at, "damping", 0));
-        const double stiffness = xml_.attribute_or(at, "stiffness", 0);
-        if (joint.motion == RobotMotion::spherical) {
-            // MuJoCo's pulls with the angle, a scene's with its sine
-            if (stiffness != 0) note("springs of ball joints", joint.name);
-        } else if (stiffness != 0) {
-            const bool in_degrees = compiler_.in_degrees && joint.motion == RobotMotion::revolute;
-            joint.stiffness[0] = Wide(stiffness);
-            joint.rest[0] = in_radians(xml_.attribute_or(at, "springref", 0), in_degrees) -
-                            in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
-        }
-        const char* limited = at.Attribute("limited");
-        if (at.Attribute("range") && !(limited && std::string_view(limited) == "false"))
-            note("limits of joints", joint.name);
-        if (xml_.attribute_or(at, "frictionloss", 0) != 0) note("friction of joints", joint.name);
-        if (xml_.attribute_or(at, "armature", 0) != 0) note("armature of joints", joint.name);
-    }
-
-    std::optional<MassProperties<Wide>> mass_of_body(const XMLElement& at) const {
-        const XMLElement* inertial = xml_.optional_child(at, "inertial");
-        if (inertial && inertia_from_geom_ != "true") return mass_of(mjcf_inertial(xml_, *inertial, compiler_));
-        if (inertia_from_geom_ == "false") return {};
-        if (groups_) xml_.fail(*groups_, "chooses the geoms that have mass", "give the bodies an <inertial>");
-        std::vector<MassProperties<Wide>> parts;
-        for (const XMLElement* one = at.FirstChildElement("geom"); one; one = one->NextSiblingElement("geom"))
-            if (const std::optional<MassProperties<Wide>> part = mjcf_geom_mass(xml_, *one, compiler_))
-                parts.push_back(*part);
-        if (parts.empty()) return {};
-        return composite(parts);
+        if (is_enabled(xml_, *model_.root, "gravity")) return;
+        robot_.gravity_W = Vector3<double>(), robot_.gravity_source = "<flag gravity=\"disable\">";
     }
 
     const RobotXml& xml_;
-    MjcfCompiler compiler_;
-    RobotNames names_, joint_names_;
-    std::string inertia_from_geom_ = "auto";
-    const XMLElement* groups_ = nullptr;
-    int unnamed_bodies_ = 0, unnamed_joints_ = 0;
+    MjcfLibrary& library_;
+    const MjcfModel& model_;
     Robot robot_;
+    MjcfCollector collector_;
+    MjcfMasses masses_;
+    RobotNames names_;
+    MjcfJoints joints_;
+    struct StaticLink {
+        std::size_t link;
+        bool is_mocap;
+    };
+    std::vector<StaticLink> static_;
+    std::vector<std::size_t> generated_;
+    int unnamed_ = 0;
 };
 
 }  // namespace
 
 LinkInertial mjcf_body_inertial(const RobotXml& xml, XMLElement& root, const std::string& body) {
-    return mjcf_inertial(xml, xml.child(named_element(xml, root, "body", body), "inertial"), mjcf_compiler(xml, root));
+    MjcfLibrary library(xml);
+    const MjcfModel& model = library.main(root);
+    MjcfReader reader(xml, library, model);
+    try {
+        const XMLElement& at = named_element(xml, root, "body", body);
+        if (!(model.compiler.total_mass > 0)) return reader.inertial_of(at);
+    } catch (const InputError&) {
+        // the body may have its name by <replicate> or <attach>
+        if (!root.FirstChildElement("worldbody")) throw;
+        const Robot robot = MjcfReader(xml, library, model).read();
+        for (const RobotLink& link : robot.links)
+            if (link.name == body && link.mass) return *link.mass;
+        throw;
+    }
+    const Robot robot = reader.read();
+    for (const RobotLink& link : robot.links)
+        if (link.name == body && link.mass) return *link.mass;
+    xml.fail(root, fmt::format("has no mass for the body \"{}\"", one_line(body, 60)), "give it one");
 }
 
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root) {
-    MjcfClasses classes;
-    for (const XMLElement* at = root.FirstChildElement("default"); at; at = at->NextSiblingElement("default"))
-        read_defaults(xml, *at, {}, true, classes);
-    for (XMLElement* at = root.FirstChildElement("worldbody"); at; at = at->NextSiblingElement("worldbody"))
-        complete_bodies(xml, *at, classes, "main");
-    return MjcfReader(xml, root).read(root);
+    MjcfLibrary library(xml);
+    const MjcfModel& model = library.main(root);
+    return MjcfReader(xml, library, model).read();
 }
 
 }  // namespace polhode

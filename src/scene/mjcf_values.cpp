@@ -1,4 +1,4 @@
-// Orientations and inertials of MJCF.
+// Orientations and inertials of MJCF, in 113 bits.
 #include "scene/mjcf_values.h"
 
 #include <fmt/format.h>
@@ -52,27 +52,10 @@ Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const ch
     return squared_norm(twice) > Wide(1e-60) ? normalized(twice) : Quaternion<Wide>{Wide(0), Wide(1), Wide(0), Wide(0)};
 }
 
-MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root) {
-    MjcfCompiler compiler;
-    for (const XMLElement* c = root.FirstChildElement("compiler"); c; c = c->NextSiblingElement("compiler")) {
-        if (const char* angle = c->Attribute("angle")) {
-            if (std::string_view(angle) != "degree" && std::string_view(angle) != "radian")
-                xml.fail(*c, fmt::format("has the angle \"{}\"", one_line(angle, 40)), "give degree or radian");
-            compiler.in_degrees = std::string_view(angle) == "degree";
-        }
-        const char* sequence = c->Attribute("eulerseq");
-        if (!sequence) continue;
-        const std::string_view letters = sequence;
-        // lower case turns with the body, upper case is fixed
-        const bool turned = letters.find_first_not_of("xyz") == letters.npos;
-        if (letters.size() != 3 || (!turned && letters.find_first_not_of("XYZ") != letters.npos))
-            xml.fail(*c, fmt::format("has the eulerseq \"{}\"", one_line(letters, 40)),
-                     "give three of xyz (turned axes) or of XYZ (fixed axes)");
-        compiler.euler.about_turned_axes = turned;
-        for (std::size_t i = 0; i < 3; ++i) compiler.euler.axes[i] = letters[i] - (turned ? 'x' : 'X');
-    }
-    compiler.euler.in_degrees = compiler.in_degrees;
-    return compiler;
+Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& compiler) {
+    EulerTurn turn = compiler.euler;
+    turn.angles = angles;
+    return unit_quaternion<Wide>(turn);
 }
 
 Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler) {
@@ -88,11 +71,7 @@ Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const Mjcf
         const std::vector<double> v = xml.attribute(at, "quat", 4);
         return unit_quaternion<Wide>(xml.turn_by(at, {v[0], v[1], v[2], v[3]}));
     }
-    if (kind == "euler") {
-        EulerTurn turn = compiler.euler;
-        turn.angles = three_of(xml.attribute(at, "euler", 3));
-        return unit_quaternion<Wide>(turn);
-    }
+    if (kind == "euler") return mjcf_euler(three_of(xml.attribute(at, "euler", 3)), compiler);
     if (kind == "axisangle") return turn_about(xml, at, compiler);
     if (kind == "zaxis") return turn_from_z(xml, at, "zaxis", cast<Wide>(three_of(xml.attribute(at, "zaxis", 3))));
     const std::vector<double> v = xml.attribute(at, "xyaxes", 6);
@@ -102,30 +81,53 @@ Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const Mjcf
     return turn_of_columns(x, y, cross(x, y));
 }
 
-ImportedBody mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, const MjcfCompiler& compiler) {
+RobotPose mjcf_pose(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler) {
+    RobotPose pose;
+    if (at.Attribute("pos")) pose.position = cast<Wide>(three_of(xml.attribute(at, "pos", 3)));
+    pose.turn = mjcf_turn(xml, at, compiler);
+    return pose;
+}
+
+namespace {
+
+// Mass, centre and tensor in the frame of the inertial.
+ImportedBody inertial_numbers(const RobotXml& xml, const XMLElement& inertial) {
     ImportedBody body;
     body.center_of_mass = three_of(xml.attribute(inertial, "pos", 3));
+    body.mass = xml.checked_mass(inertial, xml.attribute(inertial, "mass", 1)[0]);
+    if (inertial.Attribute("fullinertia")) {
+        for (const char* other : {"diaginertia", "quat", "axisangle", "euler", "xyaxes", "zaxis"})
+            if (inertial.Attribute(other))
+                xml.fail(inertial, fmt::format("has both fullinertia and {}", other), "remove one of them");
+        body.inertia = RobotXml::tensor(xml.attribute(inertial, "fullinertia", 6));
+    } else if (inertial.Attribute("diaginertia")) {
+        const std::vector<double> v = xml.attribute(inertial, "diaginertia", 3);
+        body.inertia = RobotXml::tensor({v[0], v[1], v[2], 0, 0, 0});
+    }
+    return body;
+}
+
+}  // namespace
+
+MassProperties<Wide> mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, const MjcfCompiler& compiler) {
+    const ImportedBody body = inertial_numbers(xml, inertial);
+    return {Wide(body.mass), cast<Wide>(body.center_of_mass),
+            rotated(cast<Wide>(body.inertia), mjcf_turn(xml, inertial, compiler))};
+}
+
+std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLElement& inertial,
+                                                const MjcfCompiler& compiler) {
     for (const char* name : {"axisangle", "xyaxes", "zaxis"})
-        if (inertial.Attribute(name))
-            xml.fail(inertial, fmt::format("has an orientation by \"{}\"", name), "give it as quat or euler");
-    if (inertial.Attribute("quat") && inertial.Attribute("euler"))
-        xml.fail(inertial, "has two orientations", "give quat or euler, not both");
+        if (inertial.Attribute(name)) return {};
+    ImportedBody body = inertial_numbers(xml, inertial);
+    mjcf_turn(xml, inertial, compiler);  // checks it
     if (inertial.Attribute("quat")) {
         const std::vector<double> v = xml.attribute(inertial, "quat", 4);
-        body.orientation = xml.turn_by(inertial, {v[0], v[1], v[2], v[3]});
+        body.orientation = Quaternion<double>{v[0], v[1], v[2], v[3]};
     } else if (inertial.Attribute("euler")) {
         EulerTurn turn = compiler.euler;
         turn.angles = three_of(xml.attribute(inertial, "euler", 3));
         body.orientation = turn;
-    }
-    body.mass = xml.checked_mass(inertial, xml.attribute(inertial, "mass", 1)[0]);
-    if (inertial.Attribute("fullinertia")) {
-        if (inertial.Attribute("diaginertia"))
-            xml.fail(inertial, "has both diaginertia and fullinertia", "give one of them");
-        body.inertia = RobotXml::tensor(xml.attribute(inertial, "fullinertia", 6));
-    } else {
-        const std::vector<double> v = xml.attribute(inertial, "diaginertia", 3);
-        body.inertia = RobotXml::tensor({v[0], v[1], v[2], 0, 0, 0});
     }
     return body;
 }

@@ -3,6 +3,8 @@
 
 #include <tinyxml2.h>
 
+#include <deque>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +35,8 @@ class RobotXml {
 
     const std::string& path() const { return path_; }
     const RobotFiles& files() const { return files_; }
+    /// Keeps an origin as long as this object and its copies exist.
+    RobotOrigin* keep(RobotOrigin origin) const { return &origins_->emplace_back(std::move(origin)); }
     [[noreturn]] void fail(const XMLElement& at, const std::string& fault, const std::string& remedy) const;
     /// "line 12", or "other.xml: line 12" of an element from an included file.
     std::string place_of(const XMLElement& at) const;
@@ -65,6 +69,7 @@ class RobotXml {
   private:
     std::string path_;
     RobotFiles files_;
+    std::shared_ptr<std::deque<RobotOrigin>> origins_ = std::make_shared<std::deque<RobotOrigin>>();
 };
 
 inline Vector3<double> three_of(const std::vector<double>& v, std::size_t from = 0) {

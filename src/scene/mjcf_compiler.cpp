@@ -74,6 +74,7 @@ MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root) {
         compiler.fuses_static = flag_or(xml, *c, "fusestatic", compiler.fuses_static);
         compiler.aligns_free = flag_or(xml, *c, "alignfree", compiler.aligns_free);
         compiler.drops_visual = flag_or(xml, *c, "discardvisual", compiler.drops_visual);
+        compiler.exact_meshes = flag_or(xml, *c, "exactmeshinertia", compiler.exact_meshes);
         compiler.fits_box = flag_or(xml, *c, "fitaabb", compiler.fits_box);
     }
     compiler.euler.in_degrees = compiler.in_degrees;

@@ -1,4 +1,12 @@
-// What the importer does with each element and attribute of MJCF.
+// What the importer does with each element and attribute of MJCF (MuJoCo 2.1 to 3.x; the names of all versions).
+//
+// Attributes and children of an element that is irrelevant or omitted as a whole share its verdict and are not listed.
+// Elements inside <default> have no attributes when the table is applied: mjcf_defaults.cpp has written them into the
+// elements of their class. <composite> and <flexcomp> that make bodies are refused by name (mjcf_parts.cpp).
+#include <tinyxml2.h>
+
+#include <string_view>
+
 #include "scene/robot_schema.h"
 
 namespace polhode {
@@ -6,8 +14,387 @@ namespace {
 
 using enum RobotVerdict;
 
+bool has_word(const XMLElement& at, const char* attribute, std::string_view word) {
+    const char* text = at.Attribute(attribute);
+    return text && text == word;
+}
+
+// Whether an attribute of an element has a number that is not zero.
+bool is_set(const XMLElement& at, const char* attribute) {
+    const char* text = at.Attribute(attribute);
+    return text && std::string_view(text).find_first_of("123456789") != std::string_view::npos;
+}
+
+const XMLElement* model_of(const XMLElement& at) {
+    const tinyxml2::XMLNode* node = &at;
+    while (node->Parent() && node->Parent()->ToElement()) node = node->Parent();
+    return node->ToElement();
+}
+
+// limited, with "auto" by autolimits, which is on unless the file turns it off
+bool has_limits(const XMLElement& at) {
+    if (has_word(at, "type", "free") || has_word(at, "limited", "false")) return false;
+    if (has_word(at, "limited", "true")) return true;
+    if (!is_set(at, "range")) return false;
+    bool automatic = true;
+    for (const XMLElement* c = model_of(at)->FirstChildElement("compiler"); c; c = c->NextSiblingElement("compiler"))
+        if (c->Attribute("autolimits")) automatic = !has_word(*c, "autolimits", "false");
+    return automatic;
+}
+
+// a wind acts in a medium
+bool has_wind(const XMLElement& at) {
+    if (!is_set(at, "wind")) return false;
+    for (const XMLElement* o = model_of(at)->FirstChildElement("option"); o; o = o->NextSiblingElement("option"))
+        if (is_set(*o, "density") || is_set(*o, "viscosity")) return true;
+    return false;
+}
+
+bool is_active(const XMLElement& at) { return !has_word(at, "active", "false"); }
+
+bool acts_as_tendon(const XMLElement& at) {
+    for (const char* name : {"stiffness", "damping", "frictionloss", "armature"})
+        if (is_set(at, name)) return true;
+    return has_limits(at);
+}
+
+bool is_soft(const XMLElement& at) { return !has_word(at, "rigid", "true"); }
+
+constexpr const char* angles = "orientation";
+constexpr const char* soft = "softness of contact or of constraints";
+constexpr const char* looks = "looks";
+constexpr const char* numerics = "numerics of MuJoCo";
+constexpr const char* contact = "contact is omitted as a whole, named by body";
+constexpr const char* label = "a name or number for other programs";
+constexpr const char* switches = "switches what is omitted or named elsewhere";
+constexpr const char* actuation = "acts on actuators, which are named";
+constexpr const char* by_class = "values for the elements of a class, written into them";
+constexpr const char* equalities = "equality constraints";
+constexpr const char* actuators = "actuators";
+
 constexpr RobotConstruct mjcf_rows[] = {
     {"", "mujoco", "", modelled, "the root element"},
+    {"", "mujoco", "model", irrelevant, "a name"},
+    {"*", "include", "", modelled, "replaced by the children of the included file's root"},
+    {"*", "include", "file", modelled, "the file, once"},
+
+    {"mujoco", "compiler", "", modelled, "several merge"},
+    {"mujoco", "compiler", "angle", modelled, "degree (default) or radian"},
+    {"mujoco", "compiler", "eulerseq", modelled, "axes of Euler angles"},
+    {"mujoco", "compiler", "coordinate", modelled, "local; global is refused"},
+    {"mujoco", "compiler", "autolimits", modelled, "whether a range alone is named as a limit"},
+    {"mujoco", "compiler", "inertiafromgeom", modelled, "masses by geoms, inertials, or inertials where given"},
+    {"mujoco", "compiler", "inertiagrouprange", modelled, "groups of geoms that have mass"},
+    {"mujoco", "compiler", "boundmass", modelled, "least mass of a body"},
+    {"mujoco", "compiler", "boundinertia", modelled, "least principal moment of a body"},
+    {"mujoco", "compiler", "balanceinertia", modelled, "impossible principal moments become their mean"},
+    {"mujoco", "compiler", "settotalmass", modelled, "scales all masses and tensors"},
+    {"mujoco", "compiler", "fusestatic", modelled, "bodies fixed to the world do not count for settotalmass"},
+    {"mujoco", "compiler", "alignfree", modelled, "the point where a free body's damping acts"},
+    {"mujoco", "compiler", "discardvisual", modelled, "keeps the mass of shapes for display, as MuJoCo 3 does"},
+    {"mujoco", "compiler", "assetdir", modelled, "folder of meshes"},
+    {"mujoco", "compiler", "meshdir", modelled, "folder of meshes"},
+    {"mujoco", "compiler", "strippath", modelled, "meshes by the last part of their paths"},
+    {"mujoco", "compiler", "fitaabb", modelled, "fits to bounding boxes are refused where their mass counts"},
+    {"mujoco", "compiler", "exactmeshinertia", modelled, "volumes are exact also without it"},
+    {"mujoco", "compiler", "texturedir", irrelevant, looks},
+    {"mujoco", "compiler", "convexhull", irrelevant, contact},
+    {"mujoco", "compiler", "usethread", irrelevant, numerics},
+    {"mujoco", "compiler", "saveinertial", irrelevant, "acts on files that MuJoCo writes"},
+    {"mujoco", "compiler", "conflict", omitted, "options merged from attached models", "warning|error"},
+    {"compiler", "lengthrange", "", irrelevant, actuation},
+
+    {"mujoco", "option", "", modelled, "several merge"},
+    {"mujoco", "option", "gravity", modelled, "gravity, by default (0, 0, -9.81)"},
+    {"mujoco", "option", "wind", omitted, "forces of the medium", {}, has_wind},
+    {"mujoco", "option", "density", omitted, "forces of the medium", "0"},
+    {"mujoco", "option", "viscosity", omitted, "forces of the medium", "0"},
+    {"mujoco", "option", "magnetic", irrelevant, "measured by sensors only"},
+    {"mujoco", "option", "timestep", irrelevant, numerics},
+    {"mujoco", "option", "integrator", irrelevant, numerics},
+    {"mujoco", "option", "apirate", irrelevant, numerics},
+    {"mujoco", "option", "collision", irrelevant, contact},
+    {"mujoco", "option", "cone", irrelevant, contact},
+    {"mujoco", "option", "impratio", irrelevant, soft},
+    {"mujoco", "option", "o_margin", irrelevant, soft},
+    {"mujoco", "option", "o_solref", irrelevant, soft},
+    {"mujoco", "option", "o_solimp", irrelevant, soft},
+    {"mujoco", "option", "o_friction", irrelevant, soft},
+    {"mujoco", "option", "jacobian", irrelevant, numerics},
+    {"mujoco", "option", "solver", irrelevant, numerics},
+    {"mujoco", "option", "iterations", irrelevant, numerics},
+    {"mujoco", "option", "tolerance", irrelevant, numerics},
+    {"mujoco", "option", "ls_iterations", irrelevant, numerics},
+    {"mujoco", "option", "ls_tolerance", irrelevant, numerics},
+    {"mujoco", "option", "noslip_iterations", irrelevant, numerics},
+    {"mujoco", "option", "noslip_tolerance", irrelevant, numerics},
+    {"mujoco", "option", "mpr_iterations", irrelevant, numerics},
+    {"mujoco", "option", "mpr_tolerance", irrelevant, numerics},
+    {"mujoco", "option", "ccd_iterations", irrelevant, numerics},
+    {"mujoco", "option", "ccd_tolerance", irrelevant, numerics},
+    {"mujoco", "option", "sdf_iterations", irrelevant, numerics},
+    {"mujoco", "option", "sdf_initpoints", irrelevant, numerics},
+    {"mujoco", "option", "sleep_tolerance", irrelevant, "acts with the flag sleep, which is named"},
+    {"mujoco", "option", "actuatorgroupdisable", irrelevant, actuation},
+    {"option", "flag", "", modelled, "switches of forces"},
+    {"option", "flag", "gravity", modelled, "disable: no gravity"},
+    {"option", "flag", "passive", modelled, "disable: no springs and no dampers"},
+    {"option", "flag", "spring", modelled, "disable: no springs"},
+    {"option", "flag", "damper", modelled, "disable: no dampers"},
+    {"option", "flag", "sleep", omitted, "bodies put to sleep", "disable"},
+    {"option", "flag", "constraint", irrelevant, switches},
+    {"option", "flag", "equality", irrelevant, switches},
+    {"option", "flag", "frictionloss", irrelevant, switches},
+    {"option", "flag", "limit", irrelevant, switches},
+    {"option", "flag", "contact", irrelevant, switches},
+    {"option", "flag", "filterparent", irrelevant, switches},
+    {"option", "flag", "midphase", irrelevant, switches},
+    {"option", "flag", "override", irrelevant, switches},
+    {"option", "flag", "multiccd", irrelevant, switches},
+    {"option", "flag", "nativeccd", irrelevant, switches},
+    {"option", "flag", "actuation", irrelevant, switches},
+    {"option", "flag", "clampctrl", irrelevant, switches},
+    {"option", "flag", "refsafe", irrelevant, switches},
+    {"option", "flag", "diagexact", irrelevant, switches},
+    {"option", "flag", "sensor", irrelevant, "sensors"},
+    {"option", "flag", "sensornoise", irrelevant, "sensors"},
+    {"option", "flag", "energy", irrelevant, "energies are computed, not used"},
+    {"option", "flag", "fwdinv", irrelevant, numerics},
+    {"option", "flag", "invdiscrete", irrelevant, numerics},
+    {"option", "flag", "warmstart", irrelevant, numerics},
+    {"option", "flag", "eulerdamp", irrelevant, numerics},
+    {"option", "flag", "autoreset", irrelevant, numerics},
+    {"option", "flag", "island", irrelevant, numerics},
+
+    {"mujoco", "size", "", irrelevant, "memory"},
+    {"mujoco", "statistic", "", irrelevant, looks},
+    {"mujoco", "visual", "", irrelevant, looks},
+    {"mujoco", "custom", "", irrelevant, label},
+    {"mujoco", "extension", "", irrelevant, "declares plugins, which are named where they act"},
+    {"mujoco", "keyframe", "", irrelevant, "states to choose from: a scene starts in the pose as written"},
+    {"mujoco", "sensor", "", irrelevant, "measures"},
+    {"mujoco", "contact", "", irrelevant, contact},
+    {"mujoco", "deformable", "", modelled, "its elements are named or irrelevant"},
+    {"deformable", "flex", "", omitted, "flexible objects", {}, is_soft},
+    {"deformable", "skin", "", irrelevant, looks},
+    {"mujoco", "equality", "", modelled, "its elements are named where they are active"},
+    {"equality", "connect", "", omitted, equalities, {}, is_active},
+    {"equality", "weld", "", omitted, equalities, {}, is_active},
+    {"equality", "joint", "", omitted, equalities, {}, is_active},
+    {"equality", "tendon", "", omitted, equalities, {}, is_active},
+    {"equality", "flex", "", omitted, equalities, {}, is_active},
+    {"equality", "flexvert", "", omitted, equalities, {}, is_active},
+    {"equality", "flexstrain", "", omitted, equalities, {}, is_active},
+    {"equality", "distance", "", omitted, equalities, {}, is_active},
+    {"mujoco", "tendon", "", modelled, "its elements are named where they pull"},
+    {"tendon",
+     "spatial",
+     "",
+     omitted,
+     "tendons with springs, dampers, friction, armature or limits",
+     {},
+     acts_as_tendon},
+    {"tendon", "fixed", "", omitted, "tendons with springs, dampers, friction, armature or limits", {}, acts_as_tendon},
+    {"mujoco", "actuator", "", modelled, "its elements are named"},
+    {"actuator", "general", "", omitted, actuators},
+    {"actuator", "motor", "", omitted, actuators},
+    {"actuator", "position", "", omitted, actuators},
+    {"actuator", "velocity", "", omitted, actuators},
+    {"actuator", "intvelocity", "", omitted, actuators},
+    {"actuator", "orientation", "", omitted, actuators},
+    {"actuator", "pid", "", omitted, actuators},
+    {"actuator", "damper", "", omitted, actuators},
+    {"actuator", "cylinder", "", omitted, actuators},
+    {"actuator", "muscle", "", omitted, actuators},
+    {"actuator", "adhesion", "", omitted, actuators},
+    {"actuator", "dcmotor", "", omitted, actuators},
+    {"actuator", "plugin", "", omitted, actuators},
+
+    {"mujoco", "default", "", modelled, "classes of values; several top-level elements merge"},
+    {"*", "default", "class", modelled, "the class's name; of a top-level element another name of \"main\""},
+    {"default", "default", "", modelled, "a class that starts from the values of the one around it"},
+    {"default", "joint", "", modelled, by_class},
+    {"default", "geom", "", modelled, by_class},
+    {"default", "mesh", "", modelled, by_class},
+    {"default", "equality", "", modelled, by_class},
+    {"default", "tendon", "", modelled, by_class},
+    {"default", "material", "", irrelevant, looks},
+    {"default", "site", "", irrelevant, label},
+    {"default", "camera", "", irrelevant, looks},
+    {"default", "light", "", irrelevant, looks},
+    {"default", "pair", "", irrelevant, contact},
+    {"default", "general", "", irrelevant, actuation},
+    {"default", "motor", "", irrelevant, actuation},
+    {"default", "position", "", irrelevant, actuation},
+    {"default", "velocity", "", irrelevant, actuation},
+    {"default", "intvelocity", "", irrelevant, actuation},
+    {"default", "orientation", "", irrelevant, actuation},
+    {"default", "pid", "", irrelevant, actuation},
+    {"default", "damper", "", irrelevant, actuation},
+    {"default", "cylinder", "", irrelevant, actuation},
+    {"default", "muscle", "", irrelevant, actuation},
+    {"default", "adhesion", "", irrelevant, actuation},
+    {"default", "dcmotor", "", irrelevant, actuation},
+
+    {"mujoco", "asset", "", modelled, "meshes, height fields and models"},
+    {"asset", "mesh", "", modelled, "a solid or a surface"},
+    {"asset", "mesh", "name", modelled, "by default the file's name without its ending"},
+    {"asset", "mesh", "class", modelled, "class of <default>"},
+    {"asset", "mesh", "file", modelled, "OBJ or STL"},
+    {"asset", "mesh", "vertex", modelled, "vertices in the file itself"},
+    {"asset", "mesh", "face", modelled, "faces of these, by default those of their hull"},
+    {"asset", "mesh", "refpos", modelled, "subtracted from the vertices"},
+    {"asset", "mesh", "refquat", modelled, "turned back"},
+    {"asset", "mesh", "scale", modelled, "then multiplied"},
+    {"asset", "mesh", "inertia", modelled, "shell: surface; legacy, exact: exact volume; convex: of the hull"},
+    {"asset", "mesh", "builtin", modelled, "refused where its mass counts"},
+    {"asset", "mesh", "params", modelled, "with builtin"},
+    {"mesh", "plugin", "", modelled, "refused where its mass counts"},
+    {"mesh", "plugin", "plugin", irrelevant, "refused where its mass counts"},
+    {"mesh", "plugin", "instance", irrelevant, "refused where its mass counts"},
+    {"plugin", "config", "", irrelevant, "refused where its mass counts"},
+    {"asset", "mesh", "content_type", irrelevant, "the ending of the file's name tells its format"},
+    {"asset", "mesh", "normal", irrelevant, looks},
+    {"asset", "mesh", "texcoord", irrelevant, looks},
+    {"asset", "mesh", "smoothnormal", irrelevant, looks},
+    {"asset", "mesh", "maxhullvert", modelled, "refused where the mass of the hull counts"},
+    {"asset", "mesh", "material", irrelevant, looks},
+    {"asset", "hfield", "", modelled, "a box with the mass that MuJoCo 3 gives it"},
+    {"asset", "hfield", "name", modelled, "its name"},
+    {"asset", "hfield", "size", modelled, "half sizes x, y; a quarter of the height and half the base"},
+    {"asset", "hfield", "content_type", irrelevant, contact},
+    {"asset", "hfield", "file", irrelevant, contact},
+    {"asset", "hfield", "nrow", irrelevant, contact},
+    {"asset", "hfield", "ncol", irrelevant, contact},
+    {"asset", "hfield", "elevation", irrelevant, contact},
+    {"asset", "model", "", modelled, "a model to attach"},
+    {"asset", "model", "name", modelled, "by default the file's name without its ending"},
+    {"asset", "model", "file", modelled, "an MJCF file"},
+    {"asset", "model", "content_type", irrelevant, "only MJCF is read"},
+    {"asset", "texture", "", irrelevant, looks},
+    {"asset", "material", "", irrelevant, looks},
+    {"asset", "skin", "", irrelevant, looks},
+
+    {"mujoco", "worldbody", "", modelled, "the world; several merge"},
+    {"*", "body", "", modelled, "a body; without joints it is welded to its parent"},
+    {"*", "body", "name", modelled, "the body's name, or body1, .. if missing"},
+    {"*", "body", "childclass", modelled, "class of the elements inside"},
+    {"*", "body", "pos", modelled, "position in the parent"},
+    {"*", "body", "quat", modelled, angles},
+    {"*", "body", "axisangle", modelled, angles},
+    {"*", "body", "euler", modelled, angles},
+    {"*", "body", "xyaxes", modelled, angles},
+    {"*", "body", "zaxis", modelled, angles},
+    {"*", "body", "mocap", modelled, "held in place"},
+    {"*", "body", "gravcomp", omitted, "compensation of gravity of bodies", "0"},
+    {"*", "body", "sleep", irrelevant, "acts with the flag sleep, which is named"},
+    {"*", "body", "simple", irrelevant, numerics},
+    {"*", "body", "user", irrelevant, label},
+    {"*", "frame", "", modelled, "a pose of the elements inside"},
+    {"*", "frame", "name", modelled, "for <attach>"},
+    {"*", "frame", "childclass", modelled, "class of the elements inside"},
+    {"*", "frame", "pos", modelled, "position"},
+    {"*", "frame", "quat", modelled, angles},
+    {"*", "frame", "axisangle", modelled, angles},
+    {"*", "frame", "euler", modelled, angles},
+    {"*", "frame", "xyaxes", modelled, angles},
+    {"*", "frame", "zaxis", modelled, angles},
+    {"*", "replicate", "", modelled, "copies of the elements inside"},
+    {"*", "replicate", "count", modelled, "number of copies"},
+    {"*", "replicate", "offset", modelled, "from copy to copy, in the axes of the copy before"},
+    {"*", "replicate", "euler", modelled, "times the copy's number"},
+    {"*", "replicate", "sep", modelled, "between a name and the copy's number"},
+    {"*", "replicate", "childclass", modelled, "class of the elements inside"},
+    {"*", "attach", "", modelled, "a body, a frame or all of another model"},
+    {"*", "attach", "model", modelled, "its name; this model if missing"},
+    {"*", "attach", "body", modelled, "the body"},
+    {"*", "attach", "frame", modelled, "the frame"},
+    {"*", "attach", "prefix", modelled, "of the attached names"},
+    {"*", "inertial", "", modelled, "mass properties"},
+    {"*", "inertial", "pos", modelled, "centre of mass"},
+    {"*", "inertial", "mass", modelled, "mass; 0 with moments 0: a body without mass"},
+    {"*", "inertial", "diaginertia", modelled, "principal moments"},
+    {"*", "inertial", "fullinertia", modelled, "tensor: xx, yy, zz, xy, xz, yz"},
+    {"*", "inertial", "quat", modelled, angles},
+    {"*", "inertial", "axisangle", modelled, angles},
+    {"*", "inertial", "euler", modelled, angles},
+    {"*", "inertial", "xyaxes", modelled, angles},
+    {"*", "inertial", "zaxis", modelled, angles},
+    {"*", "joint", "", modelled, "several of one body move one after the other"},
+    {"*", "joint", "name", modelled, "the joint's name"},
+    {"*", "joint", "class", modelled, "class of <default>"},
+    {"*", "joint", "type", modelled, "hinge (default), slide, ball, free"},
+    {"*", "joint", "pos", modelled, "a point of the axis, or the centre of a ball joint"},
+    {"*", "joint", "axis", modelled, "by default z"},
+    {"*", "joint", "stiffness", modelled, "linear spring of hinges and slides; others and higher terms are named"},
+    {"*", "joint", "damping", modelled, "linear damper, also of ball and free joints; higher terms are named"},
+    {"*", "joint", "ref", modelled, "coordinate of the pose as written, a scene's zero"},
+    {"*", "joint", "springref", modelled, "coordinate where the spring is at rest"},
+    {"*", "joint", "springdamper", modelled, "time constant and damping ratio, with the inertia at the joint"},
+    {"*", "joint", "limited", omitted, "limits of joints", {}, has_limits},
+    {"*", "joint", "range", omitted, "limits of joints", {}, has_limits},
+    {"*", "joint", "frictionloss", omitted, "friction of joints", "0"},
+    {"*", "joint", "armature", omitted, "armature of joints", "0"},
+    {"*", "joint", "actuatorfrclimited", irrelevant, actuation},
+    {"*", "joint", "actuatorfrcrange", irrelevant, actuation},
+    {"*", "joint", "actuatorforcelimited", irrelevant, actuation},
+    {"*", "joint", "actuatorforcerange", irrelevant, actuation},
+    {"*", "joint", "actuatorgravcomp", irrelevant, actuation},
+    {"*", "joint", "solreflimit", irrelevant, soft},
+    {"*", "joint", "solimplimit", irrelevant, soft},
+    {"*", "joint", "solreffriction", irrelevant, soft},
+    {"*", "joint", "solimpfriction", irrelevant, soft},
+    {"*", "joint", "margin", irrelevant, soft},
+    {"*", "joint", "group", irrelevant, looks},
+    {"*", "joint", "user", irrelevant, label},
+    {"*", "freejoint", "", modelled, "a free body; <default> does not apply"},
+    {"*", "freejoint", "name", modelled, "the joint's name"},
+    {"*", "freejoint", "group", irrelevant, looks},
+    {"*", "freejoint", "align", irrelevant, "moves the frame of a body without damping, not the body"},
+    {"*", "geom", "", modelled, "mass of a body"},
+    {"*", "geom", "name", irrelevant, label},
+    {"*", "geom", "class", modelled, "class of <default>"},
+    {"*", "geom", "type", modelled,
+     "sphere (default), capsule, cylinder, box, ellipsoid, mesh, sdf, hfield; plane has none"},
+    {"*", "geom", "size", modelled, "half sizes"},
+    {"*", "geom", "mass", modelled, "mass"},
+    {"*", "geom", "density", modelled, "density, by default 1000 kg/m^3; of shells kg/m^2"},
+    {"*", "geom", "shellinertia", modelled, "mass on the surface"},
+    {"*", "geom", "fromto", modelled, "ends of a capsule, cylinder, box or ellipsoid"},
+    {"*", "geom", "pos", modelled, "position"},
+    {"*", "geom", "quat", modelled, angles},
+    {"*", "geom", "axisangle", modelled, angles},
+    {"*", "geom", "euler", modelled, angles},
+    {"*", "geom", "xyaxes", modelled, angles},
+    {"*", "geom", "zaxis", modelled, angles},
+    {"*", "geom", "mesh", modelled, "the mesh, or the one that a primitive is fitted to"},
+    {"*", "geom", "fitscale", modelled, "of a fitted primitive"},
+    {"*", "geom", "hfield", modelled, "the height field"},
+    {"*", "geom", "group", modelled, "with inertiagrouprange"},
+    {"*", "geom", "contype", modelled, "whether the body is named among the shapes for contact"},
+    {"*", "geom", "conaffinity", modelled, "whether the body is named among the shapes for contact"},
+    {"*", "geom", "condim", irrelevant, contact},
+    {"*", "geom", "priority", irrelevant, contact},
+    {"*", "geom", "friction", irrelevant, contact},
+    {"*", "geom", "solmix", irrelevant, contact},
+    {"*", "geom", "solref", irrelevant, contact},
+    {"*", "geom", "solimp", irrelevant, contact},
+    {"*", "geom", "margin", irrelevant, contact},
+    {"*", "geom", "gap", irrelevant, contact},
+    {"*", "geom", "surfacevel", irrelevant, contact},
+    {"*", "geom", "adhesion", irrelevant, contact},
+    {"*", "geom", "fluidshape", irrelevant, "acts with density or viscosity of the medium, which are named"},
+    {"*", "geom", "fluidcoef", irrelevant, "acts with density or viscosity of the medium, which are named"},
+    {"*", "geom", "material", irrelevant, looks},
+    {"*", "geom", "rgba", irrelevant, looks},
+    {"*", "geom", "user", irrelevant, label},
+    {"geom", "plugin", "", irrelevant, contact},
+    {"*", "site", "", irrelevant, label},
+    {"*", "camera", "", irrelevant, looks},
+    {"*", "light", "", irrelevant, looks},
+    {"*", "plugin", "", omitted, "plugins of bodies"},
+    {"*", "composite", "", omitted, "composite objects"},
+    {"*", "flexcomp", "", omitted, "flexible objects", {}, is_soft},
 };
 
 }  // namespace

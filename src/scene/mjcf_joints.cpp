@@ -81,9 +81,9 @@ void MjcfJoints::add_joint(const MjcfParts::Part& part, const std::string& body,
                              : count == 1 ? body + "_joint"
                                           : fmt::format("{}_joint{}", body, ++unnamed_);
     if (motion == RobotMotion::free && (from != RobotJoint::world || count != 1))
-        xml_.fail(at, fmt::format("frees the body \"{}\", which is not in the world or has other joints",
-                                  one_line(body, 60)),
-                  "a free joint must be the only joint of a body in the world");
+        xml_.fail(
+            at, fmt::format("frees the body \"{}\", which is not in the world or has other joints", one_line(body, 60)),
+            "a free joint must be the only joint of a body in the world");
     RobotJoint& joint = add(at, name, is_given, motion, from, to, place);
     if (motion == RobotMotion::revolute || motion == RobotMotion::prismatic) {
         Vector3<Wide> axis{Wide(0), Wide(0), Wide(1)};

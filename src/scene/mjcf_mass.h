@@ -52,9 +52,9 @@ class MjcfMasses {
     MjcfMasses(const RobotXml& xml, RobotNotes& assumed) : xml_(xml), assumed_(assumed), meshes_(xml, assumed) {}
 
     struct Body {
-        std::string name;                   ///< for notes
-        const XMLElement* at = nullptr;     ///< <body>
-        const MjcfModel* model = nullptr;   ///< whose <compiler> counts
+        std::string name;                  ///< for notes
+        const XMLElement* at = nullptr;    ///< <body>
+        const MjcfModel* model = nullptr;  ///< whose <compiler> counts
         std::optional<MjcfPlaced> inertial;
         std::vector<MjcfPlaced> geoms;
     };
@@ -69,7 +69,10 @@ class MjcfMasses {
     void apply_bounds(const Body& body, std::optional<MassProperties<Wide>>& mass);
     Extent<Wide> extent(const MjcfPlaced& geom, RobotPose& place, const std::string& body);
     Extent<Wide> fitted(const MjcfPlaced& geom, const std::string& type, bool shell);
-    void note(const char* what, const std::string& name) { assumed_[what].push_back(name); }
+    void note(const char* what, const std::string& name) {
+        std::vector<std::string>& names = assumed_[what];
+        if (names.empty() || names.back() != name) names.push_back(name);
+    }
 
     const RobotXml& xml_;
     RobotNotes& assumed_;

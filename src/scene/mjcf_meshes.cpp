@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "body/mesh.h"
+#include "scene/mjcf_hull.h"
 #include "scene/mjcf_mass.h"
 #include "scene/robot_parts.h"
 #include "scene/scene_limits.h"
@@ -55,17 +56,30 @@ MeshMap map_of(const RobotXml& xml, const XMLElement& asset) {
     return map;
 }
 
+// Replaces the faces by those of the convex hull.
+void take_hull(const RobotXml& xml, const XMLElement& asset, Mesh& mesh) {
+    if (asset.Attribute("maxhullvert") && xml.attribute(asset, "maxhullvert", 1)[0] >= 0)
+        xml.fail(asset, "has the mass of a convex hull with limited vertices (maxhullvert), which is not computed",
+                 remedy);
+    mesh.triangles = convex_hull(mesh.vertices);
+    if (mesh.triangles.empty())
+        xml.fail(asset, "has the mass of a convex hull that cannot be computed: too many points, or all in one plane",
+                 remedy);
+}
+
 // The mesh in the file's own numbers.
 Mesh inline_mesh(const RobotXml& xml, const XMLElement& asset) {
-    if (!asset.Attribute("face"))
-        xml.fail(asset, "has vertices without faces: its mass is that of their convex hull, which is not computed",
-                 "give the faces, or the body an <inertial>");
     Mesh mesh;
     const std::vector<double> v = xml.numbers(asset, "vertex", asset.Attribute("vertex"), 12, 3 * most_vertices);
+    for (std::size_t i = 0; i + 2 < v.size(); i += 3) mesh.vertices.push_back(three_of(v, i));
+    if (v.size() % 3 != 0)
+        xml.fail(asset, "has numbers in vertex that are not a multiple of 3", "give three per point");
+    if (!asset.Attribute("face")) {
+        take_hull(xml, asset, mesh);
+        return mesh;
+    }
     const std::vector<double> f = xml.numbers(asset, "face", asset.Attribute("face"), 12, 3 * most_triangles);
-    if (v.size() % 3 != 0 || f.size() % 3 != 0)
-        xml.fail(asset, "has numbers in vertex or face that are not a multiple of 3", "give three per point or face");
-    for (std::size_t i = 0; i < v.size(); i += 3) mesh.vertices.push_back(three_of(v, i));
+    if (f.size() % 3 != 0) xml.fail(asset, "has numbers in face that are not a multiple of 3", "give three per face");
     for (std::size_t i = 0; i < f.size(); i += 3) {
         std::array<int, 3> triangle{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -115,9 +129,9 @@ Extent<Wide> surface_extent(const Mesh& mesh, const MeshMap& map) {
         // integral of r r^T over a triangle: A/12 (sum v v^T + s s^T), s = sum v
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-                second[i][j] = second[i][j] + part / Wide(12) *
-                                                  (v[0][i] * v[0][j] + v[1][i] * v[1][j] + v[2][i] * v[2][j] +
-                                                   sum[i] * sum[j]);
+                second[i][j] =
+                    second[i][j] +
+                    part / Wide(12) * (v[0][i] * v[0][j] + v[1][i] * v[1][j] + v[2][i] * v[2][j] + sum[i] * sum[j]);
     }
     Extent<Wide> e{area, {}, {}};
     if (!(area > Wide(0))) return e;
@@ -154,43 +168,24 @@ double legacy_ratio(const Mesh& mesh, const MeshMap& map, const Wide& volume) {
     return sum / double(volume);
 }
 
-// Whether the solid is the convex hull of its vertices: none lies outside the plane of a face.
-bool is_convex(const Mesh& mesh) {
-    constexpr std::size_t most_tests = 50'000'000;
-    if (mesh.vertices.size() * mesh.triangles.size() > most_tests) return false;
-    const double sign = enclosed_volume(mesh) < 0 ? -1 : 1;
-    double size = 0;
-    for (const Vector3<double>& v : mesh.vertices) size = std::max(size, dot(v, v));
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const Vector3<double>&p = mesh.vertices[a], n = cross(mesh.vertices[b] - p, mesh.vertices[c] - p);
-        const double within = 1e-12 * std::sqrt(dot(n, n) * size);
-        for (const Vector3<double>& v : mesh.vertices)
-            if (sign * dot(n, v - p) > within) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
 Extent<Wide> mjcf_mesh_extent(const RobotXml& xml, const MjcfModel& model, const XMLElement& asset, bool shell,
                               RobotNotes& assumed) {
     const std::string name = name_or(asset, asset.Attribute("file") ? asset.Attribute("file") : "");
-    const std::string rule = asset.Attribute("inertia") ? asset.Attribute("inertia") : "legacy";
+    const std::string usual = model.compiler.exact_meshes ? "exact" : "legacy";
+    const std::string rule = asset.Attribute("inertia") ? asset.Attribute("inertia") : usual;
     if (rule != "legacy" && rule != "exact" && rule != "convex" && rule != "shell")
         xml.fail(asset, fmt::format("has the inertia \"{}\"", one_line(rule, 40)),
                  "give convex, exact, legacy or shell");
     const MeshMap map = map_of(xml, asset);
-    const Mesh mesh = mesh_of(xml, model, asset);
+    Mesh mesh = mesh_of(xml, model, asset);
     Extent<Wide> e;
     if (shell || rule == "shell") {
         e = surface_extent(mesh, map);
     } else {
+        if (rule == "convex") take_hull(xml, asset, mesh);
         e = solid_extent(mesh, map);
-        if (rule == "convex" && !is_convex(mesh))
-            xml.fail(asset,
-                     fmt::format("gives the mesh \"{}\" the mass of its convex hull, which is not computed",
-                                 one_line(name, 60)),
-                     remedy);
     }
     if (!(e.size > Wide(1e-15)))
         xml.fail(asset, fmt::format("is the mesh \"{}\" without volume or area", one_line(name, 60)), remedy);

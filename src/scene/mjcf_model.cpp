@@ -15,7 +15,7 @@ namespace {
 
 using tinyxml2::XMLNode;
 
-constexpr std::size_t most_files = 1000;                        // included or attached by one robot
+constexpr std::size_t most_files = 1000;                       // included or attached by one robot
 constexpr std::size_t largest_total = 4 * largest_robot_file;  // bytes of these
 constexpr int deepest = 300;                                   // nesting of elements, included files expanded
 
@@ -93,7 +93,8 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
 // that the element comes from; names are looked up in the main file's folder first (MuJoCo's rule), then in this one.
 void MjcfLibrary::expand(XMLElement& at, int depth, const RobotFiles& files, const std::string& folder,
                          std::set<std::string>& included) {
-    if (depth > deepest) xml_.fail(at, fmt::format("is nested deeper than {} elements", deepest), "give a flatter file");
+    if (depth > deepest)
+        xml_.fail(at, fmt::format("is nested deeper than {} elements", deepest), "give a flatter file");
     if (std::string_view(at.Name()) == "include") {
         std::string inner_folder;
         for (XMLElement* one : splice(at, files, folder, included, inner_folder))
@@ -156,16 +157,14 @@ XMLElement* MjcfLibrary::copy(const XMLElement& from, const std::string& path, t
     for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); a; a = a->Next())
         element->SetAttribute(a->Name(), a->Value());
     if (const char* text = from.GetText()) element->SetText(text);
-    origins_.push_back({path, from.GetLineNum()});
-    element->SetUserData(&origins_.back());
+    element->SetUserData(xml_.keep({path, from.GetLineNum()}));
     for (const XMLElement* one = from.FirstChildElement(); one; one = one->NextSiblingElement())
         element->InsertEndChild(copy(*one, path, into));
     return element;
 }
 
 void MjcfLibrary::mark(XMLElement& at, const std::string& path) {
-    origins_.push_back({path, at.GetLineNum()});
-    at.SetUserData(&origins_.back());
+    at.SetUserData(xml_.keep({path, at.GetLineNum()}));
     for (XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement()) mark(*one, path);
 }
 

@@ -54,7 +54,6 @@ class MjcfLibrary {
     std::unique_ptr<MjcfModel> main_;
     std::map<std::string, std::unique_ptr<MjcfModel>> attached_;  // by path
     std::deque<tinyxml2::XMLDocument> documents_;
-    std::deque<RobotOrigin> origins_;
     std::size_t files_read_ = 0, bytes_read_ = 0;
 };
 

@@ -38,8 +38,7 @@ struct ShellOf {
         const Vector3<Wide> faces(a[1] * a[2], a[2] * a[0], a[0] * a[1]);  // normal to x, y, z: 8 times each
         const Wide whole = faces[0] + faces[1] + faces[2];
         Vector3<Wide> mean;
-        for (int i = 0; i < 3; ++i)
-            mean[i] = a[i] * a[i] * (faces[i] + (whole - faces[i]) / Wide(3)) / whole;
+        for (int i = 0; i < 3; ++i) mean[i] = a[i] * a[i] * (faces[i] + (whole - faces[i]) / Wide(3)) / whole;
         return centred(Wide(8) * whole, mean[0], mean[1], mean[2]);
     }
     // MuJoCo's approximations: Thomsen's formula for the area, and the solid between the ellipsoid and one whose semi

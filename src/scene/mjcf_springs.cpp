@@ -53,8 +53,7 @@ class TreeInertia {
                 continue;
             }
             const RobotJoint& joint = robot_.joints[carrier_[i]];
-            poses_[i] =
-                joint.parent == RobotJoint::world ? joint.placement : poses_[joint.parent] * joint.placement;
+            poses_[i] = joint.parent == RobotJoint::world ? joint.placement : poses_[joint.parent] * joint.placement;
         }
     }
 
@@ -127,8 +126,7 @@ class TreeInertia {
             if (!(before > Wide(0))) regular_ = false;
             for (std::size_t i = freedoms_[k].above; i != none && regular_; i = freedoms_[i].above) {
                 const Wide a = entry(k, i) / before;
-                for (std::size_t j = i; j != none; j = freedoms_[j].above)
-                    entry(i, j) = entry(i, j) - a * entry(k, j);
+                for (std::size_t j = i; j != none; j = freedoms_[j].above) entry(i, j) = entry(i, j) - a * entry(k, j);
                 entry(k, i) = a;
             }
         }

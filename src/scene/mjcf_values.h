@@ -25,6 +25,7 @@ struct MjcfCompiler {
     bool fuses_static = false;                  ///< fusestatic
     bool aligns_free = false;                   ///< alignfree
     bool drops_visual = false;                  ///< discardvisual
+    bool exact_meshes = false;                  ///< exactmeshinertia
     bool fits_box = false;                      ///< fitaabb
 };
 MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root);

@@ -268,7 +268,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"asset", "hfield", "ncol", irrelevant, contact},
     {"asset", "hfield", "elevation", irrelevant, contact},
     {"asset", "model", "", modelled, "a model to attach"},
-    {"asset", "model", "name", modelled, "by default the file's name without its ending"},
+    {"asset", "model", "name", modelled, "by default that of the file's root element"},
     {"asset", "model", "file", modelled, "an MJCF file"},
     {"asset", "model", "content_type", irrelevant, "only MJCF is read"},
     {"asset", "texture", "", irrelevant, looks},

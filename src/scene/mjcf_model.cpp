@@ -39,18 +39,24 @@ const MjcfModel& MjcfLibrary::main(XMLElement& root) {
 
 const MjcfModel& MjcfLibrary::attached(const XMLElement& at, const MjcfModel& of, const std::string& name) {
     const auto asset = of.models.find(name);
-    if (asset == of.models.end()) {
-        std::vector<std::string> known;
-        for (const auto& [one, element] : of.models) known.push_back(one);
-        xml_.fail(at, fmt::format("attaches the model \"{}\", which no <asset><model> defines", one_line(name, 60)),
-                  known.empty() ? "define it by <asset><model>" : "give one of " + listed(known));
+    if (asset != of.models.end()) return load(*asset->second, of);
+    // without a name of its own, a model has that of its root element
+    for (const XMLElement* one : of.unnamed_models) {
+        const MjcfModel& model = load(*one, of);
+        if (const char* own = model.root->Attribute("model"); own && own == name) return model;
     }
-    const std::string file = xml_.name(*asset->second, "file", "the model's file");
+    std::vector<std::string> known;
+    for (const auto& [one, element] : of.models) known.push_back(one);
+    xml_.fail(at, fmt::format("attaches the model \"{}\", which no <asset><model> defines", one_line(name, 60)),
+              known.empty() ? "define it by <asset><model>" : "give one of " + listed(known));
+}
+
+const MjcfModel& MjcfLibrary::load(const XMLElement& asset, const MjcfModel& of) {
+    const std::string file = xml_.name(asset, "file", "the model's file");
     const std::string path = normal_path(of.files.path(file));
-    std::unique_ptr<MjcfModel>& model = attached_[path];
-    if (model) return *model;
-    model = std::make_unique<MjcfModel>();
-    const std::string text = read(*asset->second, of.files, file);
+    if (const auto known = attached_.find(path); known != attached_.end()) return *known->second;
+    auto model = std::make_unique<MjcfModel>();
+    const std::string text = read(asset, of.files, file);
     tinyxml2::XMLDocument& document = documents_.emplace_back();
     parse_robot_xml(document, text, path);
     XMLElement& root = *document.RootElement();
@@ -59,7 +65,7 @@ const MjcfModel& MjcfLibrary::attached(const XMLElement& at, const MjcfModel& of
         xml_.fail(root, "is the root of an attached model", "attach MJCF files (<mujoco>) only");
     model->files = of.files.relative_to(file);
     prepare(root, path, *model);
-    return *model;
+    return *attached_.emplace(path, std::move(model)).first->second;
 }
 
 void MjcfLibrary::prepare(XMLElement& root, const std::string& path, MjcfModel& model) {
@@ -81,6 +87,10 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
                          : tag == "model"  ? &model.models
                                            : nullptr;
             if (!list) continue;
+            if (tag == "model" && !one->Attribute("name")) {
+                model.unnamed_models.push_back(one);
+                continue;
+            }
             const char* file = one->Attribute("file");
             const std::string name = name_or(*one, file ? stem_of(file).c_str() : "");
             if (!list->emplace(name, one).second)

@@ -22,6 +22,7 @@ struct MjcfModel {
     RobotFiles files;  ///< relative to the folder of the model's own file
     MjcfCompiler compiler;
     std::map<std::string, const XMLElement*> meshes, height_fields, models;  ///< assets by name
+    std::vector<const XMLElement*> unnamed_models;
 };
 
 /// Loads models and owns what they are made of. Inputs are untrusted: the number, size and nesting depth of all files
@@ -40,6 +41,7 @@ class MjcfLibrary {
     const std::map<std::string, std::unique_ptr<MjcfModel>>& attached_models() const { return attached_; }
 
   private:
+    const MjcfModel& load(const XMLElement& asset, const MjcfModel& of);
     void prepare(XMLElement& root, const std::string& path, MjcfModel& model);
     void list_assets(MjcfModel& model) const;
     void expand(XMLElement& at, int depth, const RobotFiles& files, const std::string& folder,

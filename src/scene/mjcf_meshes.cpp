@@ -95,7 +95,7 @@ Mesh inline_mesh(const RobotXml& xml, const XMLElement& asset) {
 }
 
 Mesh mesh_of(const RobotXml& xml, const MjcfModel& model, const XMLElement& asset) {
-    const std::string name = one_line(name_or(asset, ""), 60);
+    const std::string name = one_line(mjcf_asset_name(asset), 60);
     const char* file = asset.Attribute("file");
     if (asset.Attribute("builtin") || asset.FirstChildElement("plugin"))
         xml.fail(asset, fmt::format("makes the mesh \"{}\" by a program (builtin, plugin), which is not read", name),
@@ -108,7 +108,7 @@ Mesh mesh_of(const RobotXml& xml, const MjcfModel& model, const XMLElement& asse
     try {
         return model.files.mesh(path);
     } catch (const InputError& error) {
-        throw InputError(xml.path(), fmt::format("{}, <mesh>", xml.place_of(asset)), error);
+        fail_mjcf_file(xml, asset, error);
     }
 }
 
@@ -172,7 +172,7 @@ double legacy_ratio(const Mesh& mesh, const MeshMap& map, const Wide& volume) {
 
 Extent<Wide> mjcf_mesh_extent(const RobotXml& xml, const MjcfModel& model, const XMLElement& asset, bool shell,
                               RobotNotes& assumed) {
-    const std::string name = name_or(asset, asset.Attribute("file") ? asset.Attribute("file") : "");
+    const std::string name = mjcf_asset_name(asset);
     const std::string usual = model.compiler.exact_meshes ? "exact" : "legacy";
     const std::string rule = asset.Attribute("inertia") ? asset.Attribute("inertia") : usual;
     if (rule != "legacy" && rule != "exact" && rule != "convex" && rule != "shell")

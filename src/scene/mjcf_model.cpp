@@ -21,14 +21,19 @@ constexpr int deepest = 300;                                   // nesting of ele
 
 std::string normal_path(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
 
-// The name of a file without folders and ending.
-std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+}  // namespace
 
-std::string element_place(const RobotXml& xml, const XMLElement& at) {
-    return fmt::format("{}, <{}>", xml.place_of(at), one_line(at.Name(), 40));
+void fail_mjcf_file(const RobotXml& xml, const XMLElement& at, const InputError& error) {
+    const auto* origin = static_cast<const RobotOrigin*>(at.GetUserData());
+    throw InputError(origin ? origin->path : xml.path(),
+                     fmt::format("line {}, <{}>", origin ? origin->line : at.GetLineNum(), one_line(at.Name(), 40)),
+                     error);
 }
 
-}  // namespace
+std::string mjcf_asset_name(const XMLElement& asset) {
+    const char *name = asset.Attribute("name"), *file = asset.Attribute("file");
+    return name ? name : file ? std::filesystem::path(file).stem().string() : "";
+}
 
 const MjcfModel& MjcfLibrary::main(XMLElement& root) {
     main_ = std::make_unique<MjcfModel>();
@@ -91,8 +96,7 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
                 model.unnamed_models.push_back(one);
                 continue;
             }
-            const char* file = one->Attribute("file");
-            const std::string name = name_or(*one, file ? stem_of(file).c_str() : "");
+            const std::string name = mjcf_asset_name(*one);
             if (!list->emplace(name, one).second)
                 xml_.fail(*one, fmt::format("is a second {} \"{}\"", tag, one_line(name, 60)),
                           "give each asset a name of its own");
@@ -152,7 +156,7 @@ std::string MjcfLibrary::read(const XMLElement& at, const RobotFiles& files, con
     try {
         text = files.text(name);
     } catch (const InputError& error) {
-        throw InputError(xml_.path(), element_place(xml_, at), error);
+        fail_mjcf_file(xml_, at, error);
     }
     bytes_read_ += text.size();
     if (bytes_read_ > largest_total)

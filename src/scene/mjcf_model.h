@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scene/mjcf_values.h"
+#include "text/message.h"
 
 namespace polhode {
 
@@ -58,6 +59,12 @@ class MjcfLibrary {
     std::deque<tinyxml2::XMLDocument> documents_;
     std::size_t files_read_ = 0, bytes_read_ = 0;
 };
+
+/// Throws the error of a file that an element names, at the element's place.
+[[noreturn]] void fail_mjcf_file(const RobotXml& xml, const XMLElement& at, const InputError& error);
+
+/// The name of an asset: its own, or that of its file without folders and ending.
+std::string mjcf_asset_name(const XMLElement& asset);
 
 /// Evaluates <default> and writes the values of each element's class into the joints, geoms, meshes, equality
 /// constraints and tendons below `root`. The elements inside <default> are left without attributes.

@@ -71,9 +71,9 @@ void MjcfCollector::collect_one(const XMLElement& at, const MjcfScope& scope, Mj
     } else if (tag == "flexcomp" && xml_.flag(at, "rigid")) {
         parts.can_collide = true;  // a rigid shape of this body, without mass
     } else if (tag == "composite" || tag == "flexcomp") {
+        const char* label = at.Attribute("name") ? at.Attribute("name") : at.Attribute("prefix");
         xml_.fail(at,
-                  fmt::format("makes bodies by <{}> \"{}\", which is not read", tag,
-                              one_line(at.Attribute("name") ? at.Attribute("name") : name_or(at, ""), 60)),
+                  fmt::format("makes bodies by <{}> \"{}\", which is not read", tag, one_line(label ? label : "", 60)),
                   "write the bodies out: save the model with MuJoCo (mj_saveLastXML)");
     }
 }
@@ -113,7 +113,7 @@ void MjcfCollector::attach(const XMLElement& at, const MjcfScope& scope, MjcfPar
         const XMLElement& frame = named_element(xml_, root, "frame", at.Attribute("frame"));
         collect(frame, inside(inner, mjcf_pose(xml_, frame, inner.model->compiler)), parts);
     } else {
-        if (inner.model == scope.model)
+        if (!at.Attribute("model"))
             xml_.fail(at, "has neither a model, nor a body or frame of this one", "give one of them");
         for (const XMLElement* world = root.FirstChildElement("worldbody"); world;
              world = world->NextSiblingElement("worldbody"))

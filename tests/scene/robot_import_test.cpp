@@ -413,9 +413,9 @@ TEST(RobotImport, GeomsOfMjcfHaveTheirMass) {
     EXPECT_EQ(two.mass, 4);
     EXPECT_NEAR(two.center_of_mass[0], 0.5, 1e-15);
     EXPECT_NEAR(two.inertia_B[1][1], 4 * 0.4 * 0.01 + 1 * 2.25 + 3 * 0.25, 1e-14);
-    EXPECT_NE(
-        robot_fault(mjcf("<body><freejoint/><geom type='mesh' mesh='m'/></body>")).find("give the body an <inertial>"),
-        std::string::npos);
+    EXPECT_NE(robot_fault(mjcf("<body><freejoint/><geom type='mesh' mesh='m'/></body>"))
+                  .find("has the mesh \"m\", which no <asset> defines"),
+              std::string::npos);
 }
 
 TEST(RobotImport, JointsOfMjcf) {
@@ -445,9 +445,10 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"<actuator>: m", "<option>: gravity", "armature of joints: h",
-                                                   "friction of joints: h", "hinges that are one universal joint: x+y",
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "armature of joints: h", "friction of joints: h",
                                                    "limits of joints: h", "springs of ball joints: ball"}));
+    EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity (0, 0, -1) m/s^2: <option gravity>",
+                                                   "hinges that are one universal joint: x+y"}));
     // orientations: a quarter turn about z by each of the ways
     for (const char* way : {"quat='1 0 0 1'", "euler='0 0 90'", "axisangle='0 0 1 90'", "xyaxes='0 1 0 -1 0.25 0'"}) {
         const Scene q =
@@ -513,17 +514,16 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
          "link \"b\" has no mass, and joint \"j\" moves it"},
         {urdf(link("a")), "nothing moves: \"a\" and all other links are fixed to the world"},
         {mjcf("<body><joint type='screw'/>" + mjcf_inertial + "</body>"), "has the type \"screw\""},
-        {mjcf("<body><joint/><freejoint/>" + mjcf_inertial + "</body>"), "is free, but not the only joint"},
-        {mjcf("<body><joint/><joint axis='1 0 0'/><joint axis='0 1 0'/>" + mjcf_inertial + "</body>"),
-         "without mass between"},
-        {mjcf("<body><joint type='slide'/><joint/>" + mjcf_inertial + "</body>"), "without mass between"},
+        {mjcf("<body><joint/><freejoint/>" + mjcf_inertial + "</body>"),
+         "frees the body \"body1\", which is not in the world or has other joints"},
         {mjcf("<body class='x'><joint class='x'/>" + mjcf_inertial + "</body>"), "has the class \"x\""},
-        {mjcf("<body><frame/>" + mjcf_inertial + "</body>"), "makes bodies in a way that is not read"},
+        {mjcf("<body><composite type='cable' prefix='c'/>" + mjcf_inertial + "</body>"),
+         "makes bodies by <composite> \"c\", which is not read"},
         {mjcf("<body quat='1 0 0 0' euler='0 0 0'>" + mjcf_inertial + "</body>"), "has two orientations"},
-        {mjcf("", "<include file='other.xml'/>"), "brings in another file"},
+        {mjcf("", "<include file='other.xml'/>"), "is named in a robot description given as text"},
         {mjcf("<body name='a'>" + mjcf_inertial + "</body><body name='a'>" + mjcf_inertial + "</body>"),
          "is a second body \"a\""},
-        {mjcf("<body><geom type='capsule' size='1'/></body>"), "has 1 numbers in size"},
+        {mjcf("<body><joint/><geom type='capsule' size='1'/></body>"), "has 1 numbers in size"},
         {"<sdf/>", "has no <model> that moves"},
         {sdf("<joint name='j' type='screw'><parent>a</parent><child>b</child></joint>"), "has the type \"screw\""},
         {sdf("<joint name='j' type='revolute'><parent>a</parent><child>b</child></joint>"), "has no <axis>"},

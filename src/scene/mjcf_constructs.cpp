@@ -252,6 +252,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"mesh", "plugin", "", modelled, "refused where its mass counts"},
     {"mesh", "plugin", "plugin", irrelevant, "refused where its mass counts"},
     {"mesh", "plugin", "instance", irrelevant, "refused where its mass counts"},
+    {"plugin", "instance", "", irrelevant, "declared in <extension>"},
     {"plugin", "config", "", irrelevant, "refused where its mass counts"},
     {"asset", "mesh", "content_type", irrelevant, "the ending of the file's name tells its format"},
     {"asset", "mesh", "normal", irrelevant, looks},

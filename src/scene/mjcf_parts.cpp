@@ -12,7 +12,7 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t most_elements = 1'000'000;  // after expansion
-constexpr int deepest = 300;
+constexpr int deepest_tree = 300;
 
 MjcfScope inside(const MjcfScope& scope, const RobotPose& pose) {
     MjcfScope inner = scope;
@@ -38,8 +38,8 @@ MjcfParts MjcfCollector::collect(const XMLElement& of, const MjcfScope& scope) {
 void MjcfCollector::count(const XMLElement& at, const MjcfScope& scope) {
     if (++visited_ > most_elements)
         xml_.fail(at, fmt::format("makes the robot larger than {} elements", most_elements), "replicate fewer");
-    if (scope.depth > deepest)
-        xml_.fail(at, fmt::format("is nested deeper than {} bodies and frames", deepest),
+    if (scope.depth > deepest_tree)
+        xml_.fail(at, fmt::format("is nested deeper than {} bodies and frames", deepest_tree),
                   "give a flatter file that does not attach itself");
 }
 

@@ -1,10 +1,12 @@
 // MJCF: masses, joints and poses against closed forms and the rules of MuJoCo's documentation; refusals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <set>
 
 #include "scene/robot_file.h"
 #include "scene/robot_parts.h"

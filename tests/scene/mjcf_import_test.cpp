@@ -635,6 +635,10 @@ TEST(MjcfImport, Gravity) {
               std::pair(Vector3<double>(1, 2, 3), std::string("<option gravity>")));
     EXPECT_EQ(gravity("<option gravity='1 2 3'><flag gravity='disable'/></option>"),
               std::pair(Vector3<double>(0, 0, 0), std::string("<flag gravity=\"disable\">")));
+    Scene scene;
+    scene.name = "robot", scene.duration = 1;
+    add_robot(read(model(hinged("a", one_kg), "<option><flag gravity='disable'/></option>")), {}, "robot.xml", scene);
+    validate(scene, "robot.xml");
 }
 
 // --- one link as a body ------------------------------------------------------------------------------------------

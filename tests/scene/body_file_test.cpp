@@ -184,11 +184,16 @@ TEST(BodyFile, OneLinkInThreeFormats) {
          Vector3<double>(-std::sin(b), std::cos(b) * std::sin(a), std::cos(b) * std::cos(a))}};
     Body turned = by_hand;
     turned.inertia_B = R * by_hand.inertia_B * transposed(R);
-    for (const char* file : {"arm.urdf", "arm.xml", "arm.sdf"}) {
+    for (const char* file : {"arm.urdf", "arm.sdf"}) {
         SCOPED_TRACE(file);
         expect_same(imported(file, "turned"), turned, 1e-15);
         expect_same(imported(file, "turned"), imported("arm.urdf", "turned"), 0);
     }
+    // MJCF turns principal moments alone
+    Body principal = by_hand;
+    principal.inertia_B = R * diagonal(Vector3<double>(0.4, 0.5, 0.6)) * transposed(R);
+    expect_same(imported("arm.xml", "turned"), principal, 1e-15);
+    expect_same(imported("arm.xml", "zaxis"), scene_of(R"("mass": 1, "inertia": [2.5, 2, 1])").body, 1e-15);
     // a quarter turn about z by a quaternion of length 2.8 changes the first two moments about
     expect_same(imported("arm.xml", "principal"), scene_of(R"("mass": 1, "inertia": [2, 1, 2.5])").body, 1e-15);
 }

@@ -1,279 +1,259 @@
-// Whole robots of SDFormat.
+// Whole robots of SDFormat: the links and joints of the models that are taken, gravity, and the import of one link.
+//
+// Frames and names are those of SdfTree. Links of static models are part of the world. With one model that moves, names
+// are as written in it; with several, each is preceded by its model's name.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "scene/robot_parts.h"
+#include "scene/sdf_joints.h"
+#include "scene/sdf_tree.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-struct SdfJointType {
-    const char* name;
-    RobotMotion motion;
-};
-constexpr SdfJointType sdf_joint_types[] = {
-    {"revolute", RobotMotion::revolute}, {"continuous", RobotMotion::revolute}, {"prismatic", RobotMotion::prismatic},
-    {"ball", RobotMotion::spherical},    {"universal", RobotMotion::universal}, {"fixed", RobotMotion::fixed},
-};
-
-// A position and a turn.
-struct RobotPlace {
-    Vector3<double> position;  // m
-    RobotTurn turn;
-};
-
-RobotPlace sdf_place(const RobotXml& xml, const XMLElement& pose) {
-    RobotPlace place;
-    const char* format = pose.Attribute("rotation_format");
-    if (format && std::string_view(format) == "quat_xyzw") {
-        const std::vector<double> v = xml.content(pose, 7);
-        return {three_of(v), xml.turn_by(pose, {v[6], v[3], v[4], v[5]})};
-    }
-    if (format && std::string_view(format) != "euler_rpy")
-        xml.fail(pose, fmt::format("has the rotation_format \"{}\"", one_line(format, 40)),
-                 "give euler_rpy or quat_xyzw");
-    const std::vector<double> v = xml.content(pose, 6);
-    const char* degrees = pose.Attribute("degrees");
-    return {three_of(v), roll_pitch_yaw(three_of(v, 3), degrees && (std::string_view(degrees) == "true" ||
-                                                                    std::string_view(degrees) == "1"))};
-}
-
-ImportedBody sdf_inertial(const RobotXml& xml, const XMLElement& inertial) {
-    ImportedBody body;
-    if (const XMLElement* pose = xml.optional_child(inertial, "pose")) {
-        const char* relative = pose->Attribute("relative_to");
-        if (relative && *relative) xml.fail(*pose, "is relative to another frame", "give it relative to the link");
-        const RobotPlace place = sdf_place(xml, *pose);
-        body.center_of_mass = place.position, body.orientation = place.turn;
-    }
-    const XMLElement& mass = xml.child(inertial, "mass");
-    body.mass = xml.checked_mass(mass, xml.content(mass, 1)[0]);
-    const XMLElement& inertia = xml.child(inertial, "inertia");
-    std::vector<double> entries;
-    for (const char* name : {"ixx", "iyy", "izz"}) entries.push_back(xml.content(xml.child(inertia, name), 1)[0]);
-    for (const char* name : {"ixy", "ixz", "iyz"})
-        entries.push_back(xml.content_or(xml.optional_child(inertia, name), 0));
-    body.inertia = RobotXml::tensor(entries);
-    return body;
-}
-
-bool is_true(const RobotXml& xml, const XMLElement* at) {
-    if (!at) return false;
-    const std::string_view text = at->GetText() ? at->GetText() : "";
-    if (text != "true" && text != "1" && text != "false" && text != "0")
-        xml.fail(*at, fmt::format("is \"{}\"", one_line(text, 40)), "give true or false");
-    return text == "true" || text == "1";
-}
-
-std::string text_of_child(const RobotXml& xml, const XMLElement& of, const char* name) {
-    const XMLElement& at = xml.child(of, name);
-    if (!at.GetText()) xml.fail(at, "is empty", "give a link's name");
-    return at.GetText();
-}
-
-// Where links, joints and frames of a model are in it.
-class SdfFrames {
-  public:
-    SdfFrames(const RobotXml& xml, const XMLElement& model) : xml_(xml) {
-        for (const XMLElement* at = model.FirstChildElement(); at; at = at->NextSiblingElement()) {
-            const std::string_view tag = at->Name();
-            if (tag != "link" && tag != "joint" && tag != "frame") continue;
-            const std::string name = xml.name(*at, "name", "its name");
-            if (!frames_.emplace(name, Frame_{at, {}, State::unknown}).second)
-                xml.fail(*at, fmt::format("is a second \"{}\"", one_line(name, 60)),
-                         "give links, joints and frames each a name of their own");
+// The mass properties of a link, and what of them is by default.
+LinkInertial inertial_of(const RobotXml& xml, SdfTree& tree, std::size_t index, const std::string& name,
+                         RobotNotes& assumed) {
+    const SdfEntity& entity = tree.entities()[index];
+    const XMLElement* inertial = xml.optional_child(*entity.at, "inertial");
+    if (inertial && sdf_flag_attribute(xml, *inertial, "auto")) {
+        std::vector<SdfSolid> solids;
+        for (const XMLElement* at = entity.at->FirstChildElement("collision"); at;
+             at = at->NextSiblingElement("collision")) {
+            const XMLElement* pose = xml.optional_child(*at, "pose");
+            const std::string base = sdf_relative_to(pose, tree.scope_of(entity).version);
+            RobotPose outer;
+            if (!base.empty())
+                outer = inverse(tree.pose_in_world(index)) * tree.pose_in_world(tree.find(*pose, base, entity.scope));
+            solids.push_back({at, outer * sdf_pose(xml, pose), tree.scope_of(entity).files});
         }
+        return sdf_computed_inertial(xml, *entity.at, name, solids, assumed);
     }
-
-    // `at` names it
-    RobotPose pose(const XMLElement& at, const std::string& name) {
-        if (name.empty() || name == "__model__") return {};
-        const auto found = frames_.find(name);
-        if (found == frames_.end()) {
-            std::vector<std::string> known;
-            for (const auto& [one, frame] : frames_) known.push_back(one);
-            const std::string meant = did_you_mean(name, known);
-            xml_.fail(at, fmt::format("names \"{}\", which is nothing in the model", one_line(name, 60)),
-                      meant.empty() ? "give a link, a joint or a frame" : meant);
-        }
-        Frame_& frame = found->second;
-        if (frame.state == State::known) return frame.pose;
-        if (frame.state == State::sought || ++depth_ > 1000)
-            xml_.fail(*frame.at, "is placed relative to itself", "give a pose relative to what is placed");
-        frame.state = State::sought;
-        const XMLElement* given = xml_.optional_child(*frame.at, "pose");
-        const char* relative = given ? given->Attribute("relative_to") : nullptr;
-        std::string base = relative ? relative : "";
-        if (base.empty() && std::string_view(frame.at->Name()) == "joint")
-            base = text_of_child(xml_, *frame.at, "child");
-        if (base.empty() && frame.at->Attribute("attached_to")) base = frame.at->Attribute("attached_to");
-        const RobotPose outer = pose(*frame.at, base);
-        --depth_;
-        frame.pose = given ? outer * pose_in(*given) : outer;
-        frame.state = State::known;
-        return frame.pose;
-    }
-
-    RobotPose pose_in(const XMLElement& given) const {
-        const RobotPlace place = sdf_place(xml_, given);
-        return {cast<Wide>(place.position), unit_quaternion<Wide>(place.turn)};
-    }
-
-  private:
-    enum class State { unknown, sought, known };
-    struct Frame_ {
-        const XMLElement* at;
-        RobotPose pose;  // in the model
-        State state;
-    };
-    const RobotXml& xml_;
-    std::map<std::string, Frame_, std::less<>> frames_;
-    int depth_ = 0;
-};
+    std::vector<std::string> defaults;
+    LinkInertial given = sdf_given_inertial(xml, inertial, defaults);
+    if (!inertial)
+        assumed["links without <inertial>: 1 kg and moments of 1 kg m^2, SDFormat's default"].push_back(name);
+    for (const std::string& part : defaults)
+        if (inertial && part == "mass")
+            assumed["links without <mass>: 1 kg, SDFormat's default"].push_back(name);
+        else if (inertial)
+            assumed["links without <inertia> or with moments missing: 1 kg m^2, SDFormat's default"].push_back(name);
+    return given;
+}
 
 class SdfReader {
   public:
-    SdfReader(const RobotXml& xml, const XMLElement& model)
-        : xml_(xml), model_(model), frames_(xml, model), names_(xml, "link") {
-        if (const XMLElement* pose = xml.optional_child(model, "pose")) {
-            const char* relative = pose->Attribute("relative_to");
-            if (relative && *relative && std::string_view(relative) != "world")
-                xml.fail(*pose, "is relative to another frame", "give it relative to the world");
-            place_ = frames_.pose_in(*pose);
-        }
-        if (model.Attribute("placement_frame"))
-            xml.fail(model, "is placed by a frame of its own", "give the pose of the model itself");
+    SdfReader(const RobotXml& xml, const XMLElement& root, const std::string& model)
+        : xml_(xml), tree_(xml, root), chosen_(find_model(model)) {
+        link_index_.assign(tree_.entities().size(), RobotJoint::world);
+        robot_.roots_are_free = true;
+        choose_prefix();
+        survey_robot(xml, root, sdf_constructs(), robot_.omitted);
     }
 
     Robot read() {
-        robot_.roots_are_free = true;
-        for (const XMLElement* at = model_.FirstChildElement(); at; at = at->NextSiblingElement()) {
-            const std::string_view tag = at->Name();
-            if (tag == "link") read_link(*at);
-            if (tag == "model" || tag == "include")
-                xml_.fail(*at, "is a model in the model", "give its links and joints themselves");
-            if (tag == "plugin" || tag == "gripper" || tag == "sensor")
-                note(fmt::format("<{}>", tag), name_or(*at, ""));
-        }
-        carried_.resize(robot_.links.size());
-        for (const XMLElement* at = model_.FirstChildElement("joint"); at; at = at->NextSiblingElement("joint"))
-            read_joint(*at);
+        for (std::size_t i = 0; i < tree_.entities().size(); ++i) read_link(i);
+        if (robot_.links.empty()) fail_without_links();
+        for (const SdfEntity& entity : tree_.entities())
+            if (entity.kind == SdfKind::joint) read_joint(entity);
+        robot_.joints = direct_sdf_joints(xml_, std::move(joints_), robot_);
+        read_gravity();
+        for (const auto& [what, names] : tree_.omitted()) append(robot_.omitted[what], names);
+        for (const auto& [what, names] : tree_.assumed()) append(robot_.assumed[what], names);
         return std::move(robot_);
     }
 
   private:
-    void note(const std::string& what, const std::string& name) { robot_.omitted[what].push_back(name); }
+    static void append(std::vector<std::string>& to, const std::vector<std::string>& names) {
+        to.insert(to.end(), names.begin(), names.end());
+    }
 
-    void read_link(const XMLElement& at) {
+    std::size_t find_model(const std::string& name) const {
+        if (name.empty()) return SdfTree::world;
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < tree_.entities().size(); ++i) {
+            if (tree_.entities()[i].kind != SdfKind::model) continue;
+            if (tree_.entities()[i].name == name) return i;
+            names.push_back(tree_.entities()[i].name);
+        }
+        const std::string meant = did_you_mean(name, names);
+        xml_.fail(tree_.top(), fmt::format("has no model \"{}\"", one_line(name, 60)),
+                  !meant.empty() ? meant : "give one of " + listed(names));
+    }
+
+    bool is_static(const SdfEntity& entity) const { return tree_.scope_of(entity).is_static; }
+
+    // a prefix that all names have is not written
+    void choose_prefix() {
+        if (chosen_ != SdfTree::world) prefix_ = tree_.entities()[chosen_].name + "::";
+        std::set<std::size_t> moving;
+        for (std::size_t i = 0; i < tree_.entities().size(); ++i) {
+            const SdfEntity& link = tree_.entities()[i];
+            if (link.kind != SdfKind::link) continue;
+            std::size_t model = i;
+            while (tree_.entities()[model].scope != SdfTree::world)
+                model = tree_.scope_of(tree_.entities()[model]).frame;
+            if (is_static(link)) {
+                const std::size_t owner = tree_.scope_of(link).frame;
+                still_.insert(tree_.entities()[owner].name);
+            } else {
+                moving.insert(model);
+            }
+        }
+        if (prefix_.empty() && moving.size() == 1) prefix_ = tree_.entities()[*moving.begin()].name + "::";
+        for (const std::string& name : still_)
+            robot_.assumed["static models, which are part of the world"].push_back(name);
+    }
+
+    std::string written(const std::string& name) const {
+        return name.starts_with(prefix_) ? name.substr(prefix_.size()) : name;
+    }
+
+    void read_link(std::size_t index) {
+        const SdfEntity& entity = tree_.entities()[index];
+        if (entity.kind != SdfKind::link || is_static(entity) || !tree_.is_within(index, chosen_)) return;
         RobotLink link;
-        link.name = xml_.name(at, "name", "the link's name"), link.place = xml_.place_of(at);
-        names_.add(at, link.name, robot_.links.size());
-        const XMLElement* inertial = xml_.optional_child(at, "inertial");
-        if (!inertial) xml_.fail(at, "has no <inertial>", "give it: the format's default of 1 kg is no body's");
-        if (inertial->FirstChildElement("fluid_added_mass")) note("added mass of links", link.name);
-        link.mass = mass_of(sdf_inertial(xml_, *inertial));
-        if (at.FirstChildElement("collision")) note("shapes for contact of links", link.name);
-        if (at.FirstChildElement("gravity") && !is_true(xml_, at.FirstChildElement("gravity")))
-            note("absence of gravity of links", link.name);
-        if (is_true(xml_, at.FirstChildElement("kinematic"))) note("kinematic links", link.name);
-        if (at.FirstChildElement("velocity_decay")) note("decay of velocity of links", link.name);
-        robot_.places.push_back(place_ * frames_.pose(at, link.name));
+        link.name = written(entity.name), link.place = xml_.place_of(*entity.at);
+        link.mass = mass_of(inertial_of(xml_, tree_, index, link.name, robot_.assumed));
+        if (link.mass->mass == 0) {
+            robot_.assumed["links of mass 0, read as links without <inertia>"].push_back(link.name);
+            link.mass.reset();
+        }
+        link_index_[index] = robot_.links.size();
+        robot_.places.push_back(tree_.pose_in_world(index));
         robot_.links.push_back(std::move(link));
     }
 
-    RobotMotion motion_of(const XMLElement& at) const {
-        const std::string type = xml_.name(at, "type", "revolute, continuous, prismatic, ball, universal or fixed");
-        for (const SdfJointType& one : sdf_joint_types)
-            if (type == one.name) return one.motion;
-        xml_.fail(at, fmt::format("has the type \"{}\"", one_line(type, 40)),
-                  "give revolute, continuous, prismatic, ball, universal or fixed");
+    [[noreturn]] void fail_without_links() const {
+        const bool has_static = !still_.empty();
+        xml_.fail(tree_.top(), has_static ? "has no <model> that moves: all are static" : "has no <model> with a link",
+                  has_static ? "remove <static> from one" : "give a model with a link");
     }
 
-    void read_joint(const XMLElement& at) {
-        RobotJoint joint;
-        joint.name = xml_.name(at, "name", "the joint's name"), joint.place = xml_.place_of(at);
-        joint.motion = motion_of(at);
-        const XMLElement &parent = xml_.child(at, "parent"), &child = xml_.child(at, "child");
-        const std::string parent_name = text_of_child(xml_, at, "parent");
-        if (parent_name != "world") joint.parent = names_.find(parent, parent_name);
-        joint.child = names_.find(child, text_of_child(xml_, at, "child"));
-        if (carried_[joint.child])
-            xml_.fail(
-                child,
-                fmt::format("is a second joint's that carries \"{}\"", one_line(robot_.links[joint.child].name, 60)),
-                "a robot is a tree: give each link one joint, and close chains by \"loops\" in the scene");
-        carried_[joint.child] = true;
-        const RobotPose& there = robot_.places[joint.child];
-        joint.placement = parent_name == "world" ? there : inverse(robot_.places[joint.parent]) * there;
-        // in the model, like the poses of frames
-        const RobotPose child_here = frames_.pose(child, robot_.links[joint.child].name);
-        const RobotPose joint_here = frames_.pose(at, joint.name);
-        joint.point = inverse(child_here) * joint_here.position;
-        const std::size_t axes = joint.motion == RobotMotion::universal                                            ? 2
-                                 : joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic ? 1
-                                                                                                                   : 0;
-        for (std::size_t i = 0; i < axes; ++i)
-            read_axis(xml_.child(at, i == 0 ? "axis" : "axis2"), i, child_here, joint_here, joint);
-        robot_.joints.push_back(std::move(joint));
-    }
-
-    void read_axis(const XMLElement& at, std::size_t i, const RobotPose& child_here, const RobotPose& joint_here,
-                   RobotJoint& joint) {
-        Vector3<Wide> axis(Wide(0), Wide(0), Wide(1));
-        Quaternion<Wide> turn = joint_here.turn;
-        if (const XMLElement* xyz = xml_.optional_child(at, "xyz")) {
-            axis = cast<Wide>(three_of(xml_.content(*xyz, 3)));
-            if (axis == Vector3<Wide>()) xml_.fail(*xyz, "is zero", "give a direction");
-            if (const char* frame = xyz->Attribute("expressed_in"); frame && *frame)
-                turn = frames_.pose(*xyz, frame).turn;
+    // The link that a joint's <parent> or <child> names, by itself, a frame or a model; or the world.
+    std::size_t end_of(const SdfEntity& joint, const char* tag) {
+        const std::string name = sdf_child_text(xml_, *joint.at, tag, "the name of a link or frame");
+        const XMLElement& at = xml_.child(*joint.at, tag);
+        if (name == "world") {
+            if (std::string_view(tag) == "child")
+                xml_.fail(at, fmt::format("of joint \"{}\" is the world", one_line(joint.name, 60)),
+                          "exchange parent and child");
+            return SdfTree::world;
         }
-        if (is_true(xml_, xml_.optional_child(at, "use_parent_model_frame")))
-            xml_.fail(at, "is in the model's frame by an old switch", "give <xyz expressed_in=\"__model__\">");
-        joint.axes[i] = rotate_back(child_here.turn, rotate(turn, axis));
-        if (at.FirstChildElement("limit")) note("limits of joints", joint.name);
-        if (at.FirstChildElement("mimic")) note("mimicry of joints", joint.name);
-        if (at.FirstChildElement("initial_position")) note("initial_position of joints", joint.name);
-        const XMLElement* dynamics = xml_.optional_child(at, "dynamics");
-        if (!dynamics) return;
-        const auto number = [&](const char* name) { return xml_.content_or(xml_.optional_child(*dynamics, name), 0); };
-        joint.damping[i] = Wide(number("damping")), joint.stiffness[i] = Wide(number("spring_stiffness"));
-        if (joint.stiffness[i] != 0) joint.rest[i] = Wide(number("spring_reference"));
-        if (number("friction") != 0) note("friction of joints", joint.name);
+        return tree_.link_of(tree_.find(at, name, joint.scope), at);
+    }
+
+    bool is_taken(std::size_t link) const { return link == SdfTree::world || link_index_[link] != RobotJoint::world; }
+
+    void read_joint(const SdfEntity& entity) {
+        const std::size_t parent = end_of(entity, "parent"), child = end_of(entity, "child");
+        const std::string name = unique_name(written(entity.name));
+        if (parent == child && parent == SdfTree::world) return;  // within what is static
+        if (parent == child)
+            xml_.fail(*entity.at, fmt::format("joint \"{}\" has one link as parent and child", one_line(name, 60)),
+                      "give two links");
+        if (!is_taken(parent) || !is_taken(child)) {
+            const bool touches =
+                (parent != SdfTree::world && is_taken(parent)) || (child != SdfTree::world && is_taken(child));
+            if (touches) robot_.omitted["joints to models that are not taken"].push_back(name);
+            return;
+        }
+        SdfJoint one{entity.at, read_sdf_joint(xml_, tree_, entity, parent, child, robot_)};
+        one.joint.name = name;
+        if (parent != SdfTree::world) one.joint.parent = link_index_[parent];
+        one.joint.child = child == SdfTree::world ? RobotJoint::world : link_index_[child];
+        joint_names_.insert(name);
+        joints_.push_back(std::move(one));
+    }
+
+    // a joint of the world may be named as one of the model
+    std::string unique_name(std::string name) const {
+        while (joint_names_.contains(name)) name = "world::" + name;
+        return name;
+    }
+
+    // of <world>, up to 1.5 of its <physics>
+    void read_gravity() {
+        const XMLElement& world = tree_.top();
+        if (std::string_view(world.Name()) != "world") return;
+        const XMLElement* physics = world.FirstChildElement("physics");
+        for (const XMLElement* at = physics; at; at = at->NextSiblingElement("physics"))
+            if (sdf_flag_attribute(xml_, *at, "default")) physics = at;
+        const XMLElement* at = xml_.optional_child(world, "gravity");
+        robot_.gravity_source = "<world><gravity>";
+        const XMLElement* old = physics ? xml_.optional_child(*physics, "gravity") : nullptr;
+        if (old && tree_.version() >= 6) {
+            robot_.omitted["<gravity> of <physics>, which SDFormat 1.6 moved to <world>"].push_back(
+                robot_note_name(xml_, *old));
+        } else if (old && !at) {
+            at = old, robot_.gravity_source = "<physics><gravity>";
+        }
+        if (at && sdf_text(*at).empty()) at = nullptr;
+        if (!at) robot_.gravity_source = "SDFormat's default";
+        robot_.gravity_W = at ? three_of(xml_.content(*at, 3)) : Vector3<double>(0, 0, -9.8);
     }
 
     const RobotXml& xml_;
-    const XMLElement& model_;
-    SdfFrames frames_;
-    RobotNames names_;
-    RobotPose place_;  // of the model in the world
-    std::vector<bool> carried_;
+    SdfTree tree_;
+    std::size_t chosen_;                   // the model that is taken, or the world: all
+    std::string prefix_;                   // of names, not written
+    std::set<std::string> still_;          // static models
+    std::vector<std::size_t> link_index_;  // in the robot, of entities
+    std::set<std::string> joint_names_;
+    std::vector<SdfJoint> joints_;
     Robot robot_;
 };
+
+// Links of that name, alone or qualified by models.
+std::vector<std::size_t> links_named(const SdfTree& tree, const std::string& name, std::vector<std::string>& names) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < tree.entities().size(); ++i) {
+        const SdfEntity& one = tree.entities()[i];
+        if (one.kind != SdfKind::link) continue;
+        names.push_back(one.name);
+        if (one.name == name || ("::" + one.name).ends_with("::" + name)) found.push_back(i);
+    }
+    return found;
+}
+
+LinkInertial inertial_in(const RobotXml& xml, SdfTree& tree, const std::string& link) {
+    std::vector<std::string> names;
+    const std::vector<std::size_t> found = links_named(tree, link, names);
+    if (found.empty()) {
+        const std::string meant = did_you_mean(link, names);
+        throw InputError(xml.path(), "", fmt::format("has no link \"{}\"", one_line(link, 60)),
+                         !meant.empty()  ? meant
+                         : names.empty() ? "give a file with a named link"
+                                         : "give one of " + listed(names));
+    }
+    if (found.size() > 1)
+        xml.fail(*tree.entities()[found[1]].at, fmt::format("is a second link \"{}\"", one_line(link, 60)),
+                 "give \"model::link\", or a different name to each");
+    RobotNotes assumed;
+    LinkInertial inertial = inertial_of(xml, tree, found[0], link, assumed);
+    // numbers of another file are not those of the file that the scene names
+    if (tree.entities()[found[0]].at->GetUserData()) return mass_of(inertial);
+    return inertial;
+}
 
 }  // namespace
 
 LinkInertial sdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link) {
-    return sdf_inertial(xml, xml.child(named_element(xml, root, "link", link), "inertial"));
+    try {
+        SdfTree tree(xml, root, false);
+        return inertial_in(xml, tree, link);
+    } catch (const SdfNeedsInclude&) {
+        SdfTree tree(xml, root);
+        return inertial_in(xml, tree, link);
+    }
 }
 
-Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string&) {
-    // the one that moves, in a world or alone
-    const XMLElement* within = root.FirstChildElement("world") ? &xml.child(root, "world") : &root;
-    const XMLElement* chosen = nullptr;
-    std::vector<std::string> still;
-    for (const XMLElement* at = within->FirstChildElement("model"); at; at = at->NextSiblingElement("model")) {
-        if (is_true(xml, at->FirstChildElement("static"))) {
-            still.push_back(name_or(*at, ""));
-            continue;
-        }
-        if (chosen) xml.fail(*at, "is a second model", "give a file with one model that moves");
-        chosen = at;
-    }
-    if (!chosen) xml.fail(*within, "has no <model> that moves", "give one");
-    Robot robot = SdfReader(xml, *chosen).read();
-    for (const std::string& name : still) robot.omitted["static models"].push_back(name);
-    if (within->FirstChildElement("include")) robot.omitted["<include>"].emplace_back("of the world");
-    return robot;
+Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string& model) {
+    return SdfReader(xml, root, model).read();
 }
 
 }  // namespace polhode

@@ -1,0 +1,56 @@
+// Values of SDFormat elements: version, flags, names and poses.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/robot_parts.h"
+#include "scene/robot_tree.h"
+#include "scene/robot_xml.h"
+
+namespace polhode {
+
+/// Minor numbers of the supported versions 1.3 to 1.12.
+inline constexpr int oldest_sdf_version = 3, newest_sdf_version = 12;
+
+/// The minor version of an <sdf> element. One without a version is read as the newest, which `assumed` then names.
+/// Throws InputError at a version that is not supported.
+int sdf_version(const RobotXml& xml, const XMLElement& root, RobotNotes& assumed);
+
+/// "true" or "1", "false" or "0", in any case of letters; false where the element is missing.
+bool sdf_flag(const RobotXml& xml, const XMLElement* at);
+bool sdf_flag_attribute(const RobotXml& xml, const XMLElement& at, const char* name);
+
+/// An element's text without blanks around it.
+std::string sdf_text(const XMLElement& at);
+/// The text of a child that must be there; `what` says in the message what to give.
+std::string sdf_child_text(const RobotXml& xml, const XMLElement& of, const char* name, const char* what);
+
+/// A position and a turn as written.
+struct SdfPlace {
+    Vector3<double> position;  ///< m
+    RobotTurn turn;
+};
+/// The numbers of a <pose>; an empty one is the identity.
+SdfPlace sdf_place(const RobotXml& xml, const XMLElement& pose);
+/// The same, ready for products; the identity at nullptr.
+RobotPose sdf_pose(const RobotXml& xml, const XMLElement* pose);
+/// The name of the frame that a <pose> is relative to: "relative_to", before 1.7 also "frame". Empty: the default.
+std::string sdf_relative_to(const XMLElement* pose, int version);
+
+/// Mass properties of the <inertial> of a link, in its frame, with SDFormat's defaults; `auto` is not considered.
+/// `defaults` lists what the file does not state: "mass", "inertia".
+LinkInertial sdf_given_inertial(const RobotXml& xml, const XMLElement* inertial, std::vector<std::string>& defaults);
+
+/// One <collision> of a link whose inertia is computed from its collisions.
+struct SdfSolid {
+    const XMLElement* collision = nullptr;
+    RobotPose pose;     ///< in the link's frame
+    RobotFiles meshes;  ///< relative to the file of the collision
+};
+/// Mass properties from collisions and densities (`<inertial auto="true">`). Throws InputError at shapes whose inertia
+/// libsdformat does not define. `assumed` names the link where densities or a given mass are taken.
+MassProperties<Wide> sdf_computed_inertial(const RobotXml& xml, const XMLElement& link, const std::string& name,
+                                           const std::vector<SdfSolid>& solids, RobotNotes& assumed);
+
+}  // namespace polhode

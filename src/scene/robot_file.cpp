@@ -15,6 +15,9 @@ LinkInertial read_inertial(const RobotXml& xml, XMLElement& root, const std::str
     if (kind == "robot") return urdf_link_inertial(xml, root, link);
     if (kind == "mujoco") return mjcf_body_inertial(xml, root, link);
     if (kind == "sdf") return sdf_link_inertial(xml, root, link);
+    if (kind == "gazebo")
+        xml.fail(root, "is SDFormat 1.0 to 1.2",
+                 "versions 1.3 to 1.12 are supported: convert the file, for example by gz sdf");
     xml.fail(root, "is not the root element of a known format",
              "give a URDF (<robot>), MJCF (<mujoco>) or SDFormat (<sdf>) file");
 }

@@ -102,6 +102,9 @@ Robot parse_robot(std::string_view text, const std::string& path, const RobotOpt
     }
     if (kind == "mujoco") return mjcf_robot(xml, root);
     if (kind == "sdf") return sdf_robot(xml, root, options.model);
+    if (kind == "gazebo")
+        xml.fail(root, "is SDFormat 1.0 to 1.2",
+                 "versions 1.3 to 1.12 are supported: convert the file, for example by gz sdf");
     xml.fail(root, "is not the root element of a known format",
              "give a URDF (<robot>), MJCF (<mujoco>) or SDFormat (<sdf>) file");
 }

@@ -115,7 +115,10 @@ class SdfReader {
 
     void read_link(std::size_t index) {
         const SdfEntity& entity = tree_.entities()[index];
-        if (entity.kind != SdfKind::link || is_static(entity) || !tree_.is_within(index, chosen_)) return;
+        if (entity.kind != SdfKind::link) return;
+        if (entity.at->FirstChildElement("collision"))
+            robot_.omitted["shapes for contact of links"].push_back(written(entity.name));
+        if (is_static(entity) || !tree_.is_within(index, chosen_)) return;
         RobotLink link;
         link.name = written(entity.name), link.place = xml_.place_of(*entity.at);
         link.mass = mass_of(inertial_of(xml_, tree_, index, link.name, robot_.assumed));

@@ -143,7 +143,7 @@ class SdfReader {
         const XMLElement& at = xml_.child(*joint.at, tag);
         if (name == "world") {
             if (std::string_view(tag) == "child")
-                xml_.fail(at, fmt::format("of joint \"{}\" is the world", one_line(joint.name, 60)),
+                xml_.fail(at, fmt::format("of joint \"{}\" is the world", name_or(*joint.at, "")),
                           "exchange parent and child");
             return SdfTree::world;
         }
@@ -165,8 +165,7 @@ class SdfReader {
             if (touches) robot_.omitted["joints to models that are not taken"].push_back(name);
             return;
         }
-        SdfJoint one{entity.at, read_sdf_joint(xml_, tree_, entity, parent, child, robot_)};
-        one.joint.name = name;
+        SdfJoint one{entity.at, read_sdf_joint(xml_, tree_, entity, name, parent, child, robot_)};
         if (parent != SdfTree::world) one.joint.parent = link_index_[parent];
         one.joint.child = child == SdfTree::world ? RobotJoint::world : link_index_[child];
         joint_names_.insert(name);

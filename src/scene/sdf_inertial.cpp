@@ -63,7 +63,7 @@ Extent<Wide> mesh_solid(const RobotXml& xml, const XMLElement& mesh, const Robot
         return scaled(mesh_extent<Wide>(files.mesh(uri)), scale);
     } catch (const InputError& error) {
         xml.fail(mesh, fmt::format("has a mesh that cannot be read: {}", error.what()),
-                 "or give the numbers in <inertial>");
+                 "give a mesh that can be read, or the numbers in <inertial>");
     }
 }
 

@@ -49,7 +49,8 @@ Quaternion<Wide> axis_frame(const RobotXml& xml, SdfTree& tree, const SdfEntity&
     const SdfScope& scope = tree.scope_of(entity);
     const bool by_switch = sdf_flag(xml, xml.optional_child(axis, "use_parent_model_frame"));
     if (by_switch && scope.version >= 7)
-        robot.omitted["use_parent_model_frame, which SDFormat 1.7 replaced by expressed_in"].push_back(entity.name);
+        robot.omitted["use_parent_model_frame, which SDFormat 1.7 replaced by expressed_in"].push_back(
+            robot_note_name(xml, axis));
     if (scope.version < 5 || (by_switch && scope.version < 7)) return tree.pose_in_world(scope.frame).turn;
     const char* name = xyz ? xyz->Attribute("expressed_in") : nullptr;
     if (!name || !*name) return frames.joint.turn;
@@ -186,12 +187,12 @@ class SdfForest {
 
 }  // namespace
 
-RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, std::size_t parent,
-                          std::size_t child, Robot& robot) {
+RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const std::string& name,
+                          std::size_t parent, std::size_t child, Robot& robot) {
     const XMLElement& at = *entity.at;
     RobotJoint joint;
-    joint.name = entity.name, joint.place = xml.place_of(at);
-    const SdfJointType& type = type_of(xml, at, entity.name);
+    joint.name = name, joint.place = xml.place_of(at);
+    const SdfJointType& type = type_of(xml, at, name);
     joint.motion = type.motion;
     const auto index = static_cast<std::size_t>(&entity - tree.entities().data());
     const JointFrames frames{tree.pose_in_world(child), tree.pose_in_world(index)};
@@ -199,7 +200,7 @@ RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& e
     joint.point = inverse(frames.child) * frames.joint.position;
     for (std::size_t i = 0; i < type.axes; ++i)
         read_axis(xml, tree, entity, xml.child(at, i == 0 ? "axis" : "axis2"), i, frames, joint, robot);
-    note_unused_axes(xml, at, type, entity.name, robot);
+    note_unused_axes(xml, at, type, name, robot);
     return joint;
 }
 

@@ -14,10 +14,10 @@ struct SdfJoint {
     RobotJoint joint;
 };
 
-/// The RobotJoint of a <joint> between two links, each an entity or SdfTree::world, with names and numbers but without
-/// the indices of its links. Throws InputError at joints that are not supported.
-RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, std::size_t parent,
-                          std::size_t child, Robot& robot);
+/// The RobotJoint of a <joint> between two links, each an entity or SdfTree::world, without the indices of its links.
+/// Throws InputError at joints that are not supported.
+RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const std::string& name,
+                          std::size_t parent, std::size_t child, Robot& robot);
 
 /// The joints with parents nearer to the world, or to the root of their tree: joints that the file directs the other
 /// way are reversed. Throws InputError where joints close a loop.

@@ -176,6 +176,9 @@ void SdfTree::place(SdfEntity& entity) {
     } else {
         const XMLElement* pose = xml_.optional_child(*entity.at, "pose");
         std::string base = sdf_relative_to(pose, version);
+        if (pose && version >= 7 && pose->Attribute("frame"))
+            omitted_["attribute frame of <pose>, which SDFormat 1.7 replaced by relative_to"].push_back(
+                robot_note_name(xml_, *pose));
         if (base.empty() && entity.kind == SdfKind::joint)
             base = sdf_child_text(xml_, *entity.at, "child", "the name of a link or frame");
         if (base.empty() && entity.kind == SdfKind::frame && entity.at->Attribute("attached_to"))

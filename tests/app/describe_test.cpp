@@ -74,7 +74,7 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
                               i > 0 ? ", " : "", i, i > 0 ? fmt::format("b{}", i - 1) : "world", i, i > 0 ? -0.025 : 0,
                               i % 2, 1 - i % 2);
     }
-    write("hand.json", fmt::format(R"({{"name": "hand", "duration": 0.05, "bodies": [{}], "joints": [{}],
+    write("hand.json", fmt::format(R"({{"name": "hand", "duration": 0.5, "bodies": [{}], "joints": [{}],
                                         "loads": [{{"type": "gravity", "acceleration": [0, 0, -9.81]}}]}})",
                                    bodies, joints));
     const Outcome brief = run({"describe", "hand.json"});

@@ -2,6 +2,8 @@
 //
 // The rules that depend on the version, and the shapes that are refused where inertia is computed, are in the reader.
 // Elements below an irrelevant or omitted one share its verdict.
+#include <tinyxml2.h>
+
 #include <cmath>
 #include <optional>
 #include <string_view>

@@ -136,7 +136,7 @@ class UrdfReader {
             if (has_axis) joint.damping[0] = Wide(damping);
             // the format does not say what they mean for six degrees of freedom
             if (joint.motion == RobotMotion::free && (damping != 0 || friction != 0))
-                robot_.omitted["dynamics of floating joints"].push_back(joint.name);
+                robot_.omitted["damping and friction of floating joints"].push_back(joint.name);
         }
         robot_.joints.push_back(std::move(joint));
     }

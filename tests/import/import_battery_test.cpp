@@ -63,7 +63,7 @@ bool contains_ignoring_case(const std::string& text, const std::string& phrase) 
 
 bool is_reported(const Scene& scene, const json& phrases) {
     for (const std::string phrase : phrases)
-        for (const std::string& omission : scene.left_out)
+        for (const std::string& omission : scene.omitted)
             if (contains_ignoring_case(omission, phrase)) return true;
     return false;
 }
@@ -144,6 +144,8 @@ void expect_same_bodies(const Scene& scene, const json& bodies,
         if (body["welded_to"] >= 0) expected[body["welded_to"]] += body["mass"].get<double>();
     for (std::size_t i = 0; i < matches.size(); ++i) {
         if (!matches[i]) {
+            // a link without mass between two joints
+            if (scene.bodies[i].body.mass == 0) continue;
             ADD_FAILURE() << "body " << scene.bodies[i].name << " is not expected";
             continue;
         }

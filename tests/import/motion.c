@@ -136,6 +136,9 @@ int main(int count, char** arguments) {
         m->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_ACTUATION | mjDSBL_CONTACT;
         drop(m, field[3]);
         mjData* d = mj_makeData(m);
+        // dof_M0, which stands for the mass matrix of simple bodies, holds the armature, too
+        mj_setConst(m, d);
+        mj_resetData(m, d);
         if (!start(m, d, field[4])) {
             printf("{\"id\":\"%s\",\"error\":\"the start cannot be set\"}\n", field[0]);
             continue;

@@ -150,6 +150,8 @@ for await (const line of createInterface({ input: process.stdin })) {
     m.opt.disableflags |= 1 | (1 << 4) | (1 << 11); // constraints, contacts, actuators
     drop(m, dropped);
     const d = new mujoco.MjData(m);
+    mujoco.mj_setConst(m, d); // dof_M0 holds the armature, too
+    mujoco.mj_resetData(m, d);
     start(m, d, begin);
     const weld = m.body_weldid;
     const bodies = [];

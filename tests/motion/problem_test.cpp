@@ -156,7 +156,7 @@ TEST(Pose, RefusesWhatSeveralBodiesWouldIgnore) {
 
 TEST(Pose, RefusesWhatOneBodyWouldIgnore) {
     Scene one;
-    one.name = "one";
+    one.name = "one", one.duration = 1;
     EXPECT_EQ(ignored_part(one, [](Scene&) {}), "");
     EXPECT_EQ(ignored_part(one, [](Scene& s) { s.joints.emplace_back(); }), "/joints");
     EXPECT_EQ(ignored_part(one, [](Scene& s) { s.loops.emplace_back(); }), "/loops");

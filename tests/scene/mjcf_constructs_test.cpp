@@ -13,7 +13,7 @@
 #include "scene/robot_tree.h"
 #include "scene/scene_file.h"
 
-namespace polhode {
+namespace polhode::mjcf_constructs_test {
 namespace {
 
 using enum RobotVerdict;
@@ -319,4 +319,4 @@ TEST(MjcfConstructs, UnknownNamesAreNamed) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::mjcf_constructs_test

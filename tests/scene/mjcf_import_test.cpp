@@ -12,7 +12,7 @@
 #include "scene/robot_parts.h"
 #include "scene/scene_file.h"
 
-namespace polhode {
+namespace polhode::mjcf_import_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -64,8 +64,8 @@ std::string fault(const std::string& text) {
     return "";
 }
 
-std::string model(const std::string& bodies, const std::string& sections = "") {
-    return "<mujoco>" + sections + "<worldbody>" + bodies + "</worldbody></mujoco>";
+std::string model(const std::string& body_list, const std::string& sections = "") {
+    return "<mujoco>" + sections + "<worldbody>" + body_list + "</worldbody></mujoco>";
 }
 const std::string one_kg = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 std::string hinged(const std::string& name, const std::string& inside) {
@@ -377,15 +377,15 @@ TEST(MjcfImport, BoundsAndTotalMass) {
     EXPECT_TRUE(is_noted(bound.assumed, "inertia tensors balanced by balanceinertia", "a"));
     EXPECT_TRUE(is_noted(bound.assumed, "bodies raised to boundmass or boundinertia", "f"));
 
-    const std::string bodies =
+    const std::string body_list =
         "<body name='s'><geom type='box' size='0.1 0.2 0.3' mass='4'/></body>" +
         hinged("a", "<geom type='box' size='0.1 0.2 0.3' mass='6'/><body name='w'>" + one_kg + "</body>");
-    const Robot total = read(model(bodies, "<compiler settotalmass='22'/>"));
+    const Robot total = read(model(body_list, "<compiler settotalmass='22'/>"));
     EXPECT_NEAR(mass_of(total, "a"), 12, 1e-14);
     EXPECT_NEAR(mass_of(total, "w"), 2, 1e-15);
     EXPECT_NEAR(tensor_of(total, "a")[0][0], 12. / 3 * 0.13, 1e-15);
     // fusestatic removes "s" before
-    const Robot fused = read(model(bodies, "<compiler settotalmass='14' fusestatic='true'/>"));
+    const Robot fused = read(model(body_list, "<compiler settotalmass='14' fusestatic='true'/>"));
     EXPECT_NEAR(mass_of(fused, "a"), 12, 1e-14);
 }
 
@@ -722,4 +722,4 @@ TEST(MjcfImport, RefusalsNameThePlaceAndTheRemedy) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::mjcf_import_test

@@ -291,7 +291,7 @@ TEST(RobotImport, WorldIsAnImpliedParentAndFloatingLinksHangOnFixedOnes) {
              joint("j", "floating", "a", "b", "<origin xyz='1 2 3'/><dynamics damping='1' friction='0'/>")));
     ASSERT_EQ(floating.bodies.size(), 2u);
     EXPECT_EQ(floating.bodies[1].initial.position_W, Vector3<double>(1.1, 2.2, 3.3));
-    EXPECT_EQ(floating.omitted, std::vector<std::string>{"dynamics of floating joints: j"});
+    EXPECT_EQ(floating.omitted, std::vector<std::string>{"damping and friction of floating joints: j"});
 }
 
 TEST(RobotImport, ConstructsOfUrdfThatAreNotModelledAreNamed) {

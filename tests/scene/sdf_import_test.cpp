@@ -15,7 +15,7 @@
 #include "scene/scene_file.h"
 #include "text/named_file.h"
 
-namespace polhode {
+namespace polhode::sdf_import_test {
 namespace {
 
 const double pi = 3.141592653589793;
@@ -622,7 +622,8 @@ TEST(SdfConstructs, WhatIsIrrelevantOrOmittedHasThatVerdict) {
     }
     EXPECT_GT(irrelevant, 50);
     EXPECT_GT(omitted, 20);
-    EXPECT_NE(reading_of(with_element({"link", "mystery", ""}, "")).find("unknown element <mystery>: a"),
+    EXPECT_NE(reading_of(with_element({.parent = "link", .element = "mystery", .attribute = "", .note = ""}, ""))
+                  .find("unknown element <mystery>: a"),
               std::string::npos);
 }
 
@@ -678,4 +679,4 @@ TEST(SdfConstructs, WhatIsModelledReacts) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::sdf_import_test

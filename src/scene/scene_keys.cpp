@@ -263,9 +263,12 @@ std::span<const FileKey> scene_keys() {
         {"tolerated", "momentum", "number > 0", "", "0.05", "0.01",
          "the largest error of the angular momentum as a vector, relative to its largest"},
 
-        {"body", "mass", "number > 0", "kg", "required", "1", "the mass"},
+        {"body", "mass", "number > 0", "kg", "required", "1",
+         "the mass; 0 is allowed in a mechanism whose mass matrix stays regular"},
         {"body", "inertia", "3 numbers or 3 rows of 3", "kg m^2", "required", "[0.75, 0.75, 0.5]",
-         "moments, or the tensor with -int xy dm off its diagonal, about the centre of mass in body axes"},
+         "moments, or the tensor with -int xy dm off its diagonal, about the centre of mass in body axes; in a "
+         "mechanism "
+         "moments may be 0 (point, rod)"},
         {"body", "center_of_mass", "[x, y, z]", "m", "[0, 0, 0]", "[0, 0, 0.5]", "from the body's origin, body axes"},
         {"body of a shape", "shape", "object", "", "required", "{\"type\": \"box\", ..}", "a homogeneous solid"},
         {"body of a shape", "mass", "number > 0", "kg", "this or density", "2", "the mass"},

@@ -70,7 +70,8 @@ std::vector<Scene> counting_scenes(long& calls) {
 
 class Counts : public ::testing::TestWithParam<const Method*> {};
 
-// The count holds for runs that end early, too: angles meet gimbal lock, springs break.
+// The count holds for runs that end early, too: angles meet gimbal lock, springs break. A run by fixed steps that
+// diverges reports the evaluations up to the step that led astray; it went further and came back to find that step.
 TEST_P(Counts, AreTheCallsOfAUserTorque) {
     const Method& method = *GetParam();
     long calls = 0;
@@ -84,6 +85,12 @@ TEST_P(Counts, AreTheCallsOfAUserTorque) {
             const long called = calls;
             if (run.status == Status::unsupported) continue;
             const std::string where = fmt::format("{}, {}: {}", scene.name, description_of(settings), run.message);
+            EXPECT_LE(run.sample_evaluations, run.rhs_evaluations) << where;
+            EXPECT_EQ(solve(problem, method, settings).rhs_evaluations, run.rhs_evaluations) << where;
+            if (run.status == Status::diverged) {
+                EXPECT_LE(run.rhs_evaluations, called) << where;
+                continue;
+            }
             switch (count_of(method, scene)) {
                 case Count::calls:
                     EXPECT_EQ(run.rhs_evaluations, called) << where;
@@ -96,8 +103,6 @@ TEST_P(Counts, AreTheCallsOfAUserTorque) {
                     EXPECT_EQ(run.rhs_evaluations, called - *of_posing) << where;
                     break;
             }
-            EXPECT_LE(run.sample_evaluations, run.rhs_evaluations);
-            EXPECT_EQ(solve(problem, method, settings).rhs_evaluations, run.rhs_evaluations) << "the second time";
         }
     }
 }

@@ -1,6 +1,7 @@
 """Scenes as dicts and by attributes; what is wrong with one is told in one line."""
 
 import copy
+import functools
 import json
 import pickle
 
@@ -151,12 +152,14 @@ def test_a_scene_with_a_torque_that_gets_several_bodies_is_refused_by_every_use(
     several = json.loads(polhode.scene("mechanisms/double_pendulum").json())
     scene.clear()
     scene.update(several)
-    uses = [scene.describe, lambda: polhode.truth(scene, samples=2), lambda: polhode.run({"scenes": scene})]
-    uses += [lambda method=method: polhode.solve(scene, method)
-             for method in ("auto", "taylor", "dop853", "cvode_adams", "extrapolation", "exact")]
-    for use in uses:
+    methods = ("auto", "taylor", "dop853", "cvode_adams", "extrapolation", "exact")
+    for use in (scene.describe, *(functools.partial(polhode.solve, scene, method) for method in methods)):
         with pytest.raises(polhode.InputError, match="user-defined torque in a scene of several bodies"):
             use()
+    with pytest.raises(polhode.NoTruthError, match="user's torque"):
+        polhode.truth(scene, samples=2)
+    with pytest.raises(polhode.InputError, match="has no truth"):
+        polhode.run({"scenes": scene})
     assert not calls
 
 
@@ -186,5 +189,5 @@ def test_a_torque_that_never_acts_is_refused(window):
 def test_nothing_of_one_body_is_ignored_beside_several_nor_the_reverse(several, key, value):
     scene = polhode.scene("mechanisms/double_pendulum" if several else "free_asymmetric")
     scene[key] = value
-    with pytest.raises(polhode.InputError, match=f"/{key}"):
+    with pytest.raises(polhode.InputError, match=key):
         polhode.solve(scene)

@@ -153,6 +153,20 @@ def test_a_torque_of_ones_own():
         polhode.solve(own).errors()
 
 
+@pytest.mark.parametrize("method", ["dop853", "extrapolation", "cvode_adams", "arkode_erk8", "odeint_dopri5"])
+@pytest.mark.parametrize("samples", [1, 10, 1000])
+def test_evaluations_are_the_calls_of_a_torque(method, samples):
+    calls = []
+    scene = polhode.scene("free_asymmetric", duration=2).add_torque(lambda now: calls.append(now.t) or -0.1 * now.w_B)
+    polhode.solve(scene, method, samples=1)  # poses the scene, which calls the torque, too
+    calls.clear()
+    motion = polhode.solve(scene, method, tolerance=1e-8, samples=samples)
+    assert motion.rhs_evaluations == len(calls) and motion.sample_evaluations <= motion.rhs_evaluations
+    if method == "dop853":
+        # nine for each step that has samples inside it
+        assert motion.sample_evaluations <= (0 if samples == 1 else 9 * motion.steps)
+
+
 @pytest.mark.parametrize("method", ["dop853", "cvode_adams", "radau", "arkode_erk8", "odeint_dopri5"])
 def test_an_exception_in_a_torque_comes_through(method):
     def broken(now):

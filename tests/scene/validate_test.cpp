@@ -33,7 +33,7 @@ TEST(Validate, ABodyOfAMechanismMayHaveNoMassOrAMomentOfZero) {
             s.bodies.push_back({"arm", {}, {}});
             s.bodies[0].body.mass = mass, s.bodies[0].body.inertia_B = inertia;
             Joint hinge;
-            hinge.name = "hinge", hinge.parent = "world", hinge.child = "arm";
+            hinge.name = "hinge", hinge.parent = "world", hinge.child = "arm", hinge.axes[0] = {0, 1, 0};
             s.joints = {hinge};
         });
     };

@@ -211,6 +211,8 @@ constexpr RobotConstruct sdf_rows[] = {
     {"limit", "effort", "", irrelevant, "limits actuators, which are not modelled"},
     {"limit", "stiffness", "", irrelevant, "acts at limits alone, which are omitted"},
     {"limit", "dissipation", "", irrelevant, "acts at limits alone, which are omitted"},
+    {"limit", "cfm", "", irrelevant, "a parameter of ODE's solver"},
+    {"limit", "erp", "", irrelevant, "a parameter of ODE's solver"},
     {"joint", "physics", "", modelled, "settings of joints in ODE"},
     {"physics", "provide_feedback", "", irrelevant, "measures"},
     {"ode", "provide_feedback", "", irrelevant, "measures"},

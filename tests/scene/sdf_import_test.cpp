@@ -1,6 +1,7 @@
 // SDFormat: rules by version, frames, defaults, computed inertia, worlds and included models, each against a closed
 // form; refusals; and the table of constructs, row by row.
 #include <gtest/gtest.h>
+#include <tinyxml2.h>
 
 #include <cmath>
 #include <filesystem>

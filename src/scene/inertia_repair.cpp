@@ -45,7 +45,7 @@ InertiaRepair repair_inertia(const Matrix3<Wide>& inertia) {
     const WidePrincipalFrame frame = wide_principal_frame(inertia);
     std::array<int, 3> order{0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int a, int b) { return frame.moments[a] < frame.moments[b]; });
-    std::array<Wide, 3> x;
+    std::array<Wide, 3> x{};
     for (std::size_t i = 0; i < 3; ++i) x[i] = frame.moments[order[i]];
     // negative moments alone count as an excess, too
     const Wide size = std::max(square_root(x[0] * x[0]), square_root(x[2] * x[2]));

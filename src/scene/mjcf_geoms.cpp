@@ -38,7 +38,7 @@ bool is_primitive(const std::string& type) {
 // The axes of an extent from its smallest spread to its largest, with the half sizes of the box of that spread.
 struct InertiaBox {
     std::array<Vector3<Wide>, 3> axes;
-    std::array<Wide, 3> half;
+    std::array<Wide, 3> half{};
 };
 InertiaBox inertia_box(const Extent<Wide>& e) {
     const MassProperties<Wide> body = uniform_body(e, Wide(1));

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "body/shapes.h"
@@ -31,7 +32,7 @@ class MjcfMeshes {
     struct Key {
         const XMLElement* asset;
         bool shell;
-        auto operator<=>(const Key&) const = default;
+        bool operator<(const Key& other) const { return std::pair(asset, shell) < std::pair(other.asset, other.shell); }
     };
 
     const RobotXml& xml_;

@@ -11,8 +11,8 @@ namespace polhode {
 struct MjcfSpringDamper {
     const XMLElement* at = nullptr;
     std::size_t joint = 0;  ///< of the robot
-    Wide time_constant, damping_ratio;
-    Wide stiffness, damping;  ///< computed: N m/rad and N m s, or N/m and N s/m
+    Wide time_constant = 0, damping_ratio = 0;
+    Wide stiffness = 0, damping = 0;  ///< computed: N m/rad and N m s, or N/m and N s/m
 };
 
 /// Computes stiffness = I / (T z)^2 and damping = 2 I / T with the time constant T, the damping ratio z and the mean I

@@ -167,7 +167,7 @@ class RobotMerger {
     // Two hinges whose lines meet in one point, in the frame of the link between.
     struct Meeting {
         Vector3<Wide> p, a, b, n, d;
-        Wide across;
+        Wide across = 0;
     };
     Meeting meeting_of(const RobotJoint& joint, const RobotJoint& second) const {
         Meeting m;

@@ -174,7 +174,7 @@ class SdfReader {
 
     // a joint of the world may be named as one of the model
     std::string unique_name(std::string name) const {
-        while (joint_names_.contains(name)) name = "world::" + name;
+        while (joint_names_.contains(name)) name.insert(0, "world::");
         return name;
     }
 

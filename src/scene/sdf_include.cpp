@@ -44,7 +44,7 @@ std::string listed_model(const std::string& text, const std::string& path) {
 // The model in a folder, or nothing where there is none.
 std::string model_in(const std::string& folder, const RobotFiles& files) {
     for (const char* config : {"model.config", "manifest.xml"}) {
-        const std::string name = folder + "/" + config;
+        const std::string name = fmt::format("{}/{}", folder, config);
         if (!files.has(name)) continue;
         const std::string model = listed_model(files.text(name), files.path(name));
         if (!model.empty()) return folder + "/" + model;
@@ -69,7 +69,7 @@ std::string find_sdf_include(const RobotXml& xml, const XMLElement& at, const st
         for (const char* around : {"models/", "../", "../models/", "../../models/", "../../"})
             tried.push_back(around + name);
     for (const std::string& one : tried) {
-        const std::string found = is_folder(one) ? model_in(one, files) : files.has(one) ? one : "";
+        std::string found = is_folder(one) ? model_in(one, files) : files.has(one) ? one : "";
         if (!found.empty()) return found;
     }
     xml.fail(at, fmt::format("is \"{}\", and there is no such model", one_line(uri, 80)),

@@ -47,7 +47,7 @@ std::string model_in(const std::string& folder, const RobotFiles& files) {
         const std::string name = fmt::format("{}/{}", folder, config);
         if (!files.has(name)) continue;
         const std::string model = listed_model(files.text(name), files.path(name));
-        if (!model.empty()) return folder + "/" + model;
+        if (!model.empty()) return fmt::format("{}/{}", folder, model);
     }
     const std::string name = folder + "/model.sdf";
     return files.has(name) ? name : "";

@@ -77,7 +77,7 @@ void refuse_xacro(const RobotXml& xml, const XMLElement& at) {
     const char* remedy = "expand the file with xacro first: xacro FILE > robot.urdf";
     if (std::string_view(at.Name()).starts_with("xacro:")) xml.fail(at, "is a macro of xacro", remedy);
     for (const tinyxml2::XMLAttribute* a = at.FirstAttribute(); a; a = a->Next())
-        if (std::string_view(a->Value()).find("${") != std::string_view::npos)
+        if (const std::string_view value = a->Value(); value.find("${") != value.npos || value.find("$(") != value.npos)
             xml.fail(at,
                      fmt::format("has the expression \"{}\" in {}", one_line(a->Value(), 40), one_line(a->Name(), 40)),
                      remedy);

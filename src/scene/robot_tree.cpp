@@ -43,6 +43,7 @@ class RobotMerger {
         if (order.size() < robot_.links.size())
             throw InputError(path_, "", "has joints that form a circle",
                              "a robot is a tree: close chains by \"loops\" in the scene");
+        for (std::size_t k = order.size(); k-- > 0;) pass_on_tensor(order[k]);
         for (std::size_t k = order.size(); k-- > 0;)
             if (!robot_.links[order[k]].mass) merge_link(order[k]);
         // a link that is fixed to its parent needs no possible tensor of its own
@@ -112,13 +113,11 @@ class RobotMerger {
                                         [&](std::size_t j) { return robot_.joints[j].motion == RobotMotion::fixed; });
         gone_[i] = true;
         if (children.empty()) {
-            if (joint.motion != RobotMotion::fixed)
-                fail(link.place,
-                     fmt::format("link \"{}\" has no mass, and joint \"{}\" moves it", one_line(link.name, 60),
-                                 one_line(joint.name, 60)),
-                     "give it an inertial, or make the joint fixed");
             if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
-            if (joint.parent != RobotJoint::world || robot_.links.size() > 1)
+            // nothing determines its motion, and it moves nothing
+            if (joint.motion != RobotMotion::fixed && joint.motion != RobotMotion::free)
+                note("links without mass at moving joints, dropped with their joints", link.name);
+            else if (joint.parent != RobotJoint::world || robot_.links.size() > 1)
                 note_assumed("links without mass, dropped", link.name);
         } else if (joint.motion == RobotMotion::fixed) {
             merge_up(i, joint, "links without mass, merged");
@@ -201,6 +200,27 @@ class RobotMerger {
         joint.child = c, carrier_[c] = carrier_[i];
         children_[i].clear();
         note_assumed("hinges that are one universal joint", joint.name);
+    }
+
+    // A tensor without mass is added to the link that a fixed joint ties its own to.
+    void pass_on_tensor(std::size_t i) {
+        RobotLink& link = robot_.links[i];
+        if (!link.mass || link.mass->mass > Wide(0)) return;
+        const MassProperties<Wide> tensor = *link.mass;
+        link.mass.reset();
+        if (tensor.inertia == Matrix3<Wide>()) return;
+        const RobotJoint& joint = joint_of(i);
+        const auto tie = std::find_if(children_[i].begin(), children_[i].end(), [&](std::size_t j) {
+            return robot_.joints[j].motion == RobotMotion::fixed && robot_.links[robot_.joints[j].child].mass;
+        });
+        if (joint.motion == RobotMotion::fixed) {
+            if (joint.parent != RobotJoint::world) add_mass(joint.parent, tensor, joint.placement);
+        } else if (tie != children_[i].end()) {
+            add_mass(robot_.joints[*tie].child, tensor, inverse(robot_.joints[*tie].placement));
+        } else {
+            return note("inertia tensors of links with mass 0", link.name);
+        }
+        note_assumed("inertia tensors of links with mass 0, added to the links that they are fixed to", link.name);
     }
 
     bool has_impossible_tensor(std::size_t i) const {

@@ -65,7 +65,7 @@ std::string find_sdf_include(const RobotXml& xml, const XMLElement& at, const st
         xml.fail(at, fmt::format("is \"{}\", which is not a file", one_line(uri, 80)),
                  "download the model and include it by a relative path or model://");
     std::vector<std::string> tried = {name};
-    if (scheme == "model")
+    if (scheme != "file")
         for (const char* around : {"models/", "../", "../models/", "../../models/", "../../"})
             tried.push_back(around + name);
     for (const std::string& one : tried) {
@@ -84,7 +84,19 @@ std::optional<SdfTree::Included> SdfTree::read_include(const XMLElement& at, std
         xml_.fail(at, fmt::format("is beyond {} included files", most_includes), "include fewer models");
     const XMLElement& uri = xml_.child(at, "uri");
     const RobotFiles& files = scopes_[scope].files;
-    const std::string name = find_sdf_include(xml_, uri, sdf_child_text(xml_, at, "uri", "the path of a model"), files);
+    const std::string wanted = sdf_child_text(xml_, at, "uri", "the path of a model");
+    std::string name;
+    try {
+        name = find_sdf_include(xml_, uri, wanted, files);
+    } catch (const InputError&) {
+        // scenery beside other models, most often; a joint that refers to the model is still refused
+        const XMLElement& around = *at.Parent()->ToElement();
+        const XMLElement* first = around.FirstChildElement("include");
+        const bool is_alone = !around.FirstChildElement("model") && first == &at && !at.NextSiblingElement("include");
+        if (std::string_view(around.Name()) != "world" || is_alone) throw;
+        omitted_["included models of the world that are not there"].push_back(one_line(wanted, 80));
+        return {};
+    }
     const std::string text = files.text(name), path = files.path(name);
     included_bytes_ += text.size();
     if (included_bytes_ > most_included_bytes)

@@ -55,20 +55,13 @@ void note_gazebo(const XMLElement& gazebo, RobotNotes& omitted) {
             omitted["<gazebo>"].push_back(one_line(one->Name(), 40));
 }
 
-std::optional<MassProperties<Wide>> urdf_mass(const RobotXml& xml, const XMLElement& link, const std::string& name,
-                                              RobotNotes& omitted) {
+// Exporters write a mass of zero for links without one, often without a tensor.
+std::optional<MassProperties<Wide>> urdf_mass(const RobotXml& xml, const XMLElement& link) {
     const XMLElement* inertial = xml.optional_child(link, "inertial");
     if (!inertial) return {};
-    // exporters write a mass of zero for links without one, often without a tensor
-    const XMLElement& mass = xml.child(*inertial, "mass");
-    if (xml.attribute(mass, "value", 1)[0] != 0) return mass_of(urdf_inertial(xml, *inertial));
-    if (const XMLElement* inertia = xml.optional_child(*inertial, "inertia"))
-        for (const char* entry : {"ixx", "iyy", "izz"})
-            if (xml.attribute_or(*inertia, entry, 0) != 0) {
-                omitted["inertia tensors of links with mass 0"].push_back(name);
-                break;
-            }
-    return {};
+    const bool has_mass = xml.attribute(xml.child(*inertial, "mass"), "value", 1)[0] != 0;
+    if (!has_mass && !inertial->FirstChildElement("inertia")) return {};
+    return mass_of(urdf_inertial(xml, *inertial));
 }
 
 class UrdfReader {
@@ -98,7 +91,7 @@ class UrdfReader {
         RobotLink link;
         link.name = xml_.name(at, "name", "the link's name"), link.place = xml_.place_of(at);
         links_.add(at, link.name, robot_.links.size());
-        link.mass = urdf_mass(xml_, at, link.name, robot_.omitted);
+        link.mass = urdf_mass(xml_, at);
         robot_.links.push_back(std::move(link));
     }
 

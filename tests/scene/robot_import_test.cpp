@@ -281,6 +281,24 @@ TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     EXPECT_NEAR(double(edge.inertia[2][2]), 1.00005, 1e-15);
 }
 
+// A massless link at the end of a moving joint moves nothing; a tensor without mass counts where it is fixed.
+TEST(RobotImport, LinksWithoutMassAtTheEnds) {
+    const Scene leaf = robot_scene(
+        urdf(bare("w") + link("a") + bare("b") + joint("j", "revolute", "w", "a") + joint("k", "revolute", "a", "b")));
+    ASSERT_EQ(leaf.bodies.size(), 1u);
+    ASSERT_EQ(leaf.joints.size(), 1u);
+    EXPECT_EQ(leaf.omitted,
+              std::vector<std::string>{"links without mass at moving joints, dropped with their joints: b"});
+    const std::string rotor = urdf_link("rotor", 0, urdf_inertia(0.25, 0.5, 0.75));
+    const Scene fixed = robot_scene(urdf(bare("w") + link("a") + rotor + joint("j", "revolute", "w", "a") +
+                                         joint("t", "fixed", "a", "rotor", "<origin xyz='1 2 3'/>")));
+    ASSERT_EQ(fixed.bodies.size(), 1u);
+    EXPECT_EQ(fixed.bodies[0].body.mass, 2);
+    EXPECT_EQ(fixed.bodies[0].body.center_of_mass, Vector3<double>(0.1, 0.2, 0.3));
+    EXPECT_EQ(fixed.bodies[0].body.inertia_B, diagonal(Vector3<double>(1.25, 2.5, 3.25)));
+    EXPECT_NE(robot_fault(urdf("<link name='$(arg n)'/>")).find("expand the file with xacro first"), std::string::npos);
+}
+
 TEST(RobotImport, WorldIsAnImpliedParentAndFloatingLinksHangOnFixedOnes) {
     const Scene s = robot_scene(urdf(link("a") + joint("j", "revolute", "world", "a", "<origin xyz='1 2 3'/>")));
     EXPECT_EQ(s.joints[0].parent, "world");
@@ -510,8 +528,6 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
         {urdf(two + joint("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>")), "<axis>: is zero"},
         {urdf(two + link("c") + joint("j", "revolute", "a", "b") + joint("k", "floating", "b", "c")),
          "joint \"k\" frees a link from one that moves"},
-        {urdf(link("a") + bare("b") + joint("j", "revolute", "a", "b")),
-         "link \"b\" has no mass, and joint \"j\" moves it"},
         {urdf(link("a")), "nothing moves: \"a\" and all other links are fixed to the world"},
         {mjcf("<body><joint type='screw'/>" + mjcf_inertial + "</body>"), "has the type \"screw\""},
         {mjcf("<body><joint/><freejoint/>" + mjcf_inertial + "</body>"),

@@ -517,6 +517,16 @@ TEST(SdfConstructs, ListTheWholeSchema) {
             << row.element;
 }
 
+// Scenery that is not there leaves the world readable, and is named.
+TEST(SdfImport, MissingModelsOfAWorldAreNamed) {
+    const std::string world =
+        "<sdf version='1.9'><world name='w'><include><uri>model://sun</uri></include><model name='m'><link "
+        "name='a'/></model></world></sdf>";
+    const Scene scene = sdf_scene(world);
+    EXPECT_EQ(scene.bodies.size(), 1u);
+    EXPECT_EQ(scene.omitted, std::vector<std::string>{"included models of the world that are not there: model://sun"});
+}
+
 // Each modelled element that has a text or an attribute, in values that act.
 std::string full_document(const std::string& version) {
     const std::string pose = std::stoi(version.substr(2)) < 7 ? "frame" : "relative_to";

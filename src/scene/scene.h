@@ -232,9 +232,10 @@ struct Scene {
     /// The errors that `check` lets pass, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s),
     /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run).
     std::map<std::string, double> tolerated;
-    /// Of an imported robot, one phrase each: constructs of its file that are not modelled, and values that the file
-    /// does not state or that were repaired. They have no file form.
-    std::vector<std::string> omitted, assumed;
+    /// Constructs of an imported robot's file that change its motion and are not modelled, a phrase each. No file form.
+    std::vector<std::string> omitted;
+    /// Values of an imported robot that its file does not state, or that were repaired, a phrase each. No file form.
+    std::vector<std::string> assumed;
 };
 
 /// Whether a scene is one of several bodies, with joints: `bodies` in place of `body`.

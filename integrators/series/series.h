@@ -48,6 +48,13 @@ void convolve(T& result, const T* a, const T* b, int k, T&) {
     result = sum;
 }
 
+/// result = a b + c d.
+template <class T>
+void combine(T& result, const T& a, const T& b, const T& c, const T& d, T& scratch) {
+    result = a * b;
+    add_product(result, c, d, scratch);
+}
+
 template <class T>
 class Series {
   public:
@@ -70,11 +77,12 @@ class Series {
     /// The first order() coefficients of a node of the tape; of a state variable order() + 1.
     const T* node_coefficients(int node) const { return row(node); }
 
-    /// Expands the solution that starts at y.
-    void expand(const T* y) {
+    /// Expands the solution that starts at y, whose scalar may be another.
+    template <class P>
+    void expand(const P* y) {
         const std::vector<Node<T>>& nodes = recording_.tape.nodes;
         const int n = dimension();
-        for (int i = 0; i < n; ++i) row(i)[0] = y[i];
+        for (int i = 0; i < n; ++i) row(i)[0] = T(y[i]);
         for (int k = 0; k < order_; ++k) {
             for (std::size_t i = n; i < nodes.size(); ++i) expand_node(nodes[i], static_cast<int>(i), k);
             for (int i = 0; i < n; ++i) {
@@ -90,11 +98,13 @@ class Series {
     }
 
     /// y(t + h) by Horner's rule.
-    void evaluate(const T& h, T* y) const {
+    template <class P>
+    void evaluate(const P& h, P* y) const {
+        const T step(h);
         for (int i = 0; i < dimension(); ++i) {
             T sum = row(i)[order_];
-            for (int k = order_ - 1; k >= 0; --k) sum *= h, sum += row(i)[k];
-            y[i] = sum;
+            for (int k = order_ - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
+            y[i] = static_cast<P>(sum);
         }
     }
 
@@ -117,11 +127,12 @@ class Series {
             case Kind::state:
                 break;
             case Kind::combination:
+                if (node.b >= 0) {
+                    combine(result, node.factor_a, row(node.a)[k], node.factor_b, row(node.b)[k], scratch_);
+                    break;
+                }
                 result = node.factor_a * row(node.a)[k];
-                if (node.b >= 0)
-                    add_product(result, node.factor_b, row(node.b)[k], scratch_);
-                else if (k == 0)
-                    result += node.factor_b;
+                if (k == 0) result += node.factor_b;
                 break;
             case Kind::product:
                 convolve(result, row(node.a), row(node.b), k, scratch_);

@@ -84,7 +84,7 @@ class CollocationStep {
         double largest = -std::numeric_limits<double>::infinity();
         for (const std::vector<P>* row : {&table_.last, &table_.last_but_one})
             for (const Block& block : blocks) {
-                const double size = log2_size<P>(block, [&](int i) {
+                const double size = log2_size(block, [&](int i) {
                     P sum(0), scratch(0);
                     for (int j = 0; j <= table_.stages; ++j) add_product(sum, (*row)[j], values_[j * n_ + i], scratch);
                     return sum;
@@ -173,7 +173,7 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
     std::vector<double> scales(step.dimension());
     const auto measure = [&] {
         for (Block& block : blocks) {
-            const double size = std::exp2(log2_size<P>(block, [&](int i) -> const P& { return y[i]; }));
+            const double size = std::exp2(log2_size(block, [&](int i) -> const P& { return y[i]; }));
             block.scale = std::max(block.scale, size);
             std::fill_n(scales.begin() + block.first, block.size, block.scale);
         }

@@ -111,10 +111,10 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(degree + 2) * width);
         dense.pieces_.push_back(piece);
     };
-    const auto keep_series = [&](const P& t, const P& h, const truth::Series<P>& series) {
+    const auto keep_series = [&](const P& t, const P& h, const auto& series) {
         std::vector<P> powers{P(1)};
         for (int k = 0; k < series.order(); ++k) powers.push_back(powers.back() * h);
-        keep(t, h, series.order(), [&](int i, int k) { return P(series.coefficient(i, k) * powers[k]); });
+        keep(t, h, series.order(), [&](int i, int k) { return P(P(series.coefficient(i, k)) * powers[k]); });
     };
     // the collocation polynomial from its values at as many points as it has coefficients, by divided differences: in
     // 50 digits nothing is lost

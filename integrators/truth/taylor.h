@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/series/limb_real.h"
 #include "integrators/series/real.h"
 #include "integrators/series/series.h"
 #include "integrators/truth/allowance.h"
@@ -48,7 +49,7 @@ struct TaylorRuns {
 };
 
 /// log2 of the largest component of a block of y.
-template <class P, class Component>
+template <class Component>
 double log2_size(const Block& block, Component&& component) {
     double largest = -std::numeric_limits<double>::infinity();
     for (int i = block.first; i < block.first + block.size; ++i)
@@ -68,20 +69,20 @@ concept MeetsPlanes = requires(Form form, const P& x, P* y) {
 };
 
 /// No component of the block at `first` of y(t + s), 0 <= s <= h, is longer together with its two neighbours.
-template <class P>
-P block_bound(const Series<P>& series, int first, const P& h) {
+template <class P, class T>
+P block_bound(const Series<T>& series, int first, const P& h) {
     P squares(0);
     for (int i = first; i < first + 3; ++i) {
         P sum(0), power(1);
-        for (int k = 0; k <= series.order(); ++k, power *= h) sum += abs(series.coefficient(i, k)) * power;
+        for (int k = 0; k <= series.order(); ++k, power *= h) sum += abs(P(series.coefficient(i, k))) * power;
         squares += sum * sum;
     }
     return square_root(squares);
 }
 
 /// When the first gap closes within a step of length h: time after its begin.
-template <class P, class Form>
-std::optional<P> impact_within(const Form& form, const Series<P>& series, const P& h) {
+template <class P, class T, class Form>
+std::optional<P> impact_within(const Form& form, const Series<T>& series, const P& h) {
     std::vector<P> y(form.dimension());
     const auto at = [&](const P& s) {
         series.evaluate(s, y.data());
@@ -127,6 +128,7 @@ bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Sc
 template <class P, class Form, class OnStep = ForgetStep>
 auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& sample_times, std::vector<Block> blocks,
             [[maybe_unused]] const Scales& scales, const TaylorSettings& settings, const OnStep& on_step = {}) {
+    using T = typename SeriesScalar<P>::Type;
     Run<P, decltype(form.motion(nullptr))> run;
     const int n = form.dimension();
     std::vector<P> y(n), at_sample(n);
@@ -142,7 +144,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
     };
     form.initial(y.data());
     follow(legs, samples, enter, show, [&](const Leg& leg) {
-        Series<P> series(record<P>(form, n), settings.order);
+        Series<T> series(cast_recording<T>(record<P>(form, n)), settings.order);
         P t(leg.begin);
         while (t < leg.end) {
             if (run.steps++ >= settings.max_steps) {
@@ -154,7 +156,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
                 return false;
             }
             for (Block& block : blocks) {
-                const double size = std::exp2(log2_size<P>(block, [&](int i) -> const P& { return y[i]; }));
+                const double size = std::exp2(log2_size(block, [&](int i) -> const P& { return y[i]; }));
                 block.scale = std::max(block.scale, size);
             }
             series.expand(y.data());
@@ -162,8 +164,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
             double log2_step = std::numeric_limits<double>::infinity();
             for (const Block& block : blocks)
                 for (int k = settings.order - 3; k <= settings.order; ++k) {
-                    const double size =
-                        log2_size<P>(block, [&](int i) -> const P& { return series.coefficient(i, k); });
+                    const double size = log2_size(block, [&](int i) -> const T& { return series.coefficient(i, k); });
                     const double allowed = std::log2(block.scale) - settings.digits * std::log2(10.0);
                     log2_step = std::min(log2_step, (allowed - size) / k);
                 }
@@ -188,7 +189,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
                 return false;
             }
             for (; samples.due(leg, reached); samples.pop()) {
-                series.evaluate(P(samples.front()) - t, at_sample.data());
+                series.evaluate(P(P(samples.front()) - t), at_sample.data());
                 run.motions.push_back(form.motion(at_sample.data()));
             }
             on_step(t, h, series);

@@ -90,6 +90,8 @@ void bind_scenes(py::module_& module) {
         .def_property_readonly("duration", [](const ReadScene& s) { return s.scene().duration; })
         .def_property_readonly("bodies", [](const ReadScene& s) { return body_names(s.scene()); })
         .def_property_readonly("joints", [](const ReadScene& s) { return joint_names(s.scene()); })
+        .def_property_readonly("omitted", [](const ReadScene& s) { return s.scene().omitted; })
+        .def_property_readonly("assumed", [](const ReadScene& s) { return s.scene().assumed; })
         .def("describe", [](const ReadScene& s) { return call([&] { return describe_scene(s.scene()); }); })
         .def("canonical", [](const ReadScene& s) { return write_scene(s.scene()); });
 

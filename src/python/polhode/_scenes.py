@@ -278,6 +278,23 @@ class Scene(Block):
         """The names of several bodies; empty where there is one alone."""
         return self._compiled().bodies
 
+    @property
+    def omitted(self) -> list[str]:
+        """Constructs of an imported robot file that change its motion and are not modelled; otherwise empty.
+
+        Examples
+        --------
+        >>> import polhode
+        >>> polhode.scene("t_handle").omitted
+        []
+        """
+        return self._compiled().omitted
+
+    @property
+    def assumed(self) -> list[str]:
+        """Values of an imported robot that its file does not state, or that were repaired; otherwise empty."""
+        return self._compiled().assumed
+
     def _compiled(self) -> _polhode.ReadScene:
         # counted before it is read: what another thread changes meanwhile is read the next time
         count = self._changes.count

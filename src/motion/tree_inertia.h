@@ -72,9 +72,12 @@ void Tree<P>::require_inertia(const Scene& scene, std::size_t i, const Articulat
     const Link<P>& link = links_.links[i];
     const auto is_enough = [](const P& inertia, const P& of) { return inertia > P(least_joint_inertia) * of; };
     const auto fail = [&](const std::string& body, const std::string& fault, const std::string& remedy) {
-        // the bodies of an imported robot have no place in the scene's file
-        const bool is_imported = !scene.assumed.empty() || !scene.omitted.empty();
-        throw InputError(scene.name, is_imported ? "/import" : fmt::format("/bodies/{}", body_index(scene, body)),
+        const auto index = static_cast<std::size_t>(body_index(scene, body));
+        // an imported robot has places in its own file
+        std::string place =
+            link.kind == LinkJoint::free ? "" : scene.joints[static_cast<std::size_t>(link.joint)].place;
+        if (place.empty()) place = scene.bodies[index].place;
+        throw InputError(scene.name, place.empty() ? fmt::format("/bodies/{}", index) : "/import: " + place,
                          fmt::format("\"{}\" has no {}", one_line(body, 60), fault), remedy);
     };
     if (link.kind == LinkJoint::free) {

@@ -85,6 +85,11 @@ class RobotMerger {
         throw InputError(path_, place, fault, remedy);
     }
 
+    // With the file; of what the file does not state, empty.
+    std::string full_place(const std::string& place) const {
+        return place.empty() ? "" : fmt::format("{}: {}", one_line(path_, 200), place);
+    }
+
     void hold_roots(bool are_free) {
         std::set<std::string, std::less<>> names;
         for (const RobotJoint& joint : robot_.joints) names.insert(joint.name);
@@ -321,7 +326,7 @@ class RobotMerger {
         const RobotLink& link = robot_.links[i];
         const RobotJoint& joint = joint_of(i);
         NamedBody one;
-        one.name = link.name;
+        one.name = link.name, one.place = full_place(link.place);
         one.body.mass = double(link.mass->mass);
         one.body.center_of_mass = round_to_double(link.mass->center);
         one.body.inertia_B = round_tensor(link.mass->inertia);
@@ -344,7 +349,7 @@ class RobotMerger {
 
     Joint built(const RobotJoint& from) const {
         Joint joint;
-        joint.name = from.name;
+        joint.name = from.name, joint.place = full_place(from.place);
         joint.type = from.motion == RobotMotion::revolute    ? JointType::revolute
                      : from.motion == RobotMotion::prismatic ? JointType::prismatic
                      : from.motion == RobotMotion::spherical ? JointType::spherical

@@ -157,6 +157,8 @@ struct NamedBody {
     std::string name;  ///< not "world", and no other body's
     Body body;         ///< its mass properties
     Initial initial;   ///< how it starts: of a free base, which no joint carries
+    /// Of an imported robot, its place in the robot's file, for messages: "arm.urdf: line 5". No file form.
+    std::string place = "";
 };
 
 /// How a joint lets its child move against its parent.
@@ -191,6 +193,7 @@ struct Joint {
     std::array<double, 2> rest{};         ///< rad or m; angles count turns
     Quaternion<double> rest_orientation;  ///< spherical: torque on the child -2 k r_w r_v, r = rest* J, child axes
     std::array<double, 2> damping{};      ///< c: generalized force -c x', N m s or N s/m; spherical: -c w, child axes
+    std::string place = "";               ///< as NamedBody::place
 };
 
 /// What closes a chain.

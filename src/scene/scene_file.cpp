@@ -74,8 +74,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     return s;
 }
 
-// A place in the bodies or joints of an imported robot by the name that its file gives: "/bodies/3/body/mass" ->
-// "/import, body \"arm\", mass".
+// A place in the bodies or joints of an imported robot in that robot's file: "/bodies/3/body/mass" ->
+// "/import: arm.urdf: line 5, body \"arm\", mass".
 std::string place_in_robot(const Scene& scene, const std::string& place) {
     const auto named = [&](const char* list, const char* what, const auto& all) -> std::string {
         const std::string_view prefix = list;
@@ -85,7 +85,9 @@ std::string place_in_robot(const Scene& scene, const std::string& place) {
         if (fault != std::errc() || index >= all.size()) return "";
         const std::size_t last = place.rfind('/');
         const std::string detail = last >= std::size_t(end - place.data()) ? ", " + place.substr(last + 1) : "";
-        return fmt::format("/import, {} \"{}\"{}", what, one_line(all[index].name, 60), detail);
+        const std::string& stands = all[index].place;
+        return fmt::format("/import{}{}, {} \"{}\"{}", stands.empty() ? "" : ": ", stands, what,
+                           one_line(all[index].name, 60), detail);
     };
     for (const std::string& by_name :
          {named("/bodies/", "body", scene.bodies), named("/joints/", "joint", scene.joints)})

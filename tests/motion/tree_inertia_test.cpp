@@ -5,12 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "motion/massless.h"
 #include "motion/mechanism.h"
+#include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
@@ -82,6 +85,26 @@ TEST(TreeInertia, NamesTheInnerJointOfTwoParallelHinges) {
     EXPECT_EQ(fault_of(scene), "");
     scene.joints[1].parent_point = {}, scene.joints[1].axes[0] = {0, 1, 1};
     EXPECT_EQ(fault_of(scene), "");
+}
+
+// An imported robot is told of by the place in its own file.
+TEST(TreeInertia, NamesTheLineOfAnImportedRobot) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_tree_inertia";
+    std::filesystem::create_directories(folder);
+    const std::string inertial =
+        "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+    const auto fault = [&](const std::string& robot) {
+        std::ofstream(folder / "r.urdf") << robot;
+        return fault_of(
+            parse_scene(R"({"name": "x", "duration": 1, "import": {"file": "r.urdf"}})", "s.json", folder.string()));
+    };
+    EXPECT_EQ(fault("<robot name='r'>\n<link name='base'/>\n<link name='a'/>\n<link name='b'>" + inertial +
+                    "</link>\n<joint name='j' type='continuous'>\n<parent link='base'/><child link='a'/>"
+                    "<axis xyz='0 0 1'/></joint>\n<joint name='k' type='continuous'>"
+                    "<parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>"),
+              "x: /import: r.urdf: line 5: \"a\" has no inertia about joint \"j\"; give it mass away from the axis, or "
+              "fix it");
+    std::filesystem::remove_all(folder);
 }
 
 // What no joint carries needs mass and moments, of its own or of what is fixed to it.

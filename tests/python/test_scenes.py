@@ -146,6 +146,21 @@ def test_a_torque_on_several_bodies_is_refused_by_the_call():
         robot.add_torque(lambda now: (0, 0, 1))
 
 
+def test_an_imported_robot_tells_what_was_omitted_and_what_was_assumed(tmp_path):
+    inertial = '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{zz}"/>'
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="base"/><link name="a"><inertial>{inertial.format(zz=2.001)}</inertial></link>'
+        '<joint name="j" type="revolute"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>')
+    (tmp_path / "s.json").write_text('{"name": "s", "duration": 1, "import": {"file": "r.urdf"}}')
+    robot = polhode.scene(tmp_path / "s.json")
+    assert any("limits of joints" in phrase and "j" in phrase for phrase in robot.omitted)
+    assert any("triangle inequality" in phrase and "a" in phrase for phrase in robot.assumed)
+    assert all(phrase in robot.describe() for phrase in robot.omitted + robot.assumed)
+    top = polhode.scene("lagrange_top")
+    assert top.omitted == [] and top.assumed == []
+
+
 def test_a_scene_with_a_torque_that_gets_several_bodies_is_refused_by_every_use():
     calls = []
     scene = polhode.scene("free_asymmetric").add_torque(lambda now: calls.append(now.t) or (0, 0, 1))

@@ -592,7 +592,8 @@ TEST(RobotImport, FaultsOfTheSceneNameTheLink) {
         parse_scene(R"({"name": "a", "duration": 1, "import": {"file": "r.urdf"}})", "s.json", folder.string());
         FAIL();
     } catch (const InputError& error) {
-        EXPECT_EQ(std::string(error.what()).find("s.json: /import, body \"base, with comma\", name: "), 0u)
+        EXPECT_EQ(std::string(error.what()).find("s.json: /import: r.urdf: line 1, body \"base, with comma\", name: "),
+                  0u)
             << error.what();
     }
     std::filesystem::remove_all(folder);

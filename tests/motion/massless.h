@@ -10,7 +10,8 @@ namespace polhode::massless {
 
 inline NamedBody body_of(std::string name, double mass, const Vector3<double>& moments = {},
                          const Vector3<double>& center = {}) {
-    NamedBody body{std::move(name), {}, {}};
+    NamedBody body;
+    body.name = std::move(name);
     body.body.mass = mass, body.body.inertia_B = diagonal(moments), body.body.center_of_mass = center;
     return body;
 }

@@ -149,7 +149,8 @@ TEST(Tree, ImpulsesGoThroughAllJoints) {
 TEST(Tree, AcceleratesAPendulumAsTheBookSays) {
     Scene scene;
     scene.name = "pendulum", scene.duration = 1;
-    NamedBody rod{"rod", {}, {}};
+    NamedBody rod;
+    rod.name = "rod";
     rod.body.mass = 2, rod.body.inertia_B = diagonal(Vector3<double>(0.5, 0.75, 0.25));
     rod.body.center_of_mass = {0, 0, -1.5};
     scene.bodies.push_back(rod);

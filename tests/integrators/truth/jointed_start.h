@@ -128,7 +128,8 @@ inline Scene random_tree(unsigned seed, int count, bool free_base) {
     static constexpr JointType types[] = {JointType::spherical, JointType::revolute, JointType::universal,
                                           JointType::prismatic, JointType::fixed};
     for (int i = 0; i < count; ++i) {
-        NamedBody named{"b" + std::to_string(i), random_body(dice), {}};
+        NamedBody named;
+        named.name = "b" + std::to_string(i), named.body = random_body(dice);
         if (i == 0 && free_base) {
             named.initial.orientation = dice.orientation();
             named.initial.angular_velocity = dice.vector();

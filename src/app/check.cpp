@@ -2,12 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "app/commands.h"
@@ -58,6 +63,33 @@ Convention convention_of(const CheckOptions& options) {
     return convention_option(words);
 }
 
+// Says on stderr what takes so long, where it takes more than two seconds.
+class Notice {
+  public:
+    explicit Notice(std::string text)
+        : thread_([this, said = std::move(text)] {
+              std::unique_lock lock(mutex_);
+              if (!ended_.wait_for(lock, std::chrono::seconds(2), [this] { return has_ended_; }))
+                  std::fputs(said.c_str(), stderr);
+          }) {}
+    Notice(const Notice&) = delete;
+    Notice& operator=(const Notice&) = delete;
+    ~Notice() {
+        {
+            const std::lock_guard lock(mutex_);
+            has_ended_ = true;
+        }
+        ended_.notify_one();
+        thread_.join();
+    }
+
+  private:
+    std::mutex mutex_;
+    std::condition_variable ended_;
+    bool has_ended_ = false;
+    std::thread thread_;  // the last: it uses the others
+};
+
 int check_command(const CheckOptions& options) {
     const Convention convention = convention_of(options);
     ColumnNames columns;
@@ -73,11 +105,16 @@ int check_command(const CheckOptions& options) {
     ErrorLimits limits(scene);
     limits.report_only = options.report_only;
     for (const auto& [block, text] : options.limits)
-        if (!text.empty()) as_usage([&, name = block, value = text] { limits.set(name, value); });
+        if (!text.empty() && is_of_joints(block) && !is_mechanism(scene))
+            throw UsageError(fmt::format("--max-{}: is of joints, and the scene is of one body; leave it out",
+                                         block == "joint_gap" ? "joint-gap" : "joint-turn"));
+        else if (!text.empty())
+            as_usage([&, name = block, value = text] { limits.set(name, value); });
     const std::vector<std::string> files = files_of(options.trajectories);
     if (!drawn.empty() && files.size() > 1) throw UsageError("--picture: draws one trajectory; give one file");
     std::vector<CheckedFile> all;
     try {
+        const Notice notice("polhode: computing the reference; it is kept, so that the next check takes less\n");
         all = check_files(scene, files, convention, columns, limits, options.explain, !drawn.empty());
     } catch (const NoTruth& fault) {
         std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);

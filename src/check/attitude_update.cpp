@@ -41,7 +41,7 @@ class Rate {
     std::array<const TrajectoryRow*, 6> rows_{};
 };
 
-constexpr std::array steps_a_row{1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 16, 20};
+constexpr std::array steps_a_row{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20};
 constexpr std::array places_of_rate{0.0, 0.5, 1.0};  // old w, middle, new
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "check/diagnosis.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +28,36 @@ const char* name_of(Question question) {
                                                    "each step of w",
                                                    "each step of the position",
                                                    "each step of the velocity",
-                                                   "what happens at the events"};
+                                                   ""};
     return names[static_cast<std::size_t>(question)];
+}
+
+// Its events in words: "the step in which the torque ends at t = 2 s".
+std::string events_of(const Scene& scene) {
+    std::vector<std::string> all;
+    const auto note = [&](const char* what, const char* does, double t) {
+        if (t > 0 && t < scene.duration) all.push_back(fmt::format("the {} {} at t = {:.6g} s", what, does, t));
+    };
+    const auto window = [&](const char* what, const Window& w) {
+        note(what, "begins", w.from), note(what, "ends", w.until);
+    };
+    for (const Load& load : scene.loads) {
+        if (const auto* one = std::get_if<Gravity>(&load)) window("gravity", one->window);
+        if (const auto* one = std::get_if<Torque>(&load)) window("torque", one->window);
+        if (const auto* one = std::get_if<Force>(&load)) window("force", one->window);
+        if (const auto* one = std::get_if<Drag>(&load)) window("drag", one->window);
+        if (const auto* one = std::get_if<Spring>(&load)) window("spring", one->window);
+        if (const auto* one = std::get_if<Impulse>(&load)) note("impulse", "acts", one->at);
+    }
+    if (all.empty()) return "the step in which the loads change";
+    constexpr std::size_t most = 3;
+    const std::size_t more = all.size() > most ? all.size() - most : 0;
+    all.resize(std::min(all.size(), most));
+    return fmt::format("the step in which {}{}", fmt::join(all, " or "),
+                       more > 0 ? fmt::format(", and {} more", more) : "");
+}
+std::string said_of(Question question, const Scene& scene) {
+    return question == Question::events ? events_of(scene) : name_of(question);
 }
 
 // Which question the fault explains most of.
@@ -45,6 +74,12 @@ std::string said(const Supposed& supposed) {
     std::string what = supposed.hypothesis->what;
     if (const std::size_t place = what.find("{}"); place != what.npos)
         what.replace(place, 2, fmt::format("{:.4g}", supposed.x));
+    // a whole part of a load is often one that acted in one substep of so many
+    const Subject about = supposed.hypothesis->subject;
+    const double parts = std::round(1 / supposed.x);
+    if (supposed.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 &&
+        parts <= 20 && std::abs(supposed.x * parts - 1) < 2e-3)
+        what += fmt::format(", as if it acted in one of {:.0f} substeps", parts);
     return what;
 }
 
@@ -55,7 +90,8 @@ std::string named(const Explanation& e) {
 }
 
 // Its faults, each with what it explains.
-void tell(const Explanation& e, const FaultSearch& search, const std::string& also, std::vector<Diagnosis>& told) {
+void tell(const Scene& scene, const Explanation& e, const FaultSearch& search, const std::string& also,
+          std::vector<Diagnosis>& told) {
     const std::size_t question = most_gained(search.sound.residual, e.residual);
     const double before = std::pow(10.0, search.sound.residual.decades[question].value_or(0)),
                  after = std::pow(10.0, e.residual.decades[question].value_or(0));
@@ -66,7 +102,7 @@ void tell(const Explanation& e, const FaultSearch& search, const std::string& al
         told.push_back(
             {h.fault,
              fmt::format("{}: {} is predicted to {:.2g} of what moves with {}, and to {:.2g} without; {}{}", said(s),
-                         name_of(static_cast<Question>(question)), after,
+                         said_of(static_cast<Question>(question), scene), after,
                          e.faults.size() > 1 ? "this and the other fault told" : "this fault", before, h.remedy, also),
              h.convention, before, after});
     }
@@ -103,9 +139,9 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
     if (!best.faults.empty()) {
         std::string also;
         for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + named(e);
-        tell(best, search, also.empty() ? "" : "; the file cannot tell it from this: " + also, result.faults);
+        tell(scene, best, search, also.empty() ? "" : "; the file cannot tell it from this: " + also, result.faults);
         for (const Explanation& e : search.alike)
-            tell(e, search, "; the file cannot tell it from the one before", result.faults);
+            tell(scene, e, search, "; the file cannot tell it from the one before", result.faults);
     }
     const std::optional<FirstOrderUpdate> first_order =
         file.has_angular_velocity ? first_order_update(file) : std::nullopt;
@@ -119,7 +155,7 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
                  first_order->step, first_order->explained, first_order->error),
              "", first_order->error, first_order->explained});
     if (best.faults.empty() && !evidence.still_from() && evidence.plain_error() >= plainly_wrong)
-        result.update = followed_update(scene, file, best.steps, evidence.in_binary32());
+        result.update = followed_update(scene, file, best.steps, evidence.noise());
     return result;
 }
 

@@ -26,11 +26,13 @@ struct Diagnosis {
 
 /// A method of the catalogue that a file follows.
 struct FollowedUpdate {
-    std::string method;   ///< its name
-    std::string message;  ///< one line for people
-    double step = 0;      ///< s
-    double distance = 0;  ///< rad, the largest from the file to the method's motion
-    double error = 0;     ///< rad, the largest from the file to the scene's motion, over the same rows
+    std::string method;             ///< its name
+    std::string message;            ///< one line for people
+    double step = 0;                ///< s
+    double distance = 0;            ///< rad, the largest from the file to the method's motion
+    double error = 0;               ///< rad, the largest from the file to the scene's motion, over the same rows
+    bool matches = false;           ///< to rounding; else it resembles it
+    std::optional<double> left_at;  ///< s, the first row that no longer matches
 };
 
 /// What was tried, and how far the file is from what it predicts.

@@ -47,7 +47,48 @@ std::span<const UpdateRule> update_rules() { return rules; }
 EngineModel::EngineModel(const Cause& cause)
     : fault_(cause.engine),
       problem_(pose(cause.scene, Formulation::full)),
-      inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse} {}
+      inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse} {
+    for (const Load& load : cause.scene.loads) {
+        if (const auto* torque = std::get_if<Torque>(&load)) pushes_.push_back(torque->window);
+        if (const auto* force = std::get_if<Force>(&load)) pushes_.push_back(force->window);
+    }
+}
+
+BodyInertia<double> EngineModel::inertia(const Quaternion<double>& q) const {
+    if (fault_.tensor == WorldTensor::turned) return inertia_;
+    const Matrix3<double> R = rotation_matrix(q), back = transposed(R);
+    const auto in_body = [&](const Matrix3<double>& world) { return back * world * R; };
+    const auto diagonal_of = [](const Matrix3<double>& m) { return diagonal(Vector(m[0][0], m[1][1], m[2][2])); };
+    switch (fault_.tensor) {
+        case WorldTensor::turned:
+            break;
+        case WorldTensor::fixed:
+            return {in_body(inertia_.tensor), in_body(inertia_.inverse)};
+        case WorldTensor::turned_back:
+            return {in_body(back * inertia_.tensor * R), in_body(back * inertia_.inverse * R)};
+        case WorldTensor::diagonal: {
+            const Matrix3<double> world = diagonal_of(R * inertia_.tensor * back);
+            return {in_body(world), in_body(polhode::inverse(world))};
+        }
+        case WorldTensor::inverse_diagonal:
+            return {inertia_.tensor, in_body(diagonal_of(R * inertia_.inverse * back))};
+    }
+    return inertia_;
+}
+
+bool EngineModel::is_coasting(double t) const {
+    return std::none_of(pushes_.begin(), pushes_.end(),
+                        [&](const Window& window) { return window.from <= t && t < window.until; });
+}
+
+// w after a time h of the engine's damping alone
+Vector EngineModel::damped(const Vector& w, double t, double h) const {
+    if (fault_.only_coasting && !is_coasting(t)) return w;
+    Vector left;
+    for (int i = 0; i < 3; ++i)
+        left[i] = std::max(0.0, 1 - (fault_.angular_damping + fault_.axis_damping_B[i]) * h) * w[i];
+    return left;
+}
 
 ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
@@ -58,6 +99,7 @@ ModelState EngineModel::start() const {
 }
 
 bool EngineModel::takes(const UpdateRule& rule) const {
+    if (fault_.in_place != InPlace::none && !rule.first_order) return false;
     return rule.rate != RateUpdate::momentum || (fault_.gyroscopic == 1 && fault_.turned_by == TurnedBy::own_rate);
 }
 
@@ -75,9 +117,24 @@ EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double 
     return a;
 }
 
-void EngineModel::limit(ModelState& s) const {
-    const double speed = length(s.angular_velocity_B);
-    if (speed > fault_.speed_limit) s.angular_velocity_B = (fault_.speed_limit / speed) * s.angular_velocity_B;
+void EngineModel::limit(ModelState& s, double t) const {
+    const double most = fault_.speed_limit;
+    if (!std::isfinite(most) || (fault_.only_coasting && !is_coasting(t))) return;
+    const auto clamped = [&](const Vector& w) {
+        return Vector(std::clamp(w[0], -most, most), std::clamp(w[1], -most, most), std::clamp(w[2], -most, most));
+    };
+    Vector& w = s.angular_velocity_B;
+    switch (fault_.limit_of) {
+        case LimitOf::length:
+            if (const double speed = length(w); speed > most) w = (most / speed) * w;
+            break;
+        case LimitOf::body_axes:
+            w = clamped(w);
+            break;
+        case LimitOf::world_axes:
+            w = rotate_back(s.q, clamped(rotate(s.q, w)));
+            break;
+    }
 }
 
 void EngineModel::place_at_pivot(ModelState& s) const {
@@ -89,21 +146,22 @@ void EngineModel::strike(ModelState& s, const Segment& segment) const {
     const Matrix3<double> A = rotation_matrix(s.q);
     Vector kick;
     WorldLoads<double>::strike(problem_, segment, A, s.position_W, kick, s.velocity_W);
-    s.angular_velocity_B = s.angular_velocity_B + inertia_.inverse * (transposed(A) * kick);
+    s.angular_velocity_B = s.angular_velocity_B + inertia(s.q).inverse * (transposed(A) * kick);
     place_at_pivot(s);
 }
 
 // w after a time h of the gyroscopic term alone: a factor of the term is one of the time
-Vector EngineModel::turned(const Vector& w, double h, const UpdateRule& rule) const {
+Vector EngineModel::turned(const BodyInertia<double>& inertia, const Vector& w, double h,
+                           const UpdateRule& rule) const {
     const double time = fault_.gyroscopic * h;
     if (time == 0) return w;
     switch (rule.rate) {
         case RateUpdate::implicit_newton:
-            return inertia_.turned<GyroscopicTerm::one_newton_step>(w, time);
+            return inertia.turned<GyroscopicTerm::one_newton_step>(w, time);
         case RateUpdate::rescaled_momentum:
-            return inertia_.turned<GyroscopicTerm::rescaled_momentum>(w, time);
+            return inertia.turned<GyroscopicTerm::rescaled_momentum>(w, time);
         default:
-            return inertia_.turned<GyroscopicTerm::explicit_euler>(w, time);
+            return inertia.turned<GyroscopicTerm::explicit_euler>(w, time);
     }
 }
 
@@ -111,6 +169,19 @@ Vector EngineModel::turned(const Vector& w, double h, const UpdateRule& rule) co
 void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first_order) const {
     if (fault_.no_rotation) return;
     const Vector by = (fault_.turn * h) * rate_B;
+    if (fault_.in_place != InPlace::none) {
+        // half the turn in the axes of its own side, component after component
+        const bool world = fault_.in_place == InPlace::world_rate;
+        const Vector half = 0.5 * (world ? rotate(s.q, by) : by);
+        const double side = world ? -1 : 1;
+        Quaternion<double>& q = s.q;
+        q.w -= q.x * half[0] + q.y * half[1] + q.z * half[2];
+        q.x += q.w * half[0] + side * (q.y * half[2] - q.z * half[1]);
+        q.y += q.w * half[1] + side * (q.z * half[0] - q.x * half[2]);
+        q.z += q.w * half[2] + side * (q.x * half[1] - q.y * half[0]);
+        q = normalized(q);
+        return;
+    }
     const auto factor = [&](const Vector& angle) {
         if (!first_order) return quaternion_from_rotation_vector(angle);
         return normalized(Quaternion<double>{1, angle[0] / 2, angle[1] / 2, angle[2] / 2});
@@ -138,21 +209,27 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
     const auto go = [&](double at, const ModelState& from, double dt) {
         const Action a = action(loads, at, from);
         const Vector& w = from.angular_velocity_B;
-        const Vector dw = inertia_.inverse * (a.torque_B + fault_.gyroscopic * cross(inertia_.tensor * w, w));
+        const BodyInertia<double> I = inertia(from.q);
+        const Vector dw = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
         const Vector v = from.velocity_W;
         ModelState next = old;
         turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
              false);
-        next.angular_velocity_B = next.angular_velocity_B + dt * dw;
+        // an engine with its tensor in world axes keeps the rate there, too
+        if (fault_.tensor == WorldTensor::turned)
+            next.angular_velocity_B = next.angular_velocity_B + dt * dw;
+        else
+            next.angular_velocity_B =
+                rotate_back(next.q, rotate(old.q, old.angular_velocity_B) + dt * rotate(from.q, dw));
         next.velocity_W = old.velocity_W + dt * a.acceleration_W;
         if (!fault_.no_translation) next.position_W = old.position_W + dt * v;
         place_at_pivot(next);
         return next;
     };
     s = go(t + h / 2, go(t, old, h / 2), h);
-    s.angular_velocity_B = std::max(0.0, 1 - fault_.angular_damping * h) * s.angular_velocity_B;
+    s.angular_velocity_B = damped(s.angular_velocity_B, t, h);
     s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * s.velocity_W;
-    limit(s);
+    limit(s, t);
     place_at_pivot(s);
     return {};
 }
@@ -162,27 +239,34 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
     if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
     const Action a = action(loads, t, s);
     const Vector old_w = s.angular_velocity_B, old_v = s.velocity_W;
-    const Vector by_loads = h * (inertia_.inverse * a.torque_B);
+    const Quaternion<double> old_q = s.q;
+    const BodyInertia<double> I = inertia(s.q);
+    const Vector by_loads = h * (I.inverse * a.torque_B);
     Vector w = old_w, momentum_W;
     switch (rule.rate) {
         case RateUpdate::together:
-            w = old_w + by_loads + (turned(old_w, h, rule) - old_w);
+            w = old_w + by_loads + (turned(I, old_w, h, rule) - old_w);
             break;
         case RateUpdate::momentum:
-            momentum_W = rotate(s.q, inertia_.tensor * old_w + h * a.torque_B);
+            // an engine that keeps L finds w by its inverse tensor alone
+            momentum_W = rotate(
+                s.q, (fault_.tensor == WorldTensor::inverse_diagonal ? polhode::inverse(I.inverse) : I.tensor) * old_w +
+                         h * a.torque_B);
             w = old_w + by_loads;
             break;
         default:
-            w = turned(old_w + by_loads, h, rule);
+            w = turned(I, old_w + by_loads, h, rule);
     }
-    const double kept = std::max(0.0, 1 - fault_.angular_damping * h);
-    s.angular_velocity_B = kept * w;
-    limit(s);
+    s.angular_velocity_B = damped(w, t, h);
+    limit(s, t);
     s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * (old_v + h * a.acceleration_W);
     turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
-        s.angular_velocity_B = inertia_.inverse * rotate_back(s.q, kept * momentum_W);
-        limit(s);
+        s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
+        limit(s, t);
+    } else if (fault_.tensor != WorldTensor::turned && !rule.by_new_rate) {
+        // the rate is kept in world axes
+        s.angular_velocity_B = rotate_back(s.q, rotate(old_q, s.angular_velocity_B));
     }
     if (fault_.no_translation) return {};
     s.position_W = s.position_W + h * s.velocity_W;
@@ -204,8 +288,10 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         const Action a = action(loads, at, unit);
         const Vector& w = y.angular_velocity_B;
         Rate r;
-        r.w = inertia_.inverse * (a.torque_B + fault_.gyroscopic * cross(inertia_.tensor * w, w)) -
-              fault_.angular_damping * w;
+        const BodyInertia<double> I = inertia(unit.q);
+        r.w = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
+        if (!fault_.only_coasting || is_coasting(t))
+            for (int i = 0; i < 3; ++i) r.w[i] -= (fault_.angular_damping + fault_.axis_damping_B[i]) * w[i];
         Vector turning = fault_.turn * w;
         if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
         if (fault_.turned_by == TurnedBy::world_rate_in_body) {
@@ -235,7 +321,7 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
                                (a.q.y + 2 * (b.q.y + c.q.y) + d.q.y) / 6, (a.q.z + 2 * (b.q.z + c.q.z) + d.q.z) / 6};
     s = moved({q, mean(a.w, b.w, c.w, d.w), mean(a.p, b.p, c.p, d.p), mean(a.v, b.v, c.v, d.v)}, h);
     s.q = normalized(s.q);
-    limit(s);
+    limit(s, t);
     place_at_pivot(s);
 }
 

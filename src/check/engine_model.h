@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "check/hypothesis.h"
 #include "integrators/game/gyroscopic_term.h"
@@ -54,8 +55,8 @@ class EngineModel {
     /// accurate.
     Vector3<double> advance(ModelState& state, double t, double dt, const UpdateRule& rule, int steps) const;
 
-    /// |w| brought to the engine's limit.
-    void limit(ModelState& s) const;
+    /// w at time t brought to the engine's limit.
+    void limit(ModelState& s, double t) const;
 
     /// Whether a rule makes sense for it: the momentum's has no gyroscopic term that could be missing.
     bool takes(const UpdateRule& rule) const;
@@ -68,11 +69,16 @@ class EngineModel {
     EngineFault fault_;
     Problem problem_;
     BodyInertia<double> inertia_;
+    std::vector<Window> pushes_;  // when torques and forces act
 
     // what acts on a state: torque in body axes, acceleration of the centre of mass in world axes
     struct Action {
         Vector3<double> torque_B, acceleration_W;
     };
+    // what the engine takes for the tensor in body axes at an attitude
+    BodyInertia<double> inertia(const Quaternion<double>& q) const;
+    bool is_coasting(double t) const;
+    Vector3<double> damped(const Vector3<double>& w, double t, double h) const;
     Action action(const WorldLoads<double>& loads, double t, const ModelState& s) const;
     Vector3<double> step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
                          const UpdateRule& rule) const;
@@ -80,7 +86,8 @@ class EngineModel {
     void small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
     void go_on(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule, int steps,
                Vector3<double>& further) const;
-    Vector3<double> turned(const Vector3<double>& w, double h, const UpdateRule& rule) const;
+    Vector3<double> turned(const BodyInertia<double>& inertia, const Vector3<double>& w, double h,
+                           const UpdateRule& rule) const;
     void turn(ModelState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
     void strike(ModelState& s, const Segment& segment) const;
     void place_at_pivot(ModelState& s) const;

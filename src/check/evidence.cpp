@@ -100,6 +100,20 @@ FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : sce
                                                         (file.rows[k].t - file.rows[k - 1].t));
     std::sort(rates.begin(), rates.end());
     facts_.largest_rate = rates.back(), facts_.usual_rate = rates[rates.size() / 2];
+    for (std::size_t k = 1; k <= last_; ++k) {
+        const TrajectoryRow &row = file.rows[k], &before = file.rows[k - 1];
+        const Quaternion<double> q = normalized(row.q);
+        // without w the mean from row to row
+        const Vector w_B =
+            file.has_angular_velocity
+                ? rotate_back(q, row.angular_velocity_W)
+                : (1 / (row.t - before.t)) * rotation_vector_from_quaternion(conjugate(normalized(before.q)) * q);
+        const Vector w_W = rotate(q, w_B);
+        for (int i = 0; i < 3; ++i) {
+            facts_.most_in_world_axes[i] = std::max(facts_.most_in_world_axes[i], std::abs(w_W[i]));
+            facts_.most_in_body_axes[i] = std::max(facts_.most_in_body_axes[i], std::abs(w_B[i]));
+        }
+    }
     compare_plainly();
     choose_windows();
 }
@@ -235,7 +249,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
     if (file_->has_angular_velocity) {
         // a limit may be felt from the first step on, or at once
         ModelState limited = start;
-        model.limit(limited);
+        model.limit(limited, 0);
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
         ask(Question::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
     }
@@ -244,7 +258,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
 }
 
 void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
-                             Residual& r) const {
+                             Residual& r, std::vector<double>* by_step) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
     Mean attitude, rate, velocity, first, events;
@@ -286,6 +300,7 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
         }
         if (k == late) first.add({(q.value + w.value) / 2, (q.least + w.least) / 2});
         attitude.add(q), rate.add(w);
+        if (by_step != nullptr) by_step->push_back((q.value + w.value) / 2);
         if (file_->has_velocity) velocity.add(v);
         if (!position) continue;
         for (int i = 0; i < 3; ++i)
@@ -343,6 +358,14 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
     }
     attitude.give(r, Question::attitude), velocity.give(r, Question::velocity), events.give(r, Question::events);
     nearest(places).give(r, Question::position);
+}
+
+std::vector<double> FileEvidence::by_step(const Cause& cause, const EngineModel& model, const UpdateRule& rule,
+                                          int steps) const {
+    std::vector<double> decades;
+    Residual r;
+    if (file_->has_angular_velocity) ask_steps(cause, model, rule, steps, r, &decades);
+    return decades;
 }
 
 Residual FileEvidence::residual(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const {

@@ -58,8 +58,8 @@ class FileEvidence {
     const FileFacts& facts() const { return facts_; }
     /// From which row on nothing moves any more, where the scene's body does: its time (s).
     std::optional<double> still_from() const { return still_from_; }
-    /// Whether the file's columns, or what it says of itself, show a state of binary32.
-    bool in_binary32() const { return noise_ > 1e-9; }
+    /// The relative rounding of the file's numbers.
+    double noise() const { return noise_; }
 
     /// How far the file is from the accurate motion of the scene over its first rows: the largest of the attitude (rad)
     /// and the other blocks' relative errors.
@@ -67,6 +67,9 @@ class FileEvidence {
 
     /// `steps`: of the rule, from one row to the next.
     Residual residual(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const;
+    /// How far attitude and w are from what is predicted in each of the steps that are looked at, in decades; steps
+    /// with an event are left out, and a file without w has none.
+    std::vector<double> by_step(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const;
 
   private:
     const Scene* scene_;
@@ -85,7 +88,8 @@ class FileEvidence {
     ModelState state(const Cause& cause, std::size_t row) const;
     bool same(std::size_t a, std::size_t b) const;
     void ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
-    void ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
+    void ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r,
+                   std::vector<double>* by_step = nullptr) const;
     void ask_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
 };
 

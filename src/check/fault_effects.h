@@ -91,6 +91,9 @@ void each(Scene& scene, auto&& change) {
         if (T* one = std::get_if<T>(&load)) change(*one);
 }
 
+// Whether torques or forces act at some times: then there are others at which a body coasts.
+inline bool has_pushes(const Scene& scene) { return has<Torque>(scene) || has<Force>(scene); }
+
 // Only where a torque stands against the moments does their size matter.
 inline bool torque_matters(const Scene& scene) {
     return has<Torque>(scene) || has<Force>(scene) || has<Impulse>(scene) || has<Spring>(scene) ||
@@ -219,12 +222,26 @@ bool at_center(Cause& c, double) {
     });
     return any && !c.scene.pivot;
 }
-inline bool impulse_from_center(Cause& c, double) {
+// points of body axes counted from the centre of mass in place of the origin
+template <class T>
+bool from_center(Cause& c, double) {
     bool any = false;
     const Vector3<double> center = c.scene.body.center_of_mass;
-    each<Impulse>(c.scene, [&](Impulse& i) {
-        if (i.point_frame == Frame::body && length(center) > 0) any = true, i.point = i.point + center;
+    each<T>(c.scene, [&](T& load) {
+        if (load.point_frame == Frame::body && length(center) > 0) any = true, load.point = load.point + center;
     });
+    return any;
+}
+// a field of the world that turns with the body: a force at the centre of mass, in body axes
+inline bool gravity_in_body_axes(Cause& c, double) {
+    bool any = false;
+    for (Load& load : c.scene.loads)
+        if (const Gravity* g = std::get_if<Gravity>(&load)) {
+            const Window window = g->window;
+            load = Force{c.scene.body.mass * g->acceleration_W, Frame::body, c.scene.body.center_of_mass, Frame::body,
+                         window};
+            any = true;
+        }
     return any;
 }
 inline bool scale_spring(Cause& c, double factor) {
@@ -234,6 +251,15 @@ inline bool scale_spring(Cause& c, double factor) {
 inline bool scale_drag(Cause& c, double factor) {
     each<Drag>(c.scene, [&](Drag& d) { d.rotational = factor * d.rotational, d.translational *= factor; });
     return has<Drag>(c.scene);
+}
+// c of the torque -c w taken for a rate: dw/dt = -c w
+inline bool drag_on_rate(Cause& c, double) {
+    bool any = false;
+    each<Drag>(c.scene, [&](Drag& d) {
+        if (!(length(d.rotational) > 0)) return;
+        any = true, c.engine.axis_damping_B = c.engine.axis_damping_B + d.rotational, d.rotational = {};
+    });
+    return any;
 }
 inline bool scale_all_torques(Cause& c, double factor) {
     const bool torque = scale_vectors<Torque>(c, factor), spring = scale_spring(c, factor);

@@ -33,16 +33,45 @@ enum class TurnedBy {
     world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the body's side
 };
 
+/// What an engine takes for the inertia tensor in world axes, R I R^T as it should be.
+enum class WorldTensor {
+    turned,            ///< R I R^T
+    fixed,             ///< I: it is not turned with the body
+    turned_back,       ///< R^T I R: it is turned the wrong way
+    diagonal,          ///< the diagonal of R I R^T
+    inverse_diagonal,  ///< R I R^T, and for its inverse the diagonal of R I^-1 R^T
+};
+
+/// A first-order quaternion update that overwrites components which it still needs: the new w stands in for the old one
+/// in x, and so on.
+enum class InPlace {
+    none,
+    body_rate,   ///< of q w_B
+    world_rate,  ///< of w_W q
+};
+
+/// What a limit on the angular velocity holds.
+enum class LimitOf {
+    length,      ///< |w|
+    body_axes,   ///< each component in body axes
+    world_axes,  ///< each component in world axes
+};
+
 /// What an engine does to Euler's equations and to the attitude's beside what the scene says:
 /// I dw/dt = tau - gyroscopic w x I w - angular_damping I w, dv/dt = .. - linear_damping v, |w| <= speed_limit.
 struct EngineFault {
     double gyroscopic = 1;                                         ///< 0: no term; -1: its sign is reversed
     double angular_damping = 0;                                    ///< 1/s
+    Vector3<double> axis_damping_B;                                ///< 1/s, of each component of w_B, beside the other
     double linear_damping = 0;                                     ///< 1/s
     double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
+    LimitOf limit_of = LimitOf::length;                            ///< what the limit holds
+    bool only_coasting = false;                                    ///< both act only where no torque or force does
+    WorldTensor tensor = WorldTensor::turned;                      ///< the inertia tensor in world axes
     double turn = 1;                                               ///< factor of the rate that turns the attitude
     TurnedBy turned_by = TurnedBy::own_rate;                       ///< which rate that is
     double time = 1;                                               ///< so much time passes in a second of its clock
+    InPlace in_place = InPlace::none;                              ///< how the quaternion is overwritten
     bool no_rotation = false;                                      ///< the attitude stays as it is
     bool no_translation = false;                                   ///< the position stays as it is
 };
@@ -60,6 +89,8 @@ struct FileFacts {
     double row = 0;           ///< s, between two of them (the median)
     double largest_rate = 0;  ///< rad/s, in the file or, without w, by its attitudes
     double usual_rate = 0;    ///< rad/s, the median of the same
+    /// The largest |component| of w in the file or, without w, by its attitudes, rad/s.
+    Vector3<double> most_in_body_axes, most_in_world_axes;
 };
 
 /// What a hypothesis is about: two that are about the same thing are not tried together.

@@ -42,6 +42,102 @@ double gravity_of(const Scene& scene) {
     return sum;
 }
 
+// The acceleration towards a plane where nothing but gravity acts, all the time; else there is none that is known.
+std::optional<double> fall_towards(const Scene& scene, const Vector3<double>& normal_W) {
+    double sum = 0;
+    for (const Load& load : scene.loads) {
+        const auto* g = std::get_if<Gravity>(&load);
+        if (!g || g->window.from > 0 || std::isfinite(g->window.until)) return {};
+        sum -= dot(g->acceleration_W, normal_W) / length(normal_W);
+    }
+    return sum;
+}
+
+// A row and the next, between which a body that does not turn comes back from a plane or stops there.
+struct Bounce {
+    double before = 0, after = 0;  // speed towards the plane, speed away from it, m/s
+    double distance = 0;           // of the first row, m
+    double h = 0;                  // s
+    bool gone_on = false;          // the row before had left no room for the step: the bounce could have been there
+};
+
+// The bounces of a body that does not turn: then all of its points have one velocity.
+std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::size_t plane, const TrajectoryFile& file,
+                               const std::vector<Placement<double>>& rows) {
+    std::vector<Bounce> all;
+    for (std::size_t k = 1; k + 1 < rows.size(); ++k) {
+        if (length(rows[k].angular_velocity_W) > 0 || length(rows[k + 1].angular_velocity_W) > 0) return {};
+        const Approach now = approach(geometry, plane, rows[k]), next = approach(geometry, plane, rows[k + 1]);
+        const double h = file.rows[k + 1].t - file.rows[k].t;
+        if (now.rate < 0 && next.rate >= 0 && now.distance < -2 * now.rate * h + 1e-9)
+            all.push_back({-now.rate, next.rate, now.distance, h, now.distance < 0});
+    }
+    return all;
+}
+
+double share(const std::vector<Bounce>& bounces, auto&& is) {
+    if (bounces.empty()) return 0;
+    return static_cast<double>(std::ranges::count_if(bounces, is)) / static_cast<double>(bounces.size());
+}
+
+// What an engine does to bounces of a body that falls on a plane and does not turn.
+std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, double gravity, double restitution,
+                                      std::size_t plane) {
+    constexpr double most = 0.7;
+    if (bounces.size() < 2) return {};
+    const auto comes_back_with = [](const Bounce& b, double speed) {
+        return std::abs(b.after - speed) < 1e-6 * (b.before + speed);
+    };
+    const auto slowest_back = [&] {
+        double slowest = HUGE_VAL;
+        for (const Bounce& b : bounces)
+            if (b.after > 1e-9 * b.before) slowest = std::min(slowest, b.before);
+        return slowest;
+    }();
+    if (gravity > 0 && restitution > 0) {
+        const auto by_whole_step = [&](const Bounce& b) {
+            return comes_back_with(b, restitution * (b.before + gravity * b.h));
+        };
+        if (share(bounces, by_whole_step) >= most)
+            return Diagnosis{
+                "bounce_gains_energy",
+                fmt::format("{} bounces on plane {} mirror the velocity after a whole step of gravity: each "
+                            "gains g h = {:.3g} m/s; apply gravity up to the time of contact and from there "
+                            "on, or correct the speed by the depth",
+                            bounces.size(), plane, gravity * bounces.front().h),
+                "", gravity * bounces.front().h / bounces.front().before, 0};
+    }
+    std::vector<double> back;
+    for (const Bounce& b : bounces)
+        if (b.after > 1e-9 * b.before) back.push_back(b.after / b.before);
+    std::ranges::sort(back);
+    const double usual = back.empty() ? 0 : back[back.size() / 2];
+    if (restitution > 0.05 && restitution < 0.95 && !back.empty() &&
+        std::abs(usual - restitution * restitution) < 0.05 * restitution && std::abs(usual - restitution) > 0.05)
+        return Diagnosis{"restitution_applied_twice",
+                         fmt::format("bounces on plane {} give back {:.3g} of the speed, the square of the restitution "
+                                     "{:.3g}; apply it once, or give one of the two bodies a restitution of 1",
+                                     plane, usual, restitution),
+                         "", std::abs(usual - restitution), 0};
+    // rests that a speed far above a step's gravity ends in
+    for (const Bounce& b : bounces)
+        if (restitution > 0.05 && b.after <= 1e-9 * b.before && b.before > 4 * gravity * b.h && b.before < slowest_back)
+            return Diagnosis{
+                "bounce_dies_below_threshold",
+                fmt::format("a bounce on plane {} at {:.3g} m/s gives back nothing, where faster ones do: a "
+                            "threshold of speed; lower the engine's threshold for restitution",
+                            plane, b.before),
+                "", 1, 0};
+    if (share(bounces, [](const Bounce& b) { return b.gone_on && -b.distance > 0.02 * b.before * b.h; }) >= 0.9)
+        return Diagnosis{
+            "bounce_late",
+            fmt::format("all {} bounces on plane {} come a step late: the body is behind the plane before, "
+                        "by up to the way of a step; find the time of contact within the step",
+                        bounces.size(), plane),
+            "", 1, 0};
+    return {};
+}
+
 }  // namespace
 
 std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& file) {
@@ -92,6 +188,12 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
                             "", 1, 0});
             continue;
         }
+        if (const std::optional<double> fall = fall_towards(scene, scene.planes[plane].normal_W))
+            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows), *fall,
+                                                              scene.planes[plane].restitution, plane)) {
+                told.push_back(*std::move(fault));
+                continue;
+            }
         if (returned.empty()) continue;
         std::ranges::sort(returned);
         const double found = returned[returned.size() / 2], wanted = geometry.planes[plane].restitution;

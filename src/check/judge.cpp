@@ -18,6 +18,17 @@ std::size_t span_of(double t, double begin, double end) {
     return std::min(most_spans - 1, static_cast<std::size_t>(std::max(k, 0.0)));
 }
 
+bool is_larger(double error, double largest) { return !std::isnan(largest) && !(error <= largest); }
+
+bool rotates_alone(const Scene& scene) {
+    return scene.planes.empty() && std::ranges::none_of(scene.loads, [](const Load& load) {
+               const auto* force = std::get_if<Force>(&load);
+               const auto* impulse = std::get_if<Impulse>(&load);
+               return (force && force->point_frame == Frame::world) ||
+                      (impulse && impulse->point_frame == Frame::world);
+           });
+}
+
 /// The largest errors so far, not yet relative to anything.
 struct Judge::Tally {
     ErrorSummary all;
@@ -25,14 +36,14 @@ struct Judge::Tally {
 
     void note(double error, double t, std::size_t k) {
         all.final = error;
-        // a NaN is the largest of all
-        if (!(error <= all.max)) all.max = error, all.max_time = t;
-        if (!(error <= span[k])) span[k] = error;
+        if (is_larger(error, all.max)) all.max = error, all.max_time = t;
+        if (is_larger(error, span[k])) span[k] = error;
     }
     void append(const Tally& later) {
         all.final = later.all.final;
-        if (!(later.all.max <= all.max)) all.max = later.all.max, all.max_time = later.all.max_time;
-        for (std::size_t k = 0; k < most_spans; ++k) span[k] = std::max(span[k], later.span[k]);
+        if (is_larger(later.all.max, all.max)) all.max = later.all.max, all.max_time = later.all.max_time;
+        for (std::size_t k = 0; k < most_spans; ++k)
+            if (is_larger(later.span[k], span[k])) span[k] = later.span[k];
     }
     void divide_by(double scale) {
         if (!(scale > 0)) return;
@@ -45,13 +56,16 @@ struct Judge::State {
     const Scene* scene;
     const TrajectoryFile* file;
     std::variant<ExactBody<Wide>, ExactBody<double>> body;
+    // Whether the energy is that of rotation: of a body that flies, whose rotation does not hang on where it is, in a
+    // file without all of the translation.
+    bool rotational = false;
     PerMeasure<Tally> tallies = {};
     PerMeasure<double> scales = {};
     PerMeasure<double> sizes = {};  // of what is not relative
     std::array<double, most_spans> until{};
     std::optional<std::size_t> kept_measure{};
     std::vector<double> kept{};
-    std::size_t place = measure_index("position"), speed = measure_index("velocity");
+    std::size_t place = measure_index("position"), speed = measure_index("velocity"), energy = measure_index("energy");
 
     // where the centre of mass starts
     template <class S>
@@ -62,7 +76,8 @@ struct Judge::State {
 
     // whether the file's columns tell what a measure needs
     bool knows(const Measure& measure) const {
-        const bool center = scene->pivot || (has_position() && file->has_velocity);
+        const bool center =
+            scene->pivot || (has_position() && file->has_velocity) || (rotational && measure.name == "energy");
         const unsigned known = known_truth | (file->has_angular_velocity ? known_angular_velocity : 0U) |
                                (has_position() ? known_position : 0U) | (file->has_velocity ? known_velocity : 0U) |
                                (center ? known_center : 0U);
@@ -70,6 +85,18 @@ struct Judge::State {
     }
 
     std::size_t span_of(double t) const { return polhode::span_of(t, file->rows.front().t, file->rows.back().t); }
+
+    // both without their translation: what remains is the energy of rotation
+    template <class S>
+    ComparedSample<S> at_rest_in_place(ComparedSample<S> c, const ExactBody<S>& own, double t,
+                                       const Quaternion<S>& unit) const {
+        c.position_W = c.velocity_W = c.truth.position_W = c.truth.velocity_W = {};
+        set_invariants(c, *scene, own, t, unit);
+        const Invariants<S> right =
+            invariants(*scene, own, t, c.truth.q, c.truth.angular_velocity_B, c.truth.position_W, c.truth.velocity_W);
+        c.truth.kinetic = right.kinetic, c.truth.energy = right.energy;
+        return c;
+    }
 
     template <class S>
     void add(const ExactBody<S>& own, const TrajectoryRow& row, const ReferenceSample& reference) {
@@ -87,13 +114,16 @@ struct Judge::State {
         c.angular_velocity_B = file->has_angular_velocity ? rotate_back(unit, cast<S>(row.angular_velocity_W))
                                                           : c.truth.angular_velocity_B;
         set_invariants(c, *scene, own, row.t, unit);
+        std::optional<ComparedSample<S>> alone;
+        if (rotational) alone = at_rest_in_place(c, own, row.t, unit);
         const std::span<const Measure> all = measures();
         for (std::size_t m = 0; m < all.size(); ++m) {
             if (!knows(all[m])) continue;
-            const auto error = static_cast<double>(all[m].error(c));
+            const ComparedSample<S>& compared = alone && m == energy ? *alone : c;
+            const auto error = static_cast<double>(all[m].error(compared));
             tallies[m].note(error, row.t, k);
             if (kept_measure == m) kept.push_back(error);
-            if (all[m].scale) scales[m] = std::max(scales[m], double(all[m].scale(c.truth)));
+            if (all[m].scale) scales[m] = std::max(scales[m], double(all[m].scale(compared.truth)));
         }
         sizes[place] = std::max(sizes[place], double(length(c.truth.position_W - own_start(own))));
         sizes[speed] = std::max(sizes[speed], double(length(c.truth.velocity_W)));
@@ -102,6 +132,7 @@ struct Judge::State {
 
 Judge::Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic)
     : state_(std::make_unique<State>(State{&scene, &file, exact_body<Wide>(scene)})) {
+    state_->rotational = !scene.pivot && !(state_->has_position() && file.has_velocity) && rotates_alone(scene);
     if (arithmetic == JudgedIn::binary64) state_->body = exact_body<double>(scene);
 }
 Judge::~Judge() = default;

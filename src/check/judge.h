@@ -38,6 +38,12 @@ struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
     std::string worst_body, worst_gap, worst_turn;
 };
 
+/// Whether an error is larger than the largest so far; NaN is the largest of all, and the first of several stays.
+bool is_larger(double error, double largest);
+
+/// Whether the rotation of a body that flies does not hang on where it is: no plane, no point of attack in the world.
+bool rotates_alone(const Scene& scene);
+
 /// As many spans of time at most are told apart.
 inline constexpr std::size_t most_spans = 10;
 /// The span of a sample at t of a file that goes from `begin` to `end` (s): a span ends with the sample at its end.
@@ -48,7 +54,8 @@ std::size_t span_of(double t, double begin, double end);
 enum class JudgedIn { binary128, binary64 };
 
 /// Judges sample by sample; `truth` has the file's times, else std::invalid_argument. Omega and momentum need w. Energy
-/// needs w, and p and v where the scene has no pivot. Of several bodies see judge_system().
+/// needs w, and p and v where the scene has no pivot; without one of these the energy of rotation is compared where the
+/// rotation does not hang on them. Of several bodies see judge_system().
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
                 JudgedIn arithmetic = JudgedIn::binary128);
 

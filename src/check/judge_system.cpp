@@ -66,9 +66,9 @@ Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Ref
         ErrorSummary& summary = result[m].emplace();
         std::size_t worst = 0;
         for (std::size_t k = 0; k < errors.size(); ++k) {
-            if (errors[k] > errors[worst]) worst = k;
+            if (is_larger(errors[k], errors[worst])) worst = k;
             double& largest = spans[span_of(series.t[k], begin, end)].error[m];
-            largest = std::max(largest, errors[k]);
+            if (is_larger(errors[k], largest)) largest = errors[k];
         }
         summary = {errors[worst], series.t[worst], errors.back()};
         const JointViolations<Wide> there = violations_at(measure, trajectory.at(worst));

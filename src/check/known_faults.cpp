@@ -59,12 +59,28 @@ std::vector<double> factors(const FileFacts&) { return logarithmic(0.05, 20, 40)
 std::vector<double> damping_rates(const FileFacts& facts) {
     return logarithmic(3e-3 / std::max(facts.duration, 1e-9), 0.5 / std::max(facts.row, 1e-12), 48);
 }
+// rates of steps, from one a row on
+std::vector<double> steps_a_second(const FileFacts& facts) {
+    return logarithmic(0.9 / std::max(facts.row, 1e-12), 22 / std::max(facts.row, 1e-12), 24);
+}
 std::vector<double> time_factors(const FileFacts&) { return logarithmic(0.2, 5, 60); }
 // A limit shows in most rows, or in the fastest.
 std::vector<double> speed_limits(const FileFacts& facts) {
     std::vector<double> values;
     for (const double rate : {facts.usual_rate, facts.largest_rate})
         for (const double factor : {0.98, 0.99, 1.0, 1.01, 1.02}) values.push_back(factor * rate);
+    std::sort(values.begin(), values.end());
+    return values;
+}
+
+// The same of the components of w.
+template <LimitOf limited>
+std::vector<double> component_limits(const FileFacts& facts) {
+    std::vector<double> values;
+    const Vector3<double>& most = limited == LimitOf::body_axes ? facts.most_in_body_axes : facts.most_in_world_axes;
+    for (int i = 0; i < 3; ++i)
+        for (const double factor : {0.98, 0.99, 1.0, 1.01, 1.02})
+            if (most[i] > 1e-6 * facts.largest_rate) values.push_back(factor * most[i]);
     std::sort(values.begin(), values.end());
     return values;
 }
@@ -189,6 +205,14 @@ std::vector<Hypothesis> engine_faults() {
                "the attitude is turned by the rate in world axes on the body's side: q w in place of w q",
                "let q go on as w q for a rate in world axes",
                [](EngineFault& e, double) { e.turned_by = TurnedBy::world_rate_in_body; }),
+        engine("quaternion_updated_in_place", S::turn,
+               "the quaternion is updated in place: the new qw is used for qx, both for qy, and so on (body rate)",
+               "keep the old components until all four are computed",
+               [](EngineFault& e, double) { e.in_place = InPlace::body_rate; }),
+        engine("quaternion_updated_in_place", S::turn,
+               "the quaternion is updated in place: the new qw is used for qx, both for qy, and so on (world rate)",
+               "keep the old components until all four are computed",
+               [](EngineFault& e, double) { e.in_place = InPlace::world_rate; }),
         engine("rotation_frozen", S::rest, "the attitude never changes", "integrate the attitude, or wake the body up",
                [](EngineFault& e, double) { e.no_rotation = true; }),
         {.fault = "position_frozen",
@@ -203,6 +227,52 @@ std::vector<Hypothesis> engine_faults() {
         fitted("speed_clamped", S::limit, "the angular speed is clamped at {} rad/s",
                "raise the engine's limit on angular speed",
                engine_does([](EngineFault& e, double x) { e.speed_limit = x; }), speed_limits),
+        fitted("speed_clamped_by_axis", S::limit, "each component of w is clamped at {} rad/s in body axes",
+               "raise the engine's limit on angular speed",
+               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.limit_of = LimitOf::body_axes; }),
+               component_limits<LimitOf::body_axes>),
+        fitted("speed_clamped_by_axis", S::limit, "each component of w is clamped at {} rad/s in world axes",
+               "raise the engine's limit on angular speed",
+               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.limit_of = LimitOf::world_axes; }),
+               component_limits<LimitOf::world_axes>),
+        fitted(
+            "speed_clamped_while_coasting", S::limit,
+            "the angular speed is clamped at {} rad/s while no torque or force acts",
+            "raise the engine's limit on angular speed",
+            [](Cause& c, double x) {
+                c.engine.speed_limit = x, c.engine.only_coasting = true;
+                return has_pushes(c.scene);
+            },
+            speed_limits),
+        fitted(
+            "damping_while_coasting", S::damping,
+            "w dies away at {} 1/s more than in the scene while no torque or force acts",
+            "turn the engine's angular damping off",
+            [](Cause& c, double x) {
+                c.engine.angular_damping = x, c.engine.only_coasting = true;
+                return has_pushes(c.scene);
+            },
+            damping_rates),
+        {.fault = "drag_applied_to_w",
+         .subject = S::damping,
+         .what = "the scene's drag is taken for a rate: w dies away by c w, and c is divided by no moment of inertia",
+         .remedy = "apply the torque -c w",
+         .apply = drag_on_rate},
+        engine("inertia_not_rotated", S::inertia,
+               "the inertia tensor is not rotated with the body: in world axes it stays what it is in body axes, or "
+               "Euler's "
+               "equations of body axes are used for the rate in world axes",
+               "let I_W = R I R^T in each step", [](EngineFault& e, double) { e.tensor = WorldTensor::fixed; }),
+        engine("inertia_rotated_backwards", S::inertia,
+               "the inertia tensor is rotated the wrong way: R^T I R in place of R I R^T", "let I_W = R I R^T",
+               [](EngineFault& e, double) { e.tensor = WorldTensor::turned_back; }),
+        engine("inertia_diagonal_in_world_axes", S::inertia,
+               "of the inertia tensor in world axes the diagonal alone is used", "use the full tensor R I R^T",
+               [](EngineFault& e, double) { e.tensor = WorldTensor::diagonal; }),
+        engine("inertia_diagonal_in_world_axes", S::inertia,
+               "of the inverse inertia tensor in world axes the diagonal alone is used",
+               "use the full tensor R I^-1 R^T",
+               [](EngineFault& e, double) { e.tensor = WorldTensor::inverse_diagonal; }),
         fitted("damping_left_on", S::damping, "damping is left on: w dies away at {} 1/s more than in the scene",
                "turn the engine's angular damping off",
                engine_does([](EngineFault& e, double x) { e.angular_damping = x; }), damping_rates),
@@ -329,6 +399,7 @@ std::vector<Hypothesis> load_faults() {
         fixed("gravity_twice", S::gravity, "gravity is applied twice", once, scale_gravity, 2),
         fixed("gravity_along_y", S::gravity, "gravity acts along y in place of z", "set the engine's up axis",
               gravity_along_y),
+        fixed("gravity_in_body_axes", S::gravity, "gravity turns with the body", frame, gravity_in_body_axes),
         scaled("gravity_scaled", S::gravity, "gravity is {} times the scene's",
                "give the engine the scene's gravity, in its unit of length", scale_gravity),
         fixed("torque_missing", S::torque, "the torque is missing", "apply the torque", scale_vectors<Torque>, 0),
@@ -344,22 +415,34 @@ std::vector<Hypothesis> load_faults() {
         fixed("force_missing", S::force, "the force is missing", "apply the force", scale_vectors<Force>, 0),
         fixed("force_reversed", S::force, "the force has the opposite sign", "turn the force's sign",
               scale_vectors<Force>, -1),
+        fixed("force_twice", S::force, "the force is applied twice", once, scale_vectors<Force>, 2),
+        scaled("force_scaled", S::force, "the force is {} times the scene's", "check the force's unit",
+               scale_vectors<Force>),
         fixed("force_in_other_axes", S::force, "the force in body axes is applied in world axes", frame,
               in_other_frame<Force, Frame::body>),
         fixed("force_in_other_axes", S::force, "the force in world axes is applied in body axes", frame,
               in_other_frame<Force, Frame::world>),
         fixed("force_at_center_of_mass", S::force, "the force acts at the centre of mass: its torque is missing",
               "apply the force at its point", at_center<Force>),
+        fixed("force_at_wrong_point", S::force,
+              "the force's point is counted from the centre of mass in place of the body's origin",
+              "count the point from the body's origin", from_center<Force>),
         fixed("impulse_missing", S::impulse, "the impulse is missing", "apply the impulse", scale_vectors<Impulse>, 0),
         fixed("impulse_reversed", S::impulse, "the impulse has the opposite sign", "turn the impulse's sign",
               scale_vectors<Impulse>, -1),
         fixed("impulse_twice", S::impulse, "the impulse is applied twice", "apply the impulse once",
               scale_vectors<Impulse>, 2),
+        scaled("impulse_scaled", S::impulse, "the impulse is {} times the scene's", "check the impulse's unit",
+               scale_vectors<Impulse>),
+        fixed("impulse_in_other_axes", S::impulse, "the impulse in body axes is applied in world axes", frame,
+              in_other_frame<Impulse, Frame::body>),
+        fixed("impulse_in_other_axes", S::impulse, "the impulse in world axes is applied in body axes", frame,
+              in_other_frame<Impulse, Frame::world>),
         fixed("impulse_at_wrong_point", S::impulse, "the impulse acts at the centre of mass: its turn is missing",
               "apply the impulse at its point", at_center<Impulse>),
         fixed("impulse_at_wrong_point", S::impulse,
               "the impulse's point is counted from the centre of mass in place of the body's origin",
-              "count the point from the body's origin", impulse_from_center),
+              "count the point from the body's origin", from_center<Impulse>),
         fixed("spring_missing", S::spring, "the spring is missing", "apply the spring's torque", scale_spring, 0),
         fixed("spring_reversed", S::spring, "the spring's torque has the opposite sign",
               "let the torque drive the body back to rest", scale_spring, -1),
@@ -371,6 +454,10 @@ std::vector<Hypothesis> load_faults() {
         fixed("drag_twice", S::drag, "the scene's drag is applied twice", once, scale_drag, 2),
         fixed("drag_reversed", S::drag, "the scene's drag has the opposite sign", "let drag act against the motion",
               scale_drag, -1),
+        fitted(
+            "drag_per_step", S::drag, "the scene's drag acts per step and not per second: {} times too strong",
+            "multiply the drag by the step", [](Cause& c, double x) { return is_plain(x) && scale_drag(c, x); },
+            steps_a_second),
         scaled("drag_scaled", S::drag, "the drag is {} times the scene's", "check the drag coefficient", scale_drag),
         fixed("loads_missing", S::torque, "torque and spring are missing", "apply them", scale_all_torques, 0),
     };
@@ -378,10 +465,11 @@ std::vector<Hypothesis> load_faults() {
 
 }  // namespace
 
+// Of explanations that are equally near the first in the table is told first: a load of the wrong size before a mass.
 const std::vector<Hypothesis>& known_faults() {
     static const std::vector<Hypothesis> all = [] {
         std::vector<Hypothesis> list;
-        for (auto&& part : {readings(), engine_faults(), body_faults(), start_faults(), load_faults()})
+        for (auto&& part : {readings(), engine_faults(), load_faults(), body_faults(), start_faults()})
             list.insert(list.end(), part.begin(), part.end());
         return list;
     }();

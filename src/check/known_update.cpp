@@ -7,13 +7,16 @@
 #include <limits>
 #include <vector>
 
+#include "body/elementary.h"
 #include "body/orientation.h"
 #include "integrators/method.h"
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t most_rows = 240;
+// so many rows are compared with all updates, and so many with the one that they match
+constexpr std::size_t rows_to_choose = 240, rows_to_follow = 20'000;
+constexpr std::size_t least_rows = 8;
 
 // Whether rows are at 0, h, 2 h, .. as far as a clock in binary32 tells.
 bool evenly_spaced(const TrajectoryFile& file, std::size_t rows, double h) {
@@ -22,34 +25,67 @@ bool evenly_spaced(const TrajectoryFile& file, std::size_t rows, double h) {
     return true;
 }
 
-// The largest angle between a run and the file's rows, or the run's and the motion's.
+// The angles between a run and the file's rows, or the run's and the motion's; none where it came to no end.
 template <class At>
-double farthest(const Trajectory& run, std::size_t rows, const At& q_at) {
-    if (run.status != Status::ok || run.samples.size() < rows) return std::numeric_limits<double>::infinity();
+std::vector<double> angles(const Trajectory& run, std::size_t rows, const At& q_at) {
+    std::vector<double> all;
+    if (run.status != Status::ok || run.samples.size() < rows) return all;
+    for (std::size_t k = 0; k < rows; ++k) all.push_back(rotation_angle_between(run.samples[k].q, q_at(k)));
+    return all;
+}
+
+// NaN is the largest of all
+double largest_of(const std::vector<double>& all, std::size_t rows) {
+    if (all.size() < rows) return std::numeric_limits<double>::infinity();
     double largest = 0;
-    for (std::size_t k = 0; k < rows; ++k) {
-        const double angle = rotation_angle_between(run.samples[k].q, q_at(k));
-        if (!(angle <= largest)) largest = angle;
-    }
+    for (std::size_t k = 0; k < rows; ++k)
+        if (!(all[k] <= largest)) largest = all[k];
     return largest;
+}
+
+// How far rounding of each step may have led by a row.
+double by_rounding(double noise, std::size_t row) { return 20 * noise * static_cast<double>(row + 10); }
+
+// How many rows are as near as rounding leaves them.
+std::size_t rows_that_match(const std::vector<double>& all, double noise) {
+    std::size_t k = 0;
+    while (k < all.size() && all[k] <= by_rounding(noise, k)) ++k;
+    return k;
+}
+
+// What |w| does at a row, where it changes plainly more than in the rows before it.
+std::string jump_at(const TrajectoryFile& file, std::size_t row) {
+    if (!file.has_angular_velocity || row < 4) return "";
+    const auto speed = [&](std::size_t k) { return length(file.rows[k].angular_velocity_W); };
+    std::vector<double> before;
+    for (std::size_t k = std::max<std::size_t>(row, 40) - 39; k + 1 < row; ++k)
+        before.push_back(std::abs(speed(k) - speed(k - 1)));
+    if (before.empty()) return "";
+    std::ranges::sort(before);
+    // an attitude that is a step late shows a change of w in the row before
+    for (const std::size_t k : {row, row - 1}) {
+        const double change = speed(k) - speed(k - 1);
+        if (std::abs(change) > 5 * before.back() && std::abs(change) > 1e-6 * speed(k - 1))
+            return fmt::format(", where |w| {} from {:.4g} to {:.4g} rad/s", change < 0 ? "drops" : "jumps",
+                               speed(k - 1), speed(k));
+    }
+    return "";
 }
 
 std::string hertz(double step) { return fmt::format("{:.4g} Hz", 1 / step); }
 
 }  // namespace
 
-std::optional<FollowedUpdate> followed_update(const Scene& scene, const TrajectoryFile& file, int steps,
-                                              bool in_binary32) {
-    const std::size_t rows = std::min(file.rows.size(), most_rows);
-    if (rows < 8) return {};
-    const double row = file.rows[rows - 1].t / static_cast<double>(rows - 1), step = row / steps;
-    if (!(step > 0) || !evenly_spaced(file, rows, row)) return {};
-    Scene timed = scene;
-    timed.duration = file.rows[rows - 1].t;
-    const Problem problem = pose(timed);
-    const auto run = [&](const Method& method, double h) {
+std::optional<FollowedUpdate> followed_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise) {
+    const std::size_t all_rows = std::min(file.rows.size(), rows_to_follow), rows = std::min(all_rows, rows_to_choose);
+    if (rows < least_rows) return {};
+    const double row = file.rows[rows - 1].t / static_cast<double>(rows - 1);
+    if (!(row > 0) || !evenly_spaced(file, rows, row)) return {};
+    const auto run = [&](const Method& method, double h, std::size_t count) {
+        Scene timed = scene;
+        timed.duration = file.rows[count - 1].t;
         Settings settings;
-        settings.samples = static_cast<long>(rows - 1);
+        settings.samples = static_cast<long>(count - 1);
         settings.max_steps = 2'000'000;
         if (takes_tolerance(method))
             settings.tolerance = 1e-11;
@@ -57,42 +93,85 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
             settings.step = h;
         return solve(timed, method, settings);
     };
-    const Trajectory truth = run(*choose_method(problem).method, step);
+    const Method& accurate = *choose_method(pose(scene)).method;
+    Trajectory truth = run(accurate, row, rows);
     if (truth.status != Status::ok) return {};
     const auto of_file = [&](std::size_t k) { return file.rows[k].q; };
     const auto of_truth = [&](std::size_t k) { return truth.samples[k].q; };
-    FollowedUpdate best;
-    best.error = farthest(truth, rows, of_file), best.step = step;
-    best.distance = std::numeric_limits<double>::infinity();
-    const Method* nearest = nullptr;
     std::vector<const Method*> updates;
     for (const Method* method : methods())
         if ((method->family == Family::engine_update || method->family == Family::published_update) &&
-            method->control == Control::fixed_step && (in_binary32 || method->precision == Precision::binary64))
+            method->control == Control::fixed_step && (noise > 1e-9 || method->precision == Precision::binary64) &&
+            // those of impacts are the others where there is no plane
+            (!method->planes || !scene.planes.empty()))
             updates.push_back(method);
     // of two that are as near but for rounding, the engines' own name it
     std::stable_partition(updates.begin(), updates.end(),
                           [](const Method* m) { return m->family == Family::engine_update; });
-    constexpr double rounding = 1e-12;
-    for (const Method* method : updates) {
-        const double distance = farthest(run(*method, step), rows, of_file);
-        if (distance < 0.9 * best.distance && best.distance > rounding) best.distance = distance, nearest = method;
+    const std::vector<double> errors = angles(truth, rows, of_file);
+    const double error = largest_of(errors, rows);
+    // the attitude is right, as far as the file's numbers tell
+    if (!(error > 10 * by_rounding(noise, rows))) return {};
+    struct Candidate {
+        const Method* method = nullptr;
+        int steps = 1;
+        std::size_t matching = 0;
+        double distance = std::numeric_limits<double>::infinity();
+    } nearest;
+    for (const int count : {1, steps}) {
+        if (count == 1 || count != nearest.steps)
+            for (const Method* method : updates) {
+                const std::vector<double> off = angles(run(*method, row / count, rows), rows, of_file);
+                const Candidate one{method, count, rows_that_match(off, noise), largest_of(off, rows)};
+                constexpr double rounding = 1e-12;
+                const bool nearer = one.distance < 0.9 * nearest.distance && nearest.distance > rounding;
+                if (one.matching > nearest.matching + 4 || (one.matching + 4 >= nearest.matching && nearer))
+                    nearest = one;
+            }
+        if (steps == 1) break;
     }
-    if (!nearest || !(10 * best.distance <= best.error)) return {};
-    best.method = nearest->name;
-    const auto error = [&](const Method& method, double h) {
-        const double value = farthest(run(method, h), rows, of_truth);
+    if (!nearest.method) return {};
+    FollowedUpdate best;
+    best.method = nearest.method->name, best.step = row / nearest.steps;
+    // rows that the scene's motion matches as well tell nothing
+    best.matches = nearest.matching >= least_rows && nearest.matching > rows_that_match(errors, noise) + least_rows / 2;
+    if (!best.matches) {
+        best.distance = nearest.distance, best.error = error;
+        if (!(10 * best.distance <= best.error)) return {};
+        best.message = fmt::format(
+            "this resembles the update {} at {}, to {:.2g} rad over its first {} rows, of the {:.2g} rad that it is "
+            "off "
+            "there",
+            best.method, hertz(best.step), best.distance, rows, best.error);
+        return best;
+    }
+    // until where
+    std::size_t matching = nearest.matching;
+    std::vector<double> off = angles(run(*nearest.method, best.step, all_rows), all_rows, of_file);
+    if (evenly_spaced(file, all_rows, row) && off.size() == all_rows) matching = rows_that_match(off, noise);
+    if (matching > rows) truth = run(accurate, row, matching);
+    if (truth.status != Status::ok) return {};
+    best.distance = largest_of(off, std::min(matching, off.size()));
+    best.error = largest_of(angles(truth, matching, of_file), matching);
+    const bool leaves = matching < all_rows;
+    if (leaves) best.left_at = file.rows[matching].t;
+    const auto error_of = [&](const Method& method, double h) {
+        const double value = largest_of(angles(run(method, h, matching), matching, of_truth), matching);
         return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no motion");
     };
     std::string others;
     for (const char* name : {"gyroscopic_explicit", "gyroscopic_implicit", "gyroscopic_rescaled_momentum", "buss"})
-        if (const Method* other = find_method(name); other && other != nearest)
-            others += fmt::format(", {} {}", name, error(*other, step));
-    best.message = fmt::format(
-        "this is the update {} at {}: the file follows it to {:.2g} rad over its first {} rows, and its error there, "
-        "{:.2g} rad, is the step's. Half the step gives {}, an eighth {}{}",
-        best.method, hertz(step), best.distance, rows, best.error, error(*nearest, step / 2), error(*nearest, step / 8),
-        others.empty() ? "" : "; at the same step" + others.substr(1));
+        if (const Method* other = find_method(name); other && other != nearest.method)
+            others += fmt::format(", {} {}", name, error_of(*other, best.step));
+    best.message =
+        fmt::format("this matches the update {} at {}, to {:.2g} rad", best.method, hertz(best.step), best.distance);
+    best.message +=
+        leaves ? fmt::format(", and leaves it at t = {:.6g} s{}; until then its error, {:.2g} rad, is the step's",
+                             *best.left_at, jump_at(file, matching), best.error)
+               : fmt::format(" over {} rows, and its error, {:.2g} rad, is the step's", matching, best.error);
+    best.message += fmt::format(". Half the step gives {}, an eighth {}{}", error_of(*nearest.method, best.step / 2),
+                                error_of(*nearest.method, best.step / 8),
+                                others.empty() ? "" : "; at the same step" + others.substr(1));
     return best;
 }
 

@@ -19,6 +19,8 @@ constexpr JudgedBlock blocks[] = {
     {"velocity", "velocity", "velocity", "m/s", 0.05, 0.01},
     {"energy", "energy", "energy", "", 0.05, 0},
     {"momentum", "angular momentum", "momentum", "", 0.05, 0},
+    {"joint_gap", "gap of joints", "joint_gap", "m", 0, 0.01},
+    {"joint_turn", "turn of joints", "joint_turn", "rad", 0, 0.05},
 };
 
 std::size_t index_of(std::string_view name) {
@@ -63,6 +65,7 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
     for (std::size_t i = 0; i < limits_.size(); ++i) {
         const JudgedBlock& block = blocks[i];
         const std::size_t m = measure_index(block.measure);
+        if (is_of_joints(block.name) && !judgement[m]) continue;
         BlockVerdict v{&block, {}, {}, limits_[i], false};
         if (const std::optional<ErrorSummary>& error = judgement[m]) {
             const bool is_relative = static_cast<bool>(measures()[m].scale);

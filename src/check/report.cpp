@@ -61,25 +61,21 @@ std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
         const std::optional<ErrorSummary>& error = c.judgement[v.block->measure];
         // the summary is in the measure's unit, the verdict in the block's
         const double unit = error && error->max > 0 ? *v.error / error->max : 1;
-        text += fmt::format("  {:<18}{:>10}{:>7}{:>11}{:>10}{:>12}{:>12}   {}\n", v.block->title,
+        const std::string& worst = v.block->name == "joint_gap"    ? c.judgement.worst_gap
+                                   : v.block->name == "joint_turn" ? c.judgement.worst_turn
+                                                                   : std::string();
+        text += fmt::format("  {:<18}{:>10}{:>7}{:>11}{:>10}{:>12}{:>12}   {}{}\n", v.block->title,
                             v.error ? fmt::format("{:.2e}", *v.error) : "-", v.error ? v.block->unit : "",
                             v.relative ? fmt::format("{:.2e}", *v.relative) : "-",
                             error ? fmt::format("{:.5g}", error->max_time) : "",
-                            error ? fmt::format("{:.2e}", unit * error->final) : "", said(v), verdict(limits, v));
+                            error ? fmt::format("{:.2e}", unit * error->final) : "", said(v), verdict(limits, v),
+                            worst.empty() ? "" : ", worst of " + one_line(worst, 100));
     }
     const auto line = [&](const char* title, double value, const char* unit) {
         text += fmt::format("  {:<18}{:>10.2e}{:>7}\n", title, value, unit);
     };
     if (const auto& norm = c.judgement["norm"]) line("norm of q", norm->max, "");
-    const auto joint = [&](const char* title, const char* measure, const char* unit, const std::string& worst) {
-        const std::optional<ErrorSummary>& error = c.judgement[measure];
-        if (!error) return;
-        text += fmt::format("  {:<18}{:>10.2e}{:>7}{:>11}{:>10.5g}{:>12.2e}{}\n", title, error->max, unit, "",
-                            error->max_time, error->final, worst.empty() ? "" : "   of " + one_line(worst, 100));
-    };
     if (const auto& p = c.judgement["linear_momentum"]) line("linear momentum", p->max, "");
-    joint("gap of joints", "joint_gap", "m", c.judgement.worst_gap);
-    joint("turn of joints", "joint_turn", "rad", c.judgement.worst_turn);
     if (!c.judgement.worst_body.empty())
         text += fmt::format("  {:<18}{} (by its attitude)\n", "worst body", one_line(c.judgement.worst_body, 100));
     if (c.floor) line("float64 floor", c.floor->float64, "rad"), line("float32 floor", c.floor->float32, "rad");
@@ -178,6 +174,8 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
                           {"step", number(u->step)},
                           {"distance", number(u->distance)},
                           {"error", number(u->error)},
+                          {"matches", u->matches},
+                          {"left_at", u->left_at ? number(*u->left_at) : ordered_json(nullptr)},
                           {"message", u->message}};
     return file;
 }

@@ -51,6 +51,8 @@ class Searcher {
     void find_steps();
     std::vector<Update> usual_updates(const Explanation& first) const;
     Explanation without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const;
+    std::vector<double> by_step(const Explanation& e) const;
+    bool is_refuted(const Explanation& e, const Explanation& sound) const;
 };
 
 // every rule, by each number of steps that an engine could take from row to row
@@ -124,9 +126,13 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
         };
         double a = values[best > 0 ? best - 1 : 0], b = values[std::min(best + 1, values.size() - 1)];
         double x = b - ratio * (b - a), y = a + ratio * (b - a), fx = keep(x), fy = keep(y);
+        double before = result.residual.total;
         for (int i = 0; i < 36; ++i) {
-            // nothing to be had here
-            if (i == 6 && result.residual.total > hopeless) return;
+            // nothing to be had here: near the right number every third of a decade that the bracket narrows is gained
+            if (i % 4 == 2 && i > 2) {
+                if (result.residual.total > hopeless && result.residual.total > before - 0.5) return;
+                before = result.residual.total;
+            }
             if (fx < fy)
                 b = y, y = x, fy = fx, x = b - ratio * (b - a), fx = keep(x);
             else
@@ -149,7 +155,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
 
 // How many steps a row an engine could take: what its attitude makes of its own rate shows it whatever else is wrong.
 void Searcher::find_steps() {
-    constexpr int candidates[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 16, 20};
+    constexpr int candidates[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20};
     std::vector<std::pair<double, int>> scores;
     for (const int steps : candidates) {
         double least = std::numeric_limits<double>::infinity();
@@ -183,6 +189,34 @@ Explanation Searcher::without(const Explanation& e, std::size_t fault, const std
     std::vector<Supposed> rest = e.faults;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fault));
     return explained(std::move(rest), updates);
+}
+
+std::vector<double> Searcher::by_step(const Explanation& e) const {
+    Cause cause = evidence_.sound();
+    applied(cause, e.faults);
+    return evidence_.by_step(cause, EngineModel(cause), *e.rule, e.steps);
+}
+
+// A fault of the engine, of the body or of a load holds in every step. It is refuted where it predicts a part of the
+// steps well and many others no better than no fault does.
+bool Searcher::is_refuted(const Explanation& e, const Explanation& sound) const {
+    constexpr double well = 1, no_better = 0.3;
+    const std::vector<double> with = by_step(e), plain = by_step(sound);
+    if (with.size() < 8 || with.size() != plain.size()) return false;
+    std::vector<double> sorted = with;
+    std::ranges::sort(sorted);
+    const double predicted = sorted[sorted.size() / 4];
+    std::size_t against = 0;
+    for (std::size_t k = 0; k < with.size(); ++k)
+        if (plain[k] > predicted + well && with[k] > plain[k] - no_better) ++against;
+    return 4 * against > with.size();
+}
+
+bool is_of_load(const Explanation& e) {
+    return std::all_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) {
+        const Subject about = s.hypothesis->subject;
+        return about >= Subject::gravity && about <= Subject::drag;
+    });
 }
 
 // Whether all numbers fitted are of two digits: who writes a fault by hand gives such a number, a fit seldom does.
@@ -241,7 +275,9 @@ FaultSearch Searcher::run() {
         }
     }
     std::stable_sort(pairs.begin(), pairs.end(), better);
-    const std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
+    std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
+    // one after the other: few are near enough to be told
+    while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
     if (candidates.empty()) return found;
     found.best = candidates.front();
     // of explanations as good as the best those that needed nothing fitted go first
@@ -251,7 +287,9 @@ FaultSearch Searcher::run() {
     };
     std::vector<Explanation> near;
     for (const Explanation& e : candidates)
-        if (e.residual.total <= limit) near.push_back(e);
+        if (e.residual.total <= limit && !is_refuted(e, found.sound)) near.push_back(e);
+    // a load of the wrong size is more frequent than a wrong mass
+    std::ranges::stable_partition(near, is_of_load);
     // a number that is known beforehand needs no fit: half a decade is what fitting gains by itself
     if (!near.empty() && fitted(near.front()))
         for (const Explanation& e : candidates)

@@ -233,7 +233,8 @@ struct Scene {
     std::vector<Load> loads;    ///< what acts on the body or the bodies
     std::vector<Plane> planes;  ///< beside a body that has a shape, without a pivot
     /// The errors that `check` lets pass, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s),
-    /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run).
+    /// position (m), velocity (m/s), energy and momentum (relative to the largest of the run); of several bodies also
+    /// joint_gap (m) and joint_turn (rad).
     std::map<std::string, double> tolerated;
     /// Constructs of an imported robot's file that change its motion and are not modelled, a phrase each. No file form.
     std::vector<std::string> omitted;
@@ -245,8 +246,10 @@ struct Scene {
 inline bool is_mechanism(const Scene& scene) { return !scene.bodies.empty(); }
 
 /// What a scene can tolerate errors of.
-inline constexpr std::array<std::string_view, 6> tolerated_blocks{"attitude", "angular_velocity", "position",
-                                                                  "velocity", "energy",           "momentum"};
+inline constexpr std::array<std::string_view, 8> tolerated_blocks{
+    "attitude", "angular_velocity", "position", "velocity", "energy", "momentum", "joint_gap", "joint_turn"};
+/// Of these the ones that a scene of several bodies alone has.
+constexpr bool is_of_joints(std::string_view block) { return block == "joint_gap" || block == "joint_turn"; }
 
 /// The error of a block that the scene tolerates, if it says so.
 std::optional<double> tolerated_error(const Scene& scene, std::string_view block);

@@ -262,6 +262,9 @@ std::span<const FileKey> scene_keys() {
         {"tolerated", "energy", "number > 0", "", "0.05", "0.01", "the largest error, relative to the largest energy"},
         {"tolerated", "momentum", "number > 0", "", "0.05", "0.01",
          "the largest error of the angular momentum as a vector, relative to its largest"},
+        {"tolerated", "joint_gap", "number > 0", "m", "0.01", "1e-4", "of several bodies: the largest gap of a joint"},
+        {"tolerated", "joint_turn", "number > 0", "rad", "0.05", "1e-3",
+         "of several bodies: the largest turn of a joint"},
 
         {"body", "mass", "number > 0", "kg", "required", "1",
          "the mass; 0 is allowed in a mechanism whose mass matrix stays regular"},

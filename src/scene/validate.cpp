@@ -266,6 +266,8 @@ void validate(const Scene& scene, const std::string& file) {
     }
     check_planes(check, scene);
     for (const auto& [block, error] : scene.tolerated) {
+        if (is_of_joints(block) && !is_mechanism(scene))
+            throw InputError(file, "/tolerated/" + block, "is of joints, and the scene is of one body", "leave it out");
         if (std::ranges::find(tolerated_blocks, block) == tolerated_blocks.end())
             throw InputError(file, "/tolerated/" + one_line(block, 60), "is nothing that an error is tolerated of",
                              fmt::format("give one of {}", fmt::join(tolerated_blocks, ", ")));

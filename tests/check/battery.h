@@ -26,6 +26,13 @@ struct Knobs {
     bool first_order = false, swap_torque_axes = false, wrong_side = false, frozen = false, stuck = false;
     double asleep_after = std::numeric_limits<double>::infinity();  ///< s
     double damping_a_step = 0;                                      ///< part of w and v lost in each step
+    /// What stands for R I R^T in world axes.
+    enum class Tensor { right, not_turned, turned_back, diagonal, inverse_diagonal } tensor = Tensor::right;
+    enum class Clamp { length, body, world } clamp = Clamp::length;
+    bool coasting_only = false;   ///< damping and limit, while no torque or force acts
+    bool in_place = false;        ///< the quaternion's components are overwritten one after the other
+    bool drag_each_step = false;  ///< its torque and force are not multiplied by the step
+    bool drag_on_rate = false;    ///< the scene's drag is taken for a rate of w
 };
 
 enum class EngineKind {
@@ -45,6 +52,8 @@ class Engine {
         const ExactBody<double> b = exact_body<double>(scene);
         mass_ = Real(b.mass), held_ = b.pivoted;
         I_ = cast<Real>(b.inertia_B), inverse_I_ = cast<Real>(inverse(b.inertia_B));
+        own_I_ = I_, own_inverse_ = inverse_I_;
+        take_tensor(cast<Real>(b.q));
         arm_ = cast<Real>(b.arm), center_ = cast<Real>(b.center), origin_ = cast<Real>(b.origin);
         q_ = cast<Real>(b.q), w_ = cast<Real>(b.angular_velocity_B);
         x_ = cast<Real>(b.position_W), v_ = cast<Real>(b.velocity_W);
@@ -57,6 +66,9 @@ class Engine {
         const Real dt = static_cast<Real>(h * k_.clock);
         const V w0 = w_, v0 = v_;
         const Q q0 = q_;
+        take_tensor(q0);
+        coasting_ = coasts(t);
+        per_step_ = k_.drag_each_step ? 1 / dt : Real(1);
         if (kind_ == EngineKind::midpoint) {
             const V x0 = x_;
             const V dw = rate(t, dt / 2), dv = acceleration(t);
@@ -79,7 +91,9 @@ class Engine {
             x_ = x_ + dt * v_;
         } else {
             const V tau = torque(t);
-            const V L = rotated(q0, I_ * w0) + dt * rotated(q0, tau);
+            // L is what is kept: it is found again from w by the tensor whose inverse gave w
+            const V L = rotated(q0, (k_.tensor == Knobs::Tensor::right ? I_ : inverse(inverse_I_)) * w0) +
+                        dt * rotated(q0, tau);
             const V w = inverse_I_ * rotated_back(q0, L);
             w_ = w;
             lose(dt);
@@ -87,6 +101,7 @@ class Engine {
             v_ = v0 + dt * acceleration(t);
             lose_speed(dt);
             q_ = unit(side(q0, quarter(turning(q0, w_), dt)));
+            take_tensor(q_);
             if (k_.gyroscopic == 1 && !k_.wrong_side) w_ = kept * (inverse_I_ * rotated_back(q_, L));
             x_ = x_ + dt * v_;
         }
@@ -109,7 +124,9 @@ class Engine {
     EngineKind kind_;
     Real mass_;
     bool held_;
-    Matrix3<Real> I_, inverse_I_;
+    Matrix3<Real> I_, inverse_I_, own_I_, own_inverse_;
+    bool coasting_ = false;
+    Real per_step_ = 1;
     V arm_, center_, origin_;
     Q q_;
     V w_, x_, v_;
@@ -125,17 +142,66 @@ class Engine {
     // the quaternion of a turn by w for a time dt
     Q quarter(const V& w, Real dt) const {
         const V half = (Real(k_.turn) * dt / 2) * w;
-        if (k_.first_order) return {1, half[0], half[1], half[2]};
+        if (k_.first_order || k_.in_place) return {1, half[0], half[1], half[2]};
         const Real angle = length_of(half), s = angle > 0 ? std::sin(angle) / angle : Real(1);
         return {std::cos(angle), s * half[0], s * half[1], s * half[2]};
     }
     V turning(const Q&, const V& w) const { return w; }
-    Q side(const Q& q, const Q& turn) const { return k_.wrong_side ? turn * q : q * turn; }
+    Q side(const Q& q, const Q& turn) const {
+        if (!k_.in_place) return k_.wrong_side ? turn * q : q * turn;
+        Q r = q;
+        r.w = r.w - turn.x * r.x - turn.y * r.y - turn.z * r.z;
+        r.x = r.x + turn.x * r.w + turn.z * r.y - turn.y * r.z;
+        r.y = r.y + turn.y * r.w + turn.x * r.z - turn.z * r.x;
+        r.z = r.z + turn.z * r.w + turn.y * r.x - turn.x * r.y;
+        return r;
+    }
 
+    // the tensor that the engine has in world axes at an attitude, seen from the body
+    void take_tensor(const Q& q) {
+        using T = Knobs::Tensor;
+        if (k_.tensor == T::right) return;
+        const Matrix3<Real> R = rotation_matrix(q), B = transposed(R);
+        const auto only_diagonal = [](Matrix3<Real> m) {
+            for (std::size_t i = 0; i < 3; ++i)
+                for (std::size_t j = 0; j < 3; ++j)
+                    if (i != j) m[i][j] = 0;
+            return m;
+        };
+        Matrix3<Real> world = own_I_, inverse_world = own_inverse_;
+        if (k_.tensor == T::turned_back) world = B * world * R, inverse_world = B * inverse_world * R;
+        if (k_.tensor == T::diagonal) {
+            world = only_diagonal(R * own_I_ * B);
+            inverse_world = world;
+            for (std::size_t i = 0; i < 3; ++i) inverse_world[i][i] = 1 / world[i][i];
+        }
+        if (k_.tensor == T::inverse_diagonal)
+            world = R * own_I_ * B, inverse_world = only_diagonal(R * own_inverse_ * B);
+        I_ = B * world * R, inverse_I_ = B * inverse_world * R;
+    }
+    bool coasts(double t) const {
+        for (const Load& load : scene_.loads) {
+            if (const auto* c = std::get_if<Torque>(&load); c && on(c->window, t)) return false;
+            if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) return false;
+        }
+        return true;
+    }
     void lose(Real dt) {
+        if (k_.drag_on_rate)
+            for (const Load& load : scene_.loads)
+                if (const auto* d = std::get_if<Drag>(&load))
+                    for (int i = 0; i < 3; ++i) w_[i] *= 1 - Real(d->rotational[i]) * dt;
+        if (k_.coasting_only && !coasting_) return;
         w_ = (std::max(Real(0), 1 - Real(k_.damping) * dt) * Real(1 - k_.damping_a_step)) * w_;
-        const Real speed = length_of(w_);
-        if (double(speed) > k_.speed_limit) w_ = (Real(k_.speed_limit) / speed) * w_;
+        const Real speed = length_of(w_), most = Real(k_.speed_limit);
+        if (k_.clamp == Knobs::Clamp::length) {
+            if (speed > most) w_ = (most / speed) * w_;
+            return;
+        }
+        const bool world = k_.clamp == Knobs::Clamp::world;
+        V given = world ? rotated(q_, w_) : w_;
+        for (int i = 0; i < 3; ++i) given[i] = std::min(std::max(given[i], -most), most);
+        w_ = world ? rotated_back(q_, given) : given;
     }
     void lose_speed(Real dt) {
         v_ = (std::max(Real(0), 1 - Real(k_.linear_damping) * dt) * Real(1 - k_.damping_a_step)) * v_;
@@ -157,7 +223,7 @@ class Engine {
                 sum = sum + ((c->frame == Frame::body) != k_.swap_torque_axes ? given : rotated_back(q_, given));
             }
             if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t)) {
-                for (int i = 0; i < 3; ++i) sum[i] -= Real(d->rotational[i]) * w_[i];
+                for (int i = 0; i < 3 && !k_.drag_on_rate; ++i) sum[i] -= per_step_ * Real(d->rotational[i]) * w_[i];
                 if (held_) sum = sum - Real(d->translational) * cross(arm_, cross(w_, arm_));
             }
             if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) {
@@ -180,7 +246,7 @@ class Engine {
             if (const auto* g = std::get_if<Gravity>(&load); g && on(g->window, t))
                 sum = sum + Real(k_.gravity) * cast<Real>(g->acceleration_W);
             if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t))
-                sum = sum - (Real(d->translational) / mass_) * v_;
+                sum = sum - (per_step_ * Real(d->translational) / mass_) * v_;
             if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) sum = sum + (1 / mass_) * force_W(*f);
         }
         return sum;
@@ -205,6 +271,7 @@ class Engine {
 
 /// Whether an engine has what is broken: one of the angular momentum has no gyroscopic term.
 inline bool has(EngineKind kind, const Knobs& knobs) {
+    if ((knobs.tensor != Knobs::Tensor::right || knobs.in_place) && kind == EngineKind::midpoint) return false;
     return kind != EngineKind::momentum || (knobs.gyroscopic >= 0 && !knobs.wrong_side);
 }
 
@@ -442,6 +509,77 @@ inline std::vector<Fault> faults() {
            [](Scene& s, Knobs&) { return change_each<Spring>(s, [](Spring& p) { p.stiffness *= -1; }); });
     engine("drag missing", {"drag_missing"}, [](Scene& s, Knobs&) {
         return change_each<Drag>(s, [](Drag& d) { d.rotational = {}, d.translational = 0; });
+    });
+
+    using Tensor = Knobs::Tensor;
+    const auto tensor = [&](std::string name, std::string word, Tensor kind) {
+        engine(std::move(name), {std::move(word)}, [=](Scene& s, Knobs& k) {
+            k.tensor = kind;
+            return turns(s) && asymmetric(s);
+        });
+    };
+    tensor("tensor not turned", "inertia_not_rotated", Tensor::not_turned);
+    tensor("tensor turned backwards", "inertia_rotated_backwards", Tensor::turned_back);
+    tensor("diagonal of the world tensor", "inertia_diagonal_in_world_axes", Tensor::diagonal);
+    tensor("diagonal of the inverse", "inertia_diagonal_in_world_axes", Tensor::inverse_diagonal);
+    const auto loads = [&]<class T>(const char* name, T, std::vector<std::string> words, double factor) {
+        engine(name, std::move(words), [=](Scene& s, Knobs&) {
+            return change_each<T>(s, [&](T& load) { load.vector = factor * load.vector; });
+        });
+    };
+    loads("torque scaled", Torque(), {"torque_scaled"}, 0.35);
+    loads("force scaled", Force(), {"force_scaled"}, 0.25);
+    loads("force twice", Force(), {"force_twice"}, 2);
+    loads("force reversed", Force(), {"force_reversed"}, -1);
+    loads("force missing", Force(), {"force_missing"}, 0);
+    loads("impulse scaled", Impulse(), {"impulse_scaled"}, 0.4);
+    loads("impulse twice", Impulse(), {"impulse_twice"}, 2);
+    loads("impulse reversed", Impulse(), {"impulse_reversed"}, -1);
+    engine("spring scaled", {"spring_scaled"},
+           [](Scene& s, Knobs&) { return change_each<Spring>(s, [](Spring& p) { p.stiffness *= 0.6; }); });
+    engine("drag scaled", {"drag_scaled"}, [](Scene& s, Knobs&) {
+        return change_each<Drag>(s, [](Drag& d) { d.rotational = 3.0 * d.rotational, d.translational *= 3; });
+    });
+    engine("drag per step", {"drag_per_step"}, [](Scene& s, Knobs& k) {
+        k.drag_each_step = true;
+        return any<Drag>(s);
+    });
+    engine("force in other axes", {"force_in_other_axes"}, [](Scene& s, Knobs&) {
+        return change_each<Force>(s, [](Force& f) { f.frame = f.frame == Frame::body ? Frame::world : Frame::body; });
+    });
+    engine("impulse in other axes", {"impulse_in_other_axes"}, [](Scene& s, Knobs&) {
+        return change_each<Impulse>(s,
+                                    [](Impulse& i) { i.frame = i.frame == Frame::body ? Frame::world : Frame::body; });
+    });
+    engine("gravity in body axes", {"gravity_in_body_axes"}, [=](Scene& s, Knobs&) {
+        for (Load& load : s.loads)
+            if (const auto* g = std::get_if<Gravity>(&load))
+                load =
+                    Force{s.body.mass * g->acceleration_W, Frame::body, s.body.center_of_mass, Frame::body, g->window};
+            else
+                continue;
+        return any<Force>(s) && spins(s) && s.name != "pushed";
+    });
+    engine("quaternion in place", {"quaternion_updated_in_place"}, [=](Scene& s, Knobs& k) {
+        k.in_place = true;
+        return spins(s) && asymmetric(s);
+    });
+    engine("drag on w", {"drag_applied_to_w"}, [](Scene& s, Knobs& k) {
+        k.drag_on_rate = true;
+        return any<Drag>(s);
+    });
+    const auto pushed = [](const Scene& s) { return any<Torque>(s) || any<Force>(s); };
+    engine("components clamped in body axes", {"speed_clamped_by_axis"}, [=](Scene& s, Knobs& k) {
+        k.speed_limit = 1.4, k.clamp = Knobs::Clamp::body;
+        return spins(s) && asymmetric(s);
+    });
+    engine("components clamped in world axes", {"speed_clamped_by_axis"}, [=](Scene& s, Knobs& k) {
+        k.speed_limit = 1.4, k.clamp = Knobs::Clamp::world;
+        return spins(s) && asymmetric(s);
+    });
+    engine("damping while coasting", {"damping_while_coasting"}, [=](Scene& s, Knobs& k) {
+        k.damping = 0.3, k.coasting_only = true;
+        return pushed(s) && spins(s) && s.name == "driven in world axes";
     });
 
     const double degrees = 180 / std::numbers::pi;

@@ -27,6 +27,7 @@ struct Written {
     const char* name;
     double hertz;
     bool exact = false, binary32 = false, bare = false;
+    bool rotation_only = false;  ///< without p and v
 };
 
 constexpr Written all_written[] = {
@@ -36,6 +37,7 @@ constexpr Written all_written[] = {
     {"240 Hz", 240},
     {"240 Hz, binary32", 240, false, true},
     {"240 Hz, no w", 240, false, false, true},
+    {"240 Hz, no p and v", 240, false, false, false, true},
     {"1000 Hz", 1000},
     {"near exact, 60 rows a second", 60, true},
     {"near exact, 240 rows a second", 240, true},
@@ -49,6 +51,27 @@ struct Count {
 };
 using Counts = std::map<std::string, Count>;  // by fault; "sound" for none
 
+bool differs(const TrajectoryFile& a, const TrajectoryFile& b) {
+    if (a.rows.size() != b.rows.size()) return true;
+    const auto apart = [](const Vector3<double>& x, const Vector3<double>& y) { return length(x - y) > 1e-5; };
+    for (std::size_t k = 0; k < a.rows.size(); ++k) {
+        const TrajectoryRow &x = a.rows[k], &y = b.rows[k];
+        if (apart(x.angular_velocity_W, y.angular_velocity_W) || apart(x.position_W, y.position_W) ||
+            apart(x.velocity_W, y.velocity_W) || apart({x.q.x, x.q.y, x.q.z}, {y.q.x, y.q.y, y.q.z}))
+            return true;
+    }
+    return false;
+}
+// takes off the columns that are not written
+void leave_out(TrajectoryFile& file, const Written& written) {
+    for (TrajectoryRow& row : file.rows) {
+        if (written.rotation_only) row.position_W = row.velocity_W = {};
+        if (written.bare) row.angular_velocity_W = {};
+    }
+    if (written.rotation_only) file.has_position = file.has_velocity = false;
+    if (written.bare) file.has_angular_velocity = false;
+}
+
 // A file of two seconds and 400 rows at the most; none where the fault means nothing there.
 std::optional<TrajectoryFile> broken_file(const Scene& scene, const battery::Fault* fault, battery::EngineKind kind,
                                           const Written& written) {
@@ -61,10 +84,12 @@ std::optional<TrajectoryFile> broken_file(const Scene& scene, const battery::Fau
     TrajectoryFile file = written.binary32 ? battery::run<float>(given, knobs, kind, h, every, rows)
                                            : battery::run<double>(given, knobs, kind, h, every, rows);
     if (fault && !fault->file(scene, file)) return {};
-    if (written.bare) {
-        file.has_angular_velocity = false;
-        for (TrajectoryRow& row : file.rows) row.angular_velocity_W = {};
-    }
+    leave_out(file, written);
+    if (!fault) return file;
+    TrajectoryFile sound = battery::run<double>(scene, {}, kind, h, every, rows);
+    leave_out(sound, written);
+    // what cannot be seen in the file cannot be told
+    if (!differs(file, sound)) return {};
     return file;
 }
 

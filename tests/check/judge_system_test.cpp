@@ -6,6 +6,7 @@
 #include "check/judge.h"
 #include "check/limits.h"
 #include "check/report.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -85,11 +86,38 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     const ErrorLimits limits(h.scene);
     EXPECT_TRUE(limits.refuses(found));
     const std::string text = check_text(limits, {checked});
-    for (const char* said : {"gap of joints", "of hinge", "worst body        left", "run.csv: failed: attitude off by"})
+    for (const char* said :
+         {"gap of joints", "worst of hinge", "worst body        left", "run.csv: failed: attitude off by"})
         EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     const std::string json = check_json(h.scene, limits, {checked});
     for (const char* key : {"\"joint_gap_max\"", "\"worst_body\": \"left\"", "\"joint_turn_worst\": \"hinge\""})
         EXPECT_NE(json.find(key), std::string::npos) << key << "\n" << json;
+}
+
+TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
+    Hinged h;
+    h.file.rows[2 * 10].position_W[2] = 0.005;
+    const Judgement found = judge(h.scene, h.file, h.truth);
+    EXPECT_NEAR(found["joint_gap"]->max, 0.005, 1e-12);
+    const auto fails = [&](const ErrorLimits& limits) {
+        std::vector<std::string> all;
+        for (const BlockVerdict& v : limits.verdicts(found))
+            if (v.failed) all.emplace_back(v.block->name);
+        return all;
+    };
+    EXPECT_EQ(fails(ErrorLimits(h.scene)), std::vector<std::string>());
+    ErrorLimits strict(h.scene);
+    strict.set("joint_gap", "1e-3");
+    EXPECT_EQ(fails(strict), std::vector<std::string>{"joint_gap"});
+    h.scene.tolerated["joint_gap"] = 0.004;
+    EXPECT_EQ(fails(ErrorLimits(h.scene)), std::vector<std::string>{"joint_gap"});
+    EXPECT_THROW(strict.set("joint_gap", "5%"), std::invalid_argument);
+    // of one body there are none
+    Scene one;
+    one.name = "one", one.duration = 1;
+    EXPECT_NO_THROW(validate(one, "one"));
+    one.tolerated["joint_turn"] = 0.1;
+    EXPECT_THROW(validate(one, "one"), InputError);
 }
 
 TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {

@@ -201,7 +201,7 @@ double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double
             if (off <= undetermined)
                 worst = std::max(worst, off);
             else
-                x[c] = std::numeric_limits<P>::quiet_NaN();
+                x[c] = P(std::numeric_limits<double>::quiet_NaN());
         }
     };
     for (std::size_t i = 0; i < a.reactions.size(); ++i)

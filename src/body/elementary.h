@@ -52,10 +52,12 @@ struct Elementary {
         static thread_local const S value = acos(S(-1));
         return value;
     }
+    // not std::numeric_limits<S>'s functions: Boost 1.74 keeps their values in statics that it fills at the first call,
+    // without a lock where there are no expression templates, so that a second thread may read half of one
     /// The distance from 1 to the next number above it.
-    static S epsilon() { return std::numeric_limits<S>::epsilon(); }
+    static S epsilon() { return ldexp(S(1), 1 - std::numeric_limits<S>::digits); }
     /// Positive infinity.
-    static S infinity() { return std::numeric_limits<S>::infinity(); }
+    static S infinity() { return S(std::numeric_limits<double>::infinity()); }
     /// e^x.
     static S exponential(const S& x) { return exp(x); }
     /// e^x - 1, without cancellation near x = 0.

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -66,12 +67,17 @@ Convention convention_of(const CheckOptions& options) {
 // Says on stderr what takes so long, where it takes more than two seconds.
 class Notice {
   public:
-    explicit Notice(std::string text)
-        : thread_([this, said = std::move(text)] {
-              std::unique_lock lock(mutex_);
-              if (!ended_.wait_for(lock, std::chrono::seconds(2), [this] { return has_ended_; }))
-                  std::fputs(said.c_str(), stderr);
-          }) {}
+    explicit Notice(std::string text) {
+        try {
+            thread_ = std::thread([this, said = std::move(text)] {
+                std::unique_lock lock(mutex_);
+                if (!ended_.wait_for(lock, std::chrono::seconds(2), [this] { return has_ended_; }))
+                    std::fputs(said.c_str(), stderr);
+            });
+        } catch (const std::system_error&) {
+            // where the system gives no thread, nothing is said
+        }
+    }
     Notice(const Notice&) = delete;
     Notice& operator=(const Notice&) = delete;
     ~Notice() {
@@ -80,7 +86,7 @@ class Notice {
             has_ended_ = true;
         }
         ended_.notify_one();
-        thread_.join();
+        if (thread_.joinable()) thread_.join();
     }
 
   private:

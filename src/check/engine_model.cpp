@@ -100,6 +100,8 @@ ModelState EngineModel::start() const {
 
 bool EngineModel::takes(const UpdateRule& rule) const {
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
+    // L by a tensor that is fixed in the world is w: an engine without a gyroscopic term
+    if (fault_.tensor == WorldTensor::fixed && rule.rate == RateUpdate::momentum) return false;
     return rule.rate != RateUpdate::momentum || (fault_.gyroscopic == 1 && fault_.turned_by == TurnedBy::own_rate);
 }
 

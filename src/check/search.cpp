@@ -200,6 +200,13 @@ std::vector<double> Searcher::by_step(const Explanation& e) const {
 // A fault of the engine, of the body or of a load holds in every step. It is refuted where it predicts a part of the
 // steps well and many others no better than no fault does.
 bool Searcher::is_refuted(const Explanation& e, const Explanation& sound) const {
+    // a start says nothing of the steps
+    if (std::ranges::any_of(e.faults, [](const Supposed& s) {
+            const Subject about = s.hypothesis->subject;
+            return about == Subject::start_rate || about == Subject::start_attitude ||
+                   about == Subject::start_position || about == Subject::rows;
+        }))
+        return false;
     constexpr double well = 1, no_better = 0.3;
     const std::vector<double> with = by_step(e), plain = by_step(sound);
     if (with.size() < 8 || with.size() != plain.size()) return false;

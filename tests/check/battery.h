@@ -272,6 +272,8 @@ class Engine {
 /// Whether an engine has what is broken: one of the angular momentum has no gyroscopic term.
 inline bool has(EngineKind kind, const Knobs& knobs) {
     if ((knobs.tensor != Knobs::Tensor::right || knobs.in_place) && kind == EngineKind::midpoint) return false;
+    // L by a tensor that is not turned is w: a gyroscopic term that is missing
+    if (knobs.tensor == Knobs::Tensor::not_turned && kind == EngineKind::momentum) return false;
     return kind != EngineKind::momentum || (knobs.gyroscopic >= 0 && !knobs.wrong_side);
 }
 

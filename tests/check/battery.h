@@ -575,10 +575,13 @@ inline std::vector<Fault> faults() {
         k.speed_limit = 1.4, k.clamp = Knobs::Clamp::body;
         return spins(s) && asymmetric(s);
     });
+    // without w a limit of components is not told from one of |w|
+    all.back().needs_rates = true;
     engine("components clamped in world axes", {"speed_clamped_by_axis"}, [=](Scene& s, Knobs& k) {
         k.speed_limit = 1.4, k.clamp = Knobs::Clamp::world;
         return spins(s) && asymmetric(s);
     });
+    all.back().needs_rates = true;
     engine("damping while coasting", {"damping_while_coasting"}, [=](Scene& s, Knobs& k) {
         k.damping = 0.3, k.coasting_only = true;
         return pushed(s) && spins(s) && s.name == "driven in world axes";

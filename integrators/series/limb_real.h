@@ -218,7 +218,7 @@ class LimbReal {
             LimbReal result;
             if (exponent > most_exponent) result.make_nan();
             if (exponent > most_exponent || exponent < -most_exponent) return result;
-            std::array<Digit, size + 3> digits;
+            std::array<Digit, size + 3> digits{};
             Column carry = 0;
             for (int i = 0; i < size + 3; ++i) {
                 if (i <= size) carry += column[i];

@@ -100,12 +100,17 @@ class Series {
     /// y(t + h) by Horner's rule.
     template <class P>
     void evaluate(const P& h, P* y) const {
-        const T step(h);
-        for (int i = 0; i < dimension(); ++i) {
-            T sum = row(i)[order_];
-            for (int k = order_ - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
-            y[i] = static_cast<P>(sum);
-        }
+        const auto at = [&](const T& step) {
+            for (int i = 0; i < dimension(); ++i) {
+                T sum = row(i)[order_];
+                for (int k = order_ - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
+                y[i] = static_cast<P>(sum);
+            }
+        };
+        if constexpr (std::same_as<T, P>)
+            at(h);
+        else
+            at(T(h));
     }
 
   private:

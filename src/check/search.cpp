@@ -296,7 +296,7 @@ FaultSearch Searcher::run() {
     for (const Explanation& e : candidates)
         if (e.residual.total <= limit && !is_refuted(e, found.sound)) near.push_back(e);
     // a load of the wrong size is more frequent than a wrong mass
-    std::ranges::stable_partition(near, is_of_load);
+    std::stable_partition(near.begin(), near.end(), is_of_load);
     // a number that is known beforehand needs no fit: half a decade is what fitting gains by itself
     if (!near.empty() && fitted(near.front()))
         for (const Explanation& e : candidates)

@@ -21,7 +21,9 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file, const Measur
     const bool whole = is_mechanism(scene) && measure.system_error;
     const bool center = (measure.needs & known_center) != 0 || (whole && (measure.needs & known_angular_velocity) != 0);
     const bool place = file.has_position || file.has_origin;
-    std::vector<std::string_view> all;
+    std::vector<std::string> all;
+    if (whole || (is_mechanism(scene) && measure.system_error))
+        for (const std::string& name : missing_bodies(scene, file)) all.push_back("body \"" + name + '"');
     if ((measure.needs & known_angular_velocity) != 0 && !file.has_angular_velocity) all.emplace_back("wx,wy,wz");
     if (((measure.needs & known_position) != 0 || (center && !scene.pivot)) && !place) all.emplace_back("px,py,pz");
     if (((measure.needs & known_velocity) != 0 || (center && !scene.pivot)) && !file.has_velocity)

@@ -59,7 +59,13 @@ enum class JudgedIn { binary128, binary64 };
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
                 JudgedIn arithmetic = JudgedIn::binary128);
 
-/// A file of several bodies as a method would have given it; its truth stands in for what it does not tell.
+/// Where each body of a file of several stands in the scene.
+std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file);
+/// The names of the scene's bodies that a file of several bodies does not have.
+std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file);
+
+/// A file of several bodies as a method would have given it; its truth stands in for what it does not tell, and for
+/// bodies that it does not have.
 Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
 
 /// Judges a file of several bodies, whose truth has its times and bodies: in 128 bits, by error_series(). What a file

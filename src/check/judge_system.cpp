@@ -8,7 +8,9 @@
 namespace polhode {
 namespace {
 
-bool is_told(const Measure& measure, const TrajectoryFile& file) {
+bool is_told(const Measure& measure, const Scene& scene, const TrajectoryFile& file) {
+    // what bodies have together needs all of them
+    if (measure.system_error && file.bodies_at_once() < scene.bodies.size()) return false;
     const bool position = file.has_position || file.has_origin;
     const unsigned known = known_truth | known_free_system | (file.has_angular_velocity ? known_angular_velocity : 0U) |
                            (position ? known_position : 0U) | (file.has_velocity ? known_velocity : 0U) |
@@ -27,15 +29,34 @@ JointViolations<Wide> violations_at(const MechanismMeasure<Wide>& measure, const
 
 }  // namespace
 
+std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<std::size_t> places;
+    for (const std::string& name : file.bodies) places.push_back(static_cast<std::size_t>(body_index(scene, name)));
+    // a file without a column `body` is of the only one
+    if (places.empty()) places.push_back(0);
+    return places;
+}
+
+std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<std::string> missing = body_names(scene);
+    for (const std::size_t b : bodies_of_file(scene, file)) missing[b].clear();
+    std::erase(missing, std::string());
+    return missing;
+}
+
 Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
+    const std::vector<std::size_t> places = bodies_of_file(scene, file);
     std::vector<Vector3<double>> centers;
-    for (const NamedBody& body : scene.bodies) centers.push_back(body.body.center_of_mass);
+    for (const std::size_t b : places) centers.push_back(scene.bodies[b].body.center_of_mass);
+    const std::vector<Sample> told = samples_of(file, centers);
+    const std::size_t n = scene.bodies.size();
     Trajectory trajectory;
-    trajectory.bodies = static_cast<int>(scene.bodies.size());
-    trajectory.samples = samples_of(file, centers);
-    for (std::size_t i = 0; i < trajectory.samples.size(); ++i) {
-        const Sample right = truth.samples[i].rounded();
-        Sample& own = trajectory.samples[i];
+    trajectory.bodies = static_cast<int>(n);
+    for (const ReferenceSample& sample : truth.samples) trajectory.samples.push_back(sample.rounded());
+    for (std::size_t i = 0; i < told.size(); ++i) {
+        Sample& own = trajectory.samples[i / places.size() * n + places[i % places.size()]];
+        const Sample right = own;
+        own = told[i];
         if (!file.has_angular_velocity) own.angular_velocity_B = right.angular_velocity_B;
         if (!file.has_position && !file.has_origin) own.position_W = right.position_W;
         if (!file.has_velocity) own.velocity_W = right.velocity_W;
@@ -44,7 +65,7 @@ Trajectory completed_by(const Reference& truth, const Scene& scene, const Trajec
 }
 
 Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Reference& truth) {
-    if (!truth.available || truth.samples.size() != file.rows.size() || file.rows.empty())
+    if (!truth.available || truth.moments() * file.bodies_at_once() != file.rows.size() || file.rows.empty())
         throw std::invalid_argument("there is no truth at the file's times");
     const Trajectory trajectory = completed_by(truth, scene, file);
     const ErrorSeries series = error_series(scene, trajectory, truth);
@@ -62,7 +83,7 @@ Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Ref
     }
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::vector<double>& errors = series[m];
-        if (errors.empty() || !is_told(measures()[m], file)) continue;
+        if (errors.empty() || !is_told(measures()[m], scene, file)) continue;
         ErrorSummary& summary = result[m].emplace();
         std::size_t worst = 0;
         for (std::size_t k = 0; k < errors.size(); ++k) {

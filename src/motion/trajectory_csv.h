@@ -66,8 +66,8 @@ enum class QuaternionColumns {
 /// direction (of length below 1e-100 or above 1e100), a blank line between samples, a zero byte, a line of more than 64
 /// KiB.
 ///
-/// With a column `body`, a line for each body at each t, in any order of bodies; else InputError. `bodies`: the names
-/// that there must be, whose order is the file's then; where it is empty, those at the first t.
+/// With a column `body`, a line for each body at each t, in any order of bodies; else InputError. The file's bodies are
+/// those at the first t. `bodies`: the names that there may be, in whose order they stand then; where it is empty, any.
 TrajectoryFile parse_trajectory(std::string_view text, const std::string& file,
                                 QuaternionColumns quaternion = QuaternionColumns::by_name,
                                 std::span<const std::string> bodies = {});

@@ -78,7 +78,7 @@ class Reader {
             sample();
         }
         if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
-        if (body_column_ != nowhere) end_moment();
+        if (body_column_ != nowhere) end_moment(), leave_out_missing();
         result_.bodies = std::move(bodies_);
         result_.read_past = lines_.read_past();
         return std::move(result_);
@@ -113,7 +113,8 @@ class Reader {
                  "give the centre of mass (p) or the body's origin (o), not both");
         if (seen[block_body] == 0 && bodies_.size() > 1)
             fail(here(), "column body is missing",
-                 "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) + " at each time");
+                 "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) +
+                     ", or some of them, at each time");
         for (std::size_t i = 0; i < columns_.size(); ++i) {
             places_.push_back(columns_[i]->place);
             if (columns_[i]->block == block_body) body_column_ = i;
@@ -184,6 +185,9 @@ class Reader {
             bodies_.emplace_back(name);
             index_.emplace(name, body);
         }
+        if (moment_ > 0 && in_file_[body] == 0)
+            fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
+                 "give a line for each of the file's bodies at each time");
         if (body < there_.size() && there_[body] != 0)
             fail(at(body_column_),
                  fmt::format("the body \"{}\" is there twice at {} s", one_line(name, 60), shortest_decimal(row.t)),
@@ -201,13 +205,28 @@ class Reader {
         moment_ = result_.rows.size();
         there_.assign(bodies_.size(), 0);
     }
-    void end_moment() const {
+    // The bodies at the first time are those of the file.
+    void end_moment() {
+        if (moment_ == 0) in_file_ = there_;
         for (std::size_t body = 0; body < bodies_.size(); ++body)
-            if (there_[body] == 0)
+            if (there_[body] == 0 && in_file_[body] != 0)
                 fail(fmt::format("line {}, column body", last_line_),
                      fmt::format("the body \"{}\" is missing at {} s", one_line(bodies_[body], 60),
                                  shortest_decimal(result_.rows.back().t)),
                      "give a line for each body at each time");
+    }
+    // Takes out the places of bodies that the file does not have.
+    void leave_out_missing() {
+        const std::size_t count = bodies_.size();
+        if (std::ranges::find(in_file_, 0) == in_file_.end()) return;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < result_.rows.size(); ++i)
+            if (in_file_[i % count] != 0) result_.rows[kept++] = result_.rows[i];
+        result_.rows.resize(kept);
+        std::vector<std::string> names;
+        for (std::size_t body = 0; body < count; ++body)
+            if (in_file_[body] != 0) names.push_back(std::move(bodies_[body]));
+        bodies_ = std::move(names);
     }
 
     CsvLines lines_;
@@ -221,6 +240,7 @@ class Reader {
     std::map<std::string, std::size_t, std::less<>> index_;  // of a name
     std::size_t moment_ = 0;                                 // the first row of the moment at hand
     std::vector<char> there_;                                // which of the bodies have a row in it
+    std::vector<char> in_file_;                              // which have a row at the first time
     long last_line_ = 0;                                     // of a body's row
     TrajectoryFile result_;
 };

@@ -1,0 +1,219 @@
+#include "check/system_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "check/fault_effects.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+// What the faults of one body do in a scene of several: a load of the scene, how the file is written, and damping.
+bool holds_for_several(const Hypothesis& h) {
+    static constexpr std::array of_one_body{
+        "gravity_in_body_axes", "force_at_center_of_mass", "force_at_wrong_point",   "impulse_at_wrong_point",
+        "drag_per_step",        "drag_applied_to_w",       "damping_while_coasting", "loads_missing"};
+    if (std::ranges::find(of_one_body, h.fault) != of_one_body.end()) return false;
+    switch (h.subject) {
+        case Subject::quaternion:
+        case Subject::axes:
+        case Subject::rate_columns:
+        case Subject::lengths:
+        case Subject::gyroscopic:
+        case Subject::gravity:
+        case Subject::torque:
+        case Subject::force:
+        case Subject::spring:
+        case Subject::drag:
+        case Subject::damping:
+        case Subject::linear_damping:
+        case Subject::time:
+            return true;
+        default:
+            return false;
+    }
+}
+
+SystemHypothesis of_several(const Hypothesis& h) {
+    SystemHypothesis s{.fault = h.fault,
+                       .subject = h.subject,
+                       .what = h.what,
+                       .remedy = h.remedy,
+                       .apply = [&h](SystemCause& c, double x) { return h.apply(c, x); },
+                       .convention = h.convention};
+    const bool is_rate = h.subject == Subject::damping || h.subject == Subject::linear_damping;
+    if (h.values) s.fit = is_rate ? FittedNumber{0, damping_trial, 0, 1e-4} : FittedNumber{1, 0.7, 0.05, 0.02};
+    if (h.subject == Subject::time && s.fit) s.fit->least = 0.2, s.fit->most = 5;
+    return s;
+}
+
+// A factor of something: missing, twice and any other.
+void add_factor(std::vector<SystemHypothesis>& all, const std::string& word, Subject subject, const std::string& what,
+                const std::string& remedy, const std::function<bool(SystemCause&, double)>& apply,
+                bool has_sign = false) {
+    const auto fixed = [&](const char* ending, const char* said, double x) {
+        all.push_back({.fault = word + ending,
+                       .subject = subject,
+                       .what = what + said,
+                       .remedy = remedy,
+                       .apply = [apply, x](SystemCause& c, double) { return apply(c, x); }});
+    };
+    fixed("_missing", " is missing", 0);
+    if (has_sign) fixed("_reversed", " has the opposite sign", -1);
+    fixed("_twice", " acts twice", 2);
+    all.push_back({.fault = word + "_scaled",
+                   .subject = subject,
+                   .what = what + " is {} times the scene's",
+                   .remedy = remedy,
+                   .apply = apply,
+                   .fit = FittedNumber{1, 0.7, 0.05, 0.02}});
+}
+
+void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_t k, double inertia) {
+    const Joint& joint = scene.joints[k];
+    const std::string name = one_line(joint.name, 40);
+    const int axes = joint.type == JointType::universal ? 2 : joint.type == JointType::fixed ? 0 : 1;
+    for (int i = 0; i < axes; ++i) {
+        const std::size_t axis = static_cast<std::size_t>(i);
+        const std::string of =
+            axes > 1 ? fmt::format("of axis {} of joint \"{}\"", i + 1, name) : fmt::format("of joint \"{}\"", name);
+        if (joint.damping[axis] > 0)
+            add_factor(all, "joint_damping", Subject::damping, "the damping " + of,
+                       "give the engine the joint's damping", [k, axis](SystemCause& c, double x) {
+                           c.scene.joints[k].damping[axis] *= x;
+                           return true;
+                       });
+        else
+            all.push_back({.fault = "joint_damping_left_on",
+                           .subject = Subject::damping,
+                           .what = fmt::format("damping {} is left on: {{}} {}", of,
+                                               joint.type == JointType::prismatic ? "N s/m" : "N m s"),
+                           .remedy = "set the engine's joint damping to zero",
+                           .apply =
+                               [k, axis](SystemCause& c, double x) {
+                                   c.scene.joints[k].damping[axis] += x;
+                                   return true;
+                               },
+                           .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+        if (joint.stiffness[axis] > 0)
+            add_factor(
+                all, "joint_spring", Subject::spring, "the spring " + of, "give the engine the joint's stiffness",
+                [k, axis](SystemCause& c, double x) {
+                    c.scene.joints[k].stiffness[axis] *= x;
+                    return true;
+                },
+                true);
+        if (joint.type == JointType::spherical) continue;
+        all.push_back({.fault = "joint_friction_left_on",
+                       .subject = Subject::limit,
+                       .what = fmt::format("friction {} acts where the scene has none: {{}} {}", of,
+                                           joint.type == JointType::prismatic ? "N" : "N m"),
+                       .remedy = "set the engine's joint friction to zero",
+                       .apply =
+                           [k, axis](SystemCause& c, double x) {
+                               c.friction.push_back({k, axis, x});
+                               return true;
+                           },
+                       .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+    }
+    const auto has_motor = [&](const Load& load) {
+        const auto* motor = std::get_if<Motor>(&load);
+        return motor != nullptr && motor->joint == joint.name;
+    };
+    if (std::ranges::any_of(scene.loads, has_motor))
+        add_factor(
+            all, "motor", Subject::torque, fmt::format("the motor of joint \"{}\"", name),
+            "give the engine the motor's force",
+            [name = joint.name](SystemCause& c, double x) {
+                fault_effects::each<Motor>(c.scene, [&](Motor& m) { m.force *= m.joint == name ? x : 1; });
+                return true;
+            },
+            true);
+}
+
+void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_t b) {
+    const std::string name = one_line(scene.bodies[b].name, 40);
+    const auto number = [](double x) { return std::isfinite(x) && x > 0; };
+    if (scene.bodies.size() > 1 && fault_effects::has<Gravity>(scene)) {
+        // weight is what gravity does to one body: a force at its centre of mass stands for the difference
+        const auto scale_weight = [b](SystemCause& c, double x) {
+            const NamedBody& body = c.scene.bodies[b];
+            std::vector<Load> more;
+            fault_effects::each<Gravity>(c.scene, [&](const Gravity& g) {
+                more.push_back(Force{((x - 1) * body.body.mass) * g.acceleration_W, Frame::world,
+                                     body.body.center_of_mass, Frame::body, g.window, body.name});
+            });
+            c.scene.loads.insert(c.scene.loads.end(), more.begin(), more.end());
+            return body.body.mass > 0;
+        };
+        add_factor(all, "gravity_on_body", Subject::gravity, fmt::format("gravity on body \"{}\"", name),
+                   "let gravity act on all bodies alike", scale_weight);
+    }
+    const auto scaled = [&](const char* word, const char* what, double mass_by, double inertia_by) {
+        all.push_back({.fault = word,
+                       .subject = Subject::mass,
+                       .what = fmt::format("the {} of body \"{}\" is {{}} times the scene's", what, name),
+                       .remedy = "check the body's mass properties",
+                       .apply =
+                           [=](SystemCause& c, double x) {
+                               Body& body = c.scene.bodies[b].body;
+                               if (!(body.mass > 0) || !number(x)) return false;
+                               body.mass *= std::pow(x, mass_by);
+                               for (Vector3<double>& row : body.inertia_B.row) row = std::pow(x, inertia_by) * row;
+                               return true;
+                           },
+                       .fit = FittedNumber{1, 0.9, 0.05, 0.02}});
+    };
+    scaled("body_mass_scaled", "mass", 1, 0);
+    scaled("body_inertia_scaled", "inertia tensor", 0, 1);
+    scaled("body_density_scaled", "mass and with it the inertia tensor", 1, 1);
+    const auto exchanged = [&](const char* axes, std::array<std::size_t, 3> order) {
+        all.push_back({.fault = "body_inertia_axes_permuted",
+                       .subject = Subject::inertia,
+                       .what = fmt::format("the moments of inertia of {} of body \"{}\" are exchanged", axes, name),
+                       .remedy = "give the moments in the order of the body's own axes",
+                       .apply = [b, order](SystemCause& c, double) {
+                           Matrix3<double>& I = c.scene.bodies[b].body.inertia_B;
+                           Matrix3<double> permuted;
+                           for (std::size_t i = 0; i < 3; ++i)
+                               for (std::size_t j = 0; j < 3; ++j) permuted[i][j] = I[order[i]][order[j]];
+                           if (fault_effects::same_tensor(I, permuted)) return false;
+                           I = permuted;
+                           return true;
+                       }});
+    };
+    exchanged("x and y", {1, 0, 2}), exchanged("y and z", {0, 2, 1}), exchanged("x and z", {2, 1, 0});
+}
+
+}  // namespace
+
+std::vector<SystemHypothesis> system_faults(const Scene& scene) {
+    std::vector<SystemHypothesis> all;
+    for (const Hypothesis& h : known_faults())
+        if (holds_for_several(h)) all.push_back(of_several(h));
+    for (std::size_t k = 0; k < scene.joints.size(); ++k) {
+        const Joint& joint = scene.joints[k];
+        const auto child = std::ranges::find(scene.bodies, joint.child, &NamedBody::name);
+        // what the joint moves at the least
+        const Vector3<double> arm = child->body.center_of_mass - joint.child_point;
+        const Matrix3<double>& I = child->body.inertia_B;
+        const double inertia = joint.type == JointType::prismatic
+                                   ? child->body.mass
+                                   : (I[0][0] + I[1][1] + I[2][2]) / 3 + child->body.mass * dot(arm, arm);
+        add_joint(all, scene, k, inertia > 0 ? inertia : 1e-3);
+    }
+    if (fault_effects::has<PointSpring>(scene))
+        add_factor(all, "point_spring", Subject::spring, "the springs between points", "check their stiffness",
+                   [](SystemCause& c, double x) {
+                       fault_effects::each<PointSpring>(c.scene, [&](PointSpring& s) { s.stiffness *= x; });
+                       return true;
+                   });
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) add_body(all, scene, b);
+    return all;
+}
+
+}  // namespace polhode

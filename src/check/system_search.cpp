@@ -1,0 +1,791 @@
+#include "check/system_search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "body/mass_properties.h"
+#include "body/orientation.h"
+#include "check/joint_faults.h"
+#include "check/system_faults.h"
+#include "motion/mechanism.h"
+
+namespace polhode {
+namespace {
+
+using Vector = Vector3<double>;
+
+// so many steps of a file are looked at
+constexpr std::size_t most_windows = 24, fewest_moments = 5;
+// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
+constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, gain_of_reading = 3, alike = 0.15;
+// a file this near to what the scene predicts has no fault that could be told
+constexpr double plainly_wrong = 1e-3;
+// an accurate step turns by no more than this, rad, and there are no more of them from row to row
+constexpr double most_turned = 0.1;
+constexpr int most_steps = 12;
+// decades of what moves: an update that is the engine's own leaves no more
+constexpr double nearly_exact = -6;
+// below it predictions are all alike
+constexpr double finest = 1e-9;
+
+double decades(double error, double scale, double noise) {
+    const double floor = std::max(finest, noise);
+    if (!std::isfinite(error)) return std::log10(2.0);
+    return std::log10(std::clamp(scale > 0 ? error / scale : (error > 0 ? 2.0 : 0.0), floor, 2.0));
+}
+
+// The scene with bodies by numbers, which faults change.
+Scene by_numbers(const Scene& scene) {
+    Scene plain = scene;
+    for (NamedBody& named : plain.bodies) {
+        const MassProperties<double> m = mass_properties<double>(named.body);
+        named.body.source = nullptr;
+        named.body.mass = m.mass, named.body.center_of_mass = m.center, named.body.inertia_B = m.inertia;
+    }
+    return plain;
+}
+
+// How a file is from what a cause predicts: of each velocity that the joints allow, of attitudes, positions and start.
+struct Answers {
+    double total = std::numeric_limits<double>::infinity();
+    double velocities = 0;  // mean over those asked, decades
+    double largest = 0;     // error of all, relative to the usual change
+    double squares = 0;     // of all errors, relative to the usual changes
+    int asked = 0;          // velocities that change
+    double kinematics = 0, start = 0;
+};
+
+struct Explained {
+    const SystemHypothesis* hypothesis = nullptr;  // none: sound
+    double x = 1;
+    SystemRule rule = SystemRule::accurate;
+    int steps = 1;
+    Answers answers;
+};
+
+class SystemEvidence {
+  public:
+    SystemEvidence(const Scene& scene, const TrajectoryFile& file) : file_(file) {
+        sound_.scene = by_numbers(scene);
+        sound_.reading.origin = file.has_origin;
+        moments_ = file.rows.size() / file.bodies_at_once();
+        const SystemEngine model(sound_);
+        find_noise();
+        determined_ = moments_ >= fewest_moments && complete(model);
+        if (determined_) choose_windows(scene), include_predicted_changes(model);
+    }
+
+    bool enough() const { return determined_ && windows_.size() >= 3; }
+    const SystemCause& sound() const { return sound_; }
+
+    // How far the velocities are from what a rule predicts, for each window and velocity, over the usual changes of
+    // that velocity.
+    std::vector<double> residuals(const SystemCause& cause, const SystemEngine& model, SystemRule rule,
+                                  int steps) const {
+        std::vector<double> all;
+        for (const std::size_t k : windows_) {
+            const SystemState next = state(cause, model, k + 1);
+            const std::vector<double> is = model.velocities(next),
+                                      said = model.predicted(state(cause, model, k), next, time(k),
+                                                             time(k + 1) - time(k), rule, steps);
+            for (std::size_t i = 0; i < is.size(); ++i) all.push_back((said[i] - is[i]) / scales_[i]);
+        }
+        return all;
+    }
+
+    Answers answers(const SystemCause& cause, const SystemEngine& model, SystemRule rule, int steps) const {
+        Answers a;
+        const std::size_t n = scales_.size();
+        // of each velocity: the changes in the file and as predicted, squared, and the errors in decades of them
+        std::vector<double> in_file(n, 0), predicted(n, 0), sizes(n, 0), errors;
+        for (const std::size_t k : windows_) {
+            const SystemState from = state(cause, model, k), next = state(cause, model, k + 1);
+            const std::vector<double> was = model.velocities(from), is = model.velocities(next),
+                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k), rule, steps);
+            for (std::size_t i = 0; i < n; ++i) {
+                const std::size_t of = model.vector_of_velocity()[i];
+                in_file[of] += (is[i] - was[i]) * (is[i] - was[i]);
+                predicted[of] += (said[i] - was[i]) * (said[i] - was[i]);
+                sizes[of] = std::max(sizes[of], std::abs(is[i]));
+                errors.push_back(std::abs(said[i] - is[i]));
+            }
+        }
+        const double count = static_cast<double>(windows_.size());
+        double largest = 0;
+        std::vector<double> scales(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::size_t of = model.vector_of_velocity()[i];
+            sizes[i] = sizes[of], scales[i] = std::sqrt(std::max(in_file[of], predicted[of]) / count);
+            if (std::isfinite(scales[i])) largest = std::max(largest, scales[i]);
+        }
+        a.total = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            // what changes by rounding alone, in the file and as predicted, is as it should be
+            if (scales[i] <= 1e-9 * largest || scales[i] <= 30 * noise_ * sizes[i]) {
+                a.total += std::log10(finest), a.asked += 1;
+                continue;
+            }
+            double sum = 0;
+            for (std::size_t k = 0; k < windows_.size(); ++k) {
+                const double error = errors[k * n + i];
+                a.largest = std::max(a.largest, error / scales[i]);
+                a.squares += std::isfinite(error) ? std::min(error / scales[i] * error / scales[i], 4.0) : 4.0;
+                sum += decades(error, scales[i], 3 * noise_ * sizes[i] / scales[i]);
+            }
+            a.total += sum / count, a.asked += 1;
+        }
+        a.velocities = a.asked > 0 ? a.total / a.asked : 0;
+        a.kinematics = kinematics(cause), a.start = start(cause, model);
+        a.total += a.kinematics + a.start;
+        return a;
+    }
+
+    // Steps of accurate predictions, each of which turns no body by more than a tenth of a radian.
+    int accurate_steps() const { return std::max(2, static_cast<int>(std::ceil(largest_turn_ / most_turned))); }
+    // Whether the scene's own motion goes from a row to two rows later: every velocity changes nearly as in the file.
+    bool predicts(std::size_t k) const {
+        if (!determined_ || k + 2 >= moments_) return true;
+        const SystemEngine model(sound_);
+        const SystemState from = state(sound_, model, k), to = state(sound_, model, k + 2);
+        const std::vector<double> was = model.velocities(from), is = model.velocities(to),
+                                  said = model.predicted(from, to, time(k), time(k + 2) - time(k), SystemRule::accurate,
+                                                         2 * accurate_steps());
+        for (std::size_t i = 0; i < is.size(); ++i)
+            if (std::abs(said[i] - is[i]) > 0.3 * std::abs(is[i] - was[i]) && std::abs(is[i] - was[i]) > 5 * scales_[i])
+                return false;
+        return true;
+    }
+    // The largest h w^2, 1/s.
+    double fastest_turn() const { return largest_turn_ * largest_turn_ / (time(1) - time(0)); }
+    double time(std::size_t k) const { return file_.rows[k * file_.bodies_at_once()].t; }
+    std::size_t windows() const { return windows_.size(); }
+    std::size_t velocities() const { return scales_.size(); }
+    double noise() const { return noise_; }
+
+  private:
+    const TrajectoryFile& file_;
+    SystemCause sound_;
+    std::size_t moments_ = 0;
+    bool determined_ = false;
+    double noise_ = 1e-15, largest_turn_ = 0;  // rad, of a body from row to row
+    std::vector<std::size_t> windows_;
+    std::vector<double> scales_;               // of each velocity: of its changes from row to row
+    std::vector<std::vector<double>> angles_;  // at each moment, of joints that count turns
+
+    void find_noise() {
+        bool binary32 = true;
+        for (std::size_t k = 0; k < file_.rows.size(); k += std::max<std::size_t>(1, file_.rows.size() / 100)) {
+            const TrajectoryRow& row = file_.rows[k];
+            for (const double x : {row.q.w, row.q.x, row.q.y, row.q.z, row.angular_velocity_W[0], row.position_W[1]})
+                binary32 = binary32 && static_cast<double>(static_cast<float>(x)) == x;
+        }
+        if (binary32) noise_ = 1.2e-7;
+    }
+
+    // a body's row, read as the cause says; blocks that the file lacks are the caller's
+    BodyMotion<double> body(const SystemCause& cause, std::size_t k, std::size_t b) const {
+        const Reading& read = cause.reading;
+        const TrajectoryRow& row = file_.rows[k * file_.bodies_at_once() + b];
+        Quaternion<double> q = row.q;
+        if (read.scalar_last) q = {q.z, q.w, q.x, q.y};
+        if (read.inverted) q = conjugate(q);
+        BodyMotion<double> m;
+        m.q = normalized(quaternion_from(read.axes, q));
+        const Vector w = read.rate_unit * pseudovector_from(read.axes, row.angular_velocity_W);
+        m.angular_velocity_B = read.rate_in_body ? w : rotate_back(m.q, w);
+        m.position_W = (read.length_unit * read.position_unit) * vector_from(read.axes, row.position_W);
+        m.velocity_W = (read.length_unit * read.velocity_unit) * vector_from(read.axes, row.velocity_W);
+        if (read.origin) m.position_W = m.position_W + rotate(m.q, cause.scene.bodies[b].body.center_of_mass);
+        return m;
+    }
+    bool has_place() const { return file_.has_position || file_.has_origin; }
+
+    SystemState state(const SystemCause& cause, const SystemEngine& model, std::size_t k) const {
+        SystemState s;
+        for (std::size_t b = 0; b < cause.scene.bodies.size(); ++b) s.bodies.push_back(body(cause, k, b));
+        if (!file_.has_angular_velocity) {
+            // the mean rate from the row before to the row after
+            const std::size_t before = k > 0 ? k - 1 : 0, after = std::min(k + 1, moments_ - 1);
+            for (std::size_t b = 0; b < s.bodies.size(); ++b) {
+                const Quaternion<double> first = body(cause, before, b).q, last = body(cause, after, b).q;
+                s.bodies[b].angular_velocity_B =
+                    (1 / (time(after) - time(before))) * rotation_vector_from_quaternion(conjugate(first) * last);
+            }
+        }
+        complete(model, s);
+        if (k < angles_.size()) s.angles = angles_[k];
+        return s;
+    }
+
+    // Places and velocities by the joints, from the world on.
+    void complete(const SystemEngine& model, SystemState& s) const {
+        if (has_place() && file_.has_velocity) return;
+        const maximal::Mechanism<double>& mechanism = model.system().mechanism();
+        std::vector<std::size_t> order(mechanism.links.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        const auto depth = [&](std::size_t k) {
+            return mechanism.depth[static_cast<std::size_t>(mechanism.links[k].to.body)];
+        };
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); });
+        for (const std::size_t k : order) {
+            const maximal::Link<double>& link = mechanism.links[k];
+            if (!link.is_joint() || !mechanism.movable(link.to.body)) continue;
+            BodyMotion<double> world;
+            world.q = {1, 0, 0, 0};
+            const BodyMotion<double>& from =
+                link.from.body == mechanism.world() ? world : s.bodies[static_cast<std::size_t>(link.from.body)];
+            BodyMotion<double>& to = s.bodies[static_cast<std::size_t>(link.to.body)];
+            const Vector arm_from = rotate(from.q, link.from.arm_B), arm_to = rotate(to.q, link.to.arm_B);
+            if (!has_place()) to.position_W = from.position_W + arm_from - arm_to;
+            if (!file_.has_velocity)
+                to.velocity_W = from.velocity_W + rotate(from.q, cross(from.angular_velocity_B, link.from.arm_B)) -
+                                rotate(to.q, cross(to.angular_velocity_B, link.to.arm_B));
+        }
+    }
+    // Whether what the file lacks follows from the joints; finds the angles that count turns, and the scales.
+    bool complete(const SystemEngine& model) {
+        const maximal::Mechanism<double>& mechanism = model.system().mechanism();
+        if (file_.bodies_at_once() != sound_.scene.bodies.size()) return false;
+        if (!has_place() || !file_.has_velocity) {
+            std::vector<bool> placed(mechanism.bodies.size() + 1, false);
+            placed.back() = true;
+            for (std::size_t sweep = 0; sweep < mechanism.bodies.size(); ++sweep)
+                for (const maximal::Link<double>& link : mechanism.links)
+                    if (link.is_joint() && link.kind != maximal::Kind::prismatic &&
+                        placed[static_cast<std::size_t>(link.from.body)])
+                        placed[static_cast<std::size_t>(link.to.body)] = true;
+            if (!std::ranges::all_of(placed, [](bool is) { return is; })) return false;
+        }
+        for (std::size_t k = 0; k + 1 < moments_; ++k)
+            for (std::size_t b = 0; b < sound_.scene.bodies.size(); ++b) {
+                const Quaternion<double> turn = conjugate(body(sound_, k, b).q) * body(sound_, k + 1, b).q;
+                double turned = length(rotation_vector_from_quaternion(turn));
+                if (file_.has_angular_velocity)
+                    turned = std::max(turned, (time(k + 1) - time(k)) * length(body(sound_, k, b).angular_velocity_B));
+                // of rows further apart nothing can be predicted
+                if (turned > most_turned * most_steps) moments_ = k + 1;
+                if (k + 1 < moments_) largest_turn_ = std::max(largest_turn_, turned);
+            }
+        if (moments_ < fewest_moments) return false;
+        follow_angles(model);
+        const std::size_t stride = std::max<std::size_t>(1, moments_ / 400);
+        std::size_t count = 0;
+        for (std::size_t k = 0; k + 1 < moments_; k += stride, ++count) {
+            const std::vector<double> u = model.velocities(state(sound_, model, k)),
+                                      next = model.velocities(state(sound_, model, k + 1));
+            scales_.resize(u.size(), 0);
+            for (std::size_t i = 0; i < u.size(); ++i)
+                scales_[model.vector_of_velocity()[i]] += (next[i] - u[i]) * (next[i] - u[i]);
+        }
+        for (std::size_t i = 0; i < scales_.size(); ++i) scales_[i] = scales_[model.vector_of_velocity()[i]];
+        double largest = 0;
+        for (double& scale : scales_)
+            scale = std::sqrt(scale / static_cast<double>(count)), largest = std::max(largest, scale);
+        // what does not change at all is not asked
+        for (double& scale : scales_) scale = std::max(scale, 1e-9 * largest);
+        return true;
+    }
+
+    // Angles of joints with springs, along the file from the scene's start on.
+    void follow_angles(const SystemEngine& model) {
+        const maximal::Mechanism<double>& mechanism = model.system().mechanism();
+        if (mechanism.turns == 0) return;
+        std::vector<double> angle(static_cast<std::size_t>(mechanism.turns), 0), rate = angle;
+        const auto body_at = [&](const SystemState& s, int b) {
+            BodyMotion<double> world;
+            world.q = {1, 0, 0, 0};
+            return b == mechanism.world() ? world : s.bodies[static_cast<std::size_t>(b)];
+        };
+        for (std::size_t k = 0; k < moments_; ++k) {
+            const SystemState s = state(sound_, model, k);
+            for (const maximal::Link<double>& link : mechanism.links) {
+                if (link.angles < 0) continue;
+                maximal::Placement<double> from, to;
+                const BodyMotion<double> a = body_at(s, link.from.body), b = body_at(s, link.to.body);
+                from.q = a.q, from.axes = rotation_matrix(a.q), from.angular_velocity_B = a.angular_velocity_B;
+                to.q = b.q, to.axes = rotation_matrix(b.q), to.angular_velocity_B = b.angular_velocity_B;
+                const std::array<double, 2> now = maximal::LinkView<double, double>(link, from, to).rates();
+                for (int i = 0; i < link.coordinates(); ++i) {
+                    const std::size_t place = static_cast<std::size_t>(link.angles + i);
+                    const double h = k > 0 ? time(k) - time(k - 1) : time(0);
+                    angle[place] =
+                        k > 0 ? angle[place] + h * (rate[place] + now[static_cast<std::size_t>(i)]) / 2
+                              : link.coordinate[static_cast<std::size_t>(i)] + h * now[static_cast<std::size_t>(i)];
+                    rate[place] = now[static_cast<std::size_t>(i)];
+                }
+                if (link.kind != maximal::Kind::revolute) continue;
+                // the attitudes tell it up to whole turns
+                const Quaternion<double> turn = conjugate(a.q * link.orientation) * b.q;
+                const double told = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w),
+                             whole = 2 * std::acos(-1.0);
+                double& value = angle[static_cast<std::size_t>(link.angles)];
+                value = told + whole * std::round((value - told) / whole);
+            }
+            angles_.push_back(angle);
+        }
+    }
+
+    // A velocity that should change and does not is measured by what it should do.
+    void include_predicted_changes(const SystemEngine& model) {
+        std::vector<double> squares(scales_.size(), 0);
+        for (const std::size_t k : windows_) {
+            const SystemState from = state(sound_, model, k), next = state(sound_, model, k + 1);
+            const std::vector<double> was = model.velocities(from),
+                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k),
+                                                             SystemRule::accurate, accurate_steps());
+            for (std::size_t i = 0; i < was.size(); ++i) {
+                const double change = said[i] - was[i];
+                if (std::isfinite(change)) squares[model.vector_of_velocity()[i]] += change * change;
+            }
+        }
+        for (std::size_t i = 0; i < scales_.size(); ++i)
+            scales_[i] =
+                std::max(scales_[i], std::sqrt(squares[model.vector_of_velocity()[i]] /
+                                               static_cast<double>(std::max<std::size_t>(windows_.size(), 1))));
+    }
+
+    // Rows from which the next is predicted: none with an event before the next, more of them early.
+    void choose_windows(const Scene& scene) {
+        std::vector<double> events;
+        for (const Load& load : scene.loads) {
+            const Window w = window_of(load);
+            if (const auto* impulse = std::get_if<Impulse>(&load)) events.push_back(impulse->at);
+            events.push_back(w.from), events.push_back(w.until);
+        }
+        const bool has_w = file_.has_angular_velocity;
+        const auto is_quiet = [&](std::size_t k) {
+            const double from = time(k > 0 && !has_w ? k - 1 : k),
+                         to = time(std::min(k + (has_w ? 1 : 2), moments_ - 1));
+            return std::ranges::none_of(events, [&](double t) { return from < t && t <= to; });
+        };
+        const std::size_t first = has_w ? 0 : 1, last = has_w ? moments_ - 1 : moments_ - 2;
+        if (last <= first) return;
+        // some in each span between two events, as many as its share and a few at least
+        std::ranges::sort(events);
+        std::erase_if(events, [&](double t) { return !(t > time(first) && t < time(last)); });
+        events.erase(std::unique(events.begin(), events.end()), events.end());
+        constexpr std::size_t most_spans = 8, few = 6;
+        if (events.size() >= most_spans) events.resize(most_spans - 1);
+        events.push_back(time(last));
+        std::size_t begin = first;
+        for (const double until : events) {
+            std::size_t end = begin;
+            while (end < last && time(end) < until) ++end;
+            const std::size_t share = most_windows * (end - begin) / (last - first),
+                              count = std::min(std::max(share, few), end - begin);
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::size_t k = begin + std::max(i < few / 2 ? i : 0, i * (end - begin) / count);
+                if (is_quiet(k)) windows_.push_back(k);
+            }
+            begin = end;
+        }
+        std::ranges::sort(windows_);
+        windows_.erase(std::unique(windows_.begin(), windows_.end()), windows_.end());
+    }
+
+    // How attitudes and positions go by the file's own velocities: by the new, the old or their mean, whichever is
+    // nearest.
+    double kinematics(const SystemCause& cause) const {
+        if (!file_.has_angular_velocity) return 0;
+        std::array<double, 3> turned{}, went{};
+        std::size_t count = 0;
+        for (const std::size_t k : windows_)
+            for (std::size_t b = 0; b < cause.scene.bodies.size(); ++b) {
+                const BodyMotion<double> now = body(cause, k, b), next = body(cause, k + 1, b);
+                const double h = (time(k + 1) - time(k)) * cause.engine.time;
+                const Vector turn = rotation_vector_from_quaternion(conjugate(now.q) * next.q);
+                const double size = std::max(length(turn), h * length(next.angular_velocity_B)),
+                             way = std::max(length(next.position_W - now.position_W), h * length(next.velocity_W));
+                if (!(size > 0)) continue;
+                ++count;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const double part = 0.5 * static_cast<double>(i);
+                    const Vector w = (1 - part) * now.angular_velocity_B + part * next.angular_velocity_B,
+                                 v = (1 - part) * now.velocity_W + part * next.velocity_W;
+                    turned[i] += decades(length(h * w - turn), size, noise_ / size);
+                    if (has_place() && file_.has_velocity)
+                        went[i] += decades(length(h * v - (next.position_W - now.position_W)), way,
+                                           noise_ * length(now.position_W) / std::max(way, 1e-300));
+                }
+            }
+        if (count == 0) return 0;
+        return (*std::ranges::min_element(turned) + *std::ranges::min_element(went)) / static_cast<double>(count);
+    }
+
+    // How the first row is from the scene's start, where the file begins there.
+    double start(const SystemCause& cause, const SystemEngine& model) const {
+        if (time(0) != 0 || std::ranges::any_of(cause.scene.loads, [](const Load& load) {
+                const auto* impulse = std::get_if<Impulse>(&load);
+                return impulse != nullptr && impulse->at == 0;
+            }))
+            return 0;
+        double q = 0, w = 0, p = 0, v = 0;
+        for (std::size_t b = 0; b < cause.scene.bodies.size(); ++b) {
+            const BodyMotion<double> is = body(cause, 0, b);
+            const BodyMotion<double>& was = model.start()[b];
+            const auto apart = [](const Vector& x, const Vector& y) {
+                const double size = std::max(length(x), length(y));
+                return size > 0 ? length(x - y) / size : 0;
+            };
+            q = std::max(q, length(rotation_vector_from_quaternion(conjugate(was.q) * is.q)));
+            if (file_.has_angular_velocity) w = std::max(w, apart(is.angular_velocity_B, was.angular_velocity_B));
+            if (has_place()) p = std::max(p, apart(is.position_W, was.position_W));
+            if (file_.has_velocity) v = std::max(v, apart(is.velocity_W, was.velocity_W));
+        }
+        // a start is right or wrong: what is nearer than 1e-6 is as the scene has it
+        const double noise = std::max(1e-6, 3 * noise_);
+        return decades(q, 1, noise) + decades(w, 1, noise) + decades(p, 1, noise) + decades(v, 1, noise);
+    }
+};
+
+class SystemSearch {
+  public:
+    SystemSearch(const SystemEvidence& evidence, const Scene& scene)
+        : evidence_(evidence), hypotheses_(system_faults(scene)), has_loops_(!scene.loops.empty()) {}
+
+    Explained sound() {
+        Explained best;
+        const SystemEngine model(evidence_.sound());
+        // how many steps a row each of the coarse rules takes
+        updates_ = {{SystemRule::accurate, evidence_.accurate_steps()}};
+        for (const SystemRule rule :
+             {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates}) {
+            std::optional<Explained> nearest;
+            for (const int steps : {1, 2, 4, 8, 10}) {
+                const Explained e{nullptr, 1, rule, steps, evidence_.answers(evidence_.sound(), model, rule, steps)};
+                if (!nearest || e.answers.total < nearest->answers.total - 0.3) nearest = e;
+            }
+            updates_.push_back({rule, nearest->steps});
+            if (nearest->steps > 1) updates_.push_back({rule, 1});
+        }
+        return explained({});
+    }
+
+    // The faults tried, the nearest first.
+    std::vector<Explained> singles(const Explained& sound) const {
+        std::vector<Explained> all;
+        for (const SystemHypothesis& h : hypotheses_)
+            if (std::optional<Explained> e = supposed({}, h, sound)) all.push_back(*e);
+        std::stable_sort(all.begin(), all.end(), nearer);
+        return all;
+    }
+    // The same on top of another fault.
+    std::optional<Explained> second(const Explained& first) const {
+        std::optional<Explained> best;
+        for (const SystemHypothesis& h : hypotheses_) {
+            if (&h == first.hypothesis || (h.fit && first.hypothesis->fit && h.fault == first.hypothesis->fault))
+                continue;
+            const std::optional<Explained> e = supposed({first}, h, first);
+            if (e && (!best || e->answers.total < best->answers.total)) best = e;
+        }
+        return best;
+    }
+    // The same fault by any number of steps a row: how many an engine takes does not show where it is wrong.
+    Explained refined(const Explained& fault) const {
+        Explained best = fault;
+        SystemCause cause = evidence_.sound();
+        if (!apply(cause, fault)) return best;
+        const std::optional<SystemEngine> model = modelled(cause);
+        for (const SystemRule rule :
+             {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates})
+            for (const int steps : {2, 3, 4, 5, 6, 8, 10}) {
+                Answers answers = evidence_.answers(cause, *model, rule, steps);
+                if (answers.total < best.answers.total)
+                    best.rule = rule, best.steps = steps, best.answers = std::move(answers);
+            }
+        if (!fault.hypothesis->fit || best.answers.velocities < nearly_exact) return best;
+        for (const SystemRule rule : {SystemRule::joint_impulses, SystemRule::joint_rates})
+            for (const int steps : {2, 3, 4, 5, 6, 8, 10}) {
+                const std::optional<double> x = fitted({}, *fault.hypothesis, {rule, steps});
+                if (!x || std::abs(*x - fault.hypothesis->fit->neutral) <= fault.hypothesis->fit->plain) continue;
+                for (const double number : {*x, rounded(*x)}) {
+                    SystemCause again = evidence_.sound();
+                    if (!fault.hypothesis->apply(again, number)) continue;
+                    const std::optional<SystemEngine> engine = modelled(again);
+                    if (!engine) continue;
+                    Answers answers = evidence_.answers(again, *engine, rule, steps);
+                    // a number of few digits where it is as good
+                    if (!(answers.total < best.answers.total + (number == *x ? 0 : 1e-3))) continue;
+                    best.x = number, best.rule = rule, best.steps = steps, best.answers = std::move(answers);
+                }
+                if (best.answers.velocities < nearly_exact) return best;
+            }
+        return best;
+    }
+    // The same fault with its number as it is best beside another one.
+    std::optional<Explained> fitted_beside(const Explained& fault, const Explained& other) const {
+        return supposed({other}, *fault.hypothesis, other);
+    }
+    // How far the steps' own error of the rules is apart, and what the fault changes, over all velocities.
+    bool is_seen(const Explained& e, const std::vector<Explained>& others) const {
+        SystemCause with = evidence_.sound(), without = with;
+        for (const Explained& other : others) apply(with, other), apply(without, other);
+        apply(with, e);
+        const SystemEngine faulty(with), plain(without);
+        const std::vector<double> left = evidence_.residuals(with, faulty, e.rule, e.steps),
+                                  was = evidence_.residuals(without, plain, e.rule, e.steps),
+                                  exact = evidence_.residuals(without, plain, SystemRule::accurate,
+                                                              evidence_.accurate_steps()),
+                                  coarse = evidence_.residuals(without, plain, SystemRule::joint_rates, 1);
+        // geometric means over the steps in which the fault does anything
+        double effect = 0, spread = 0, remains = 0, count = 0, most = 0;
+        const auto log_of = [&](double x) {
+            return std::isfinite(x) ? std::log10(std::clamp(std::abs(x), finest, 2.0)) : std::log10(2.0);
+        };
+        for (std::size_t i = 0; i < left.size(); ++i)
+            if (const double change = std::abs(left[i] - was[i]); std::isfinite(change)) most = std::max(most, change);
+        for (std::size_t i = 0; i < left.size(); ++i) {
+            if (!(std::abs(left[i] - was[i]) > 0.01 * most)) continue;
+            effect += log_of(left[i] - was[i]), spread += log_of(exact[i] - coarse[i]), remains += log_of(left[i]),
+                ++count;
+        }
+        if (count == 0) return false;
+        effect /= count, spread /= count, remains /= count;
+        // how an engine brings loops back together is not modelled
+        // coarse steps lose speed by themselves, at a rate of some hundredths of h w^2
+        const Subject about = e.hypothesis->subject;
+        constexpr double lost_by_steps = 0.02, as_if_exact = -5;
+        if (e.hypothesis->fit && e.hypothesis->fit->neutral == 0 && remains > as_if_exact &&
+            (about == Subject::damping || about == Subject::linear_damping) &&
+            e.x / e.hypothesis->fit->trial * damping_trial < lost_by_steps * evidence_.fastest_turn())
+            return false;
+        if (remains > effect - (has_loops_ ? 1 : 0.5)) return false;
+        return effect > spread + 0.5 || (!has_loops_ && remains < std::min(effect, spread) - 1);
+    }
+    static bool nearer(const Explained& a, const Explained& b) { return a.answers.total < b.answers.total; }
+
+  private:
+    struct Update {
+        SystemRule rule;
+        int steps;
+        bool operator==(const Update&) const = default;
+    };
+    const SystemEvidence& evidence_;
+    std::vector<SystemHypothesis> hypotheses_;
+    bool has_loops_;
+    std::vector<Update> updates_;
+
+    static bool apply(SystemCause& cause, const Explained& e) {
+        return e.hypothesis == nullptr || e.hypothesis->apply(cause, e.x);
+    }
+    Explained explained(const std::vector<Explained>& faults) const {
+        Explained best;
+        SystemCause cause = evidence_.sound();
+        for (const Explained& fault : faults)
+            if (!apply(cause, fault)) return best;
+        const std::optional<SystemEngine> model = modelled(cause);
+        if (!model) return best;
+        for (const Update& u : updates_) {
+            Answers answers = evidence_.answers(cause, *model, u.rule, u.steps);
+            if (!(answers.total < best.answers.total)) continue;
+            best.rule = u.rule, best.steps = u.steps, best.answers = std::move(answers);
+        }
+        return best;
+    }
+    // none where no such bodies can move
+    static std::optional<SystemEngine> modelled(const SystemCause& cause) {
+        try {
+            return SystemEngine(cause);
+        } catch (const InputError&) {
+            return std::nullopt;
+        }
+    }
+    std::optional<Explained> supposed(const std::vector<Explained>& others, const SystemHypothesis& h,
+                                      const Explained& before) const {
+        const auto with = [&](double x) {
+            std::vector<Explained> all = others;
+            Explained e;
+            e.hypothesis = &h, e.x = x;
+            all.push_back(e);
+            Explained result = explained(all);
+            result.hypothesis = &h, result.x = x;
+            return result;
+        };
+        const auto is_finite = [](const Explained& e) { return std::isfinite(e.answers.total); };
+        if (!h.fit) {
+            Explained e = with(1);
+            return is_finite(e) ? std::optional(e) : std::nullopt;
+        }
+        // by the update that fits best without the fault, then by the one that fits best with it, then by all others
+        std::vector<Update> tried, left = updates_;
+        std::optional<Explained> best;
+        Update next{before.rule, before.steps};
+        while (true) {
+            tried.push_back(next);
+            const std::optional<double> x = fitted(others, h, next);
+            if (x && std::abs(*x - h.fit->neutral) > h.fit->plain) {
+                Explained e = with(rounded(*x));
+                if (Explained exact = with(*x); nearer(exact, e)) e = std::move(exact);
+                if (is_finite(e) && (!best || nearer(e, *best))) best = std::move(e);
+            }
+            const auto is_tried = [&](const Update& u) { return std::ranges::find(tried, u) != tried.end(); };
+            if (best && !is_tried({best->rule, best->steps})) {
+                next = {best->rule, best->steps};
+                continue;
+            }
+            // another update is worth a fit of its own where this fault gains anything, and is not exact yet
+            if (tried.size() > 1 &&
+                (!best || best->answers.total > before.answers.total - 0.3 || best->answers.velocities < nearly_exact))
+                break;
+            std::erase_if(left, is_tried);
+            if (left.empty()) break;
+            next = left.front();
+        }
+        return best;
+    }
+    // x to four digits: a number given by hand
+    static double rounded(double x) {
+        if (x == 0) return x;
+        const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - 3);
+        return std::round(x / unit) * unit;
+    }
+    // The number that leaves the least squares: Gauss' and Newton's steps by secants.
+    std::optional<double> fitted(const std::vector<Explained>& others, const SystemHypothesis& h,
+                                 const Update& u) const {
+        const auto residuals = [&](double x) -> std::vector<double> {
+            SystemCause cause = evidence_.sound();
+            for (const Explained& other : others)
+                if (!apply(cause, other)) return {};
+            // what does nothing need not be applied
+            if (x != h.fit->neutral && !h.apply(cause, x)) return {};
+            const std::optional<SystemEngine> model = modelled(cause);
+            return model ? evidence_.residuals(cause, *model, u.rule, u.steps) : std::vector<double>();
+        };
+        double a = h.fit->neutral, b = h.fit->trial;
+        std::vector<double> ra = residuals(a), rb = residuals(b);
+        for (int round = 0; round < 8; ++round) {
+            if (ra.empty() || rb.size() != ra.size()) return {};
+            double slope = 0, along = 0;
+            for (std::size_t i = 0; i < ra.size(); ++i) {
+                const double d = (rb[i] - ra[i]) / (b - a);
+                if (!std::isfinite(d)) return {};
+                slope += d * d, along += d * rb[i];
+            }
+            if (!(slope > 0)) return {};
+            double x = std::max(b - along / slope, h.fit->least);
+            if (!std::isfinite(x)) return {};
+            x = std::min({x, h.fit->most, 1e3 * std::max(std::abs(b), std::abs(h.fit->trial))});
+            if (std::abs(x - b) <= 1e-9 * std::abs(x) || std::abs(x - h.fit->neutral) <= h.fit->plain) return x;
+            a = b, ra = std::move(rb), b = x, rb = residuals(x);
+        }
+        return b;
+    }
+};
+
+std::string said(const Explained& e) {
+    std::string what = e.hypothesis->what;
+    if (const std::size_t place = what.find("{}"); place != what.npos)
+        what.replace(place, 2, fmt::format("{:.4g}", e.x));
+    return what;
+}
+
+// Columns that are read wrongly are plain: start, turns and ways are wrong as well.
+double needed(const Explained& e) {
+    const Subject about = e.hypothesis->subject;
+    if (about == Subject::quaternion || about == Subject::axes || about == Subject::rate_columns ||
+        about == Subject::lengths)
+        return gain_of_reading;
+    return e.hypothesis->fit ? gain_of_fitted : gain_of_fixed;
+}
+
+// What was found, the best first; `sound` and `before` with their mean decades.
+void tell(std::vector<Diagnosis>& told, const Explained& e, const Explained& before, const std::string& also) {
+    const double was = std::pow(10.0, before.answers.velocities), is = std::pow(10.0, e.answers.velocities);
+    if (std::ranges::any_of(
+            told, [&](const Diagnosis& d) { return d.fault == e.hypothesis->fault && d.message.starts_with(said(e)); }))
+        return;
+    told.push_back({e.hypothesis->fault,
+                    fmt::format("{}: each step of the joints' rates is predicted to {:.2g} of their changes with this "
+                                "fault, and to {:.2g} without; {}{}",
+                                said(e), is, was, e.hypothesis->remedy, also),
+                    e.hypothesis->convention, was, is});
+}
+
+}  // namespace
+
+Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all) {
+    Diagnosed result;
+    const SystemEvidence evidence(scene, file);
+    const std::vector<Diagnosis> of_joints =
+        joint_faults(scene, file, [&](std::size_t k) { return evidence.predicts(k); });
+    result.faults = of_joints;
+    if (!evidence.enough()) return result;
+    SystemSearch search(evidence, evidence.sound().scene);
+    const Explained sound = search.sound();
+    result.sound = sound.answers.total;
+    result.rule = name_of(sound.rule);
+    if (!all && sound.answers.largest < plainly_wrong && sound.answers.start < -11 && sound.answers.kinematics < -2)
+        return result;
+    std::vector<Explained> singles = search.singles(sound);
+    constexpr std::size_t refined = 4;
+    for (std::size_t i = 0; i < std::min(refined, singles.size()); ++i)
+        if (sound.answers.total - singles[i].answers.total > 0.3) singles[i] = search.refined(singles[i]);
+    std::stable_sort(singles.begin(), singles.end(), SystemSearch::nearer);
+    for (const Explained& e : singles) result.tried.push_back({e.hypothesis->fault, said(e), e.answers.total});
+    // a joint that is not the scene's explains all that its bodies do
+    if (std::ranges::any_of(of_joints, [](const Diagnosis& d) {
+            return d.fault != "joint_drifts" && d.fault != "joint_limit_where_none";
+        }))
+        return result;
+    std::vector<Explained> accepted;
+    for (const Explained& e : singles)
+        if (sound.answers.total - e.answers.total >= needed(e) && search.is_seen(e, {})) accepted.push_back(e);
+    if (accepted.empty()) {
+        // two together, where neither of them explains enough by itself
+        constexpr std::size_t beam = 4;
+        std::vector<Explained> firsts = singles;
+        std::ranges::stable_sort(firsts, {}, [](const Explained& e) { return e.answers.squares; });
+        for (std::size_t i = 0; i < std::min(beam, firsts.size()); ++i) {
+            const Explained& first = firsts[i];
+            if (!(first.answers.squares < sound.answers.squares)) break;
+            const std::optional<Explained> second = search.second(first);
+            if (!second || first.answers.total - second->answers.total < gain_of_fitted) continue;
+            // the first's number again, beside the second
+            const std::optional<Explained> again = search.fitted_beside(first, *second);
+            if (!again || sound.answers.total - again->answers.total < needed(*again) + needed(*second) ||
+                !search.is_seen(*again, {*second}) || !search.is_seen(*second, {*again}))
+                continue;
+            tell(result.faults, *again, sound, ""), tell(result.faults, *second, first, "");
+            return result;
+        }
+        return result;
+    }
+    // a number known beforehand is preferred to a fitted one that is as good
+    const double limit = accepted.front().answers.total + alike;
+    std::vector<Explained> near;
+    for (const Explained& e : accepted)
+        if (e.answers.total <= limit || (!e.hypothesis->fit && e.answers.total <= limit + 0.5)) near.push_back(e);
+    // and something of the scene's that is of the wrong size to something that it does not have
+    std::ranges::stable_sort(
+        near, {}, [](const Explained& e) { return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0; });
+    // gravity on all bodies stands for the one whose weight matters
+    const auto is_gravity = [](const Explained& e, bool of_body) {
+        return e.hypothesis->subject == Subject::gravity &&
+               e.hypothesis->fault.starts_with("gravity_on_body") == of_body;
+    };
+    if (std::ranges::any_of(near, [&](const Explained& e) { return is_gravity(e, false); }))
+        std::erase_if(near, [&](const Explained& e) { return is_gravity(e, true); });
+    const Explained& best = near.front();
+    const std::optional<Explained> second = search.second(best);
+    if (second && best.answers.total - second->answers.total >= gain_of_fitted && search.is_seen(*second, {best})) {
+        tell(result.faults, best, sound, ""), tell(result.faults, *second, best, "");
+        return result;
+    }
+    std::string also;
+    std::vector<const Explained*> others;
+    for (const Explained& e : near)
+        if (&e != &best && e.answers.total <= limit &&
+            e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
+            others.push_back(&e), also += (also.empty() ? "" : "; or ") + said(e);
+    tell(result.faults, best, sound, also.empty() ? "" : "; the file cannot tell it from this: " + also);
+    for (const Explained* e : others) tell(result.faults, *e, sound, "; the file cannot tell it from the one before");
+    return result;
+}
+
+}  // namespace polhode

@@ -189,7 +189,8 @@ void SystemEngine::move(std::vector<double>& y, const Placements& by, double h) 
         if (link.angles < 0) continue;
         const std::array<double, 2> rates = system_->view(link, by).rates();
         for (int i = 0; i < link.coordinates(); ++i)
-            next.angles[static_cast<std::size_t>(link.angles + i)] += h * rates[static_cast<std::size_t>(i)];
+            next.angles[static_cast<std::size_t>(link.angles) + static_cast<std::size_t>(i)] +=
+                h * rates[static_cast<std::size_t>(i)];
     }
     y = vector_of(next);
 }
@@ -263,7 +264,7 @@ void SystemEngine::move_along_joints(std::vector<double>& y, const Placements& a
         body.velocity_W = from.velocity_W + cross(from_W, arm_W) + rate * axis_W -
                           cross(rotate(body.q, body.angular_velocity_B), to_W);
         for (int i = 0; link.angles >= 0 && i < link.coordinates(); ++i)
-            next.angles[static_cast<std::size_t>(link.angles + i)] += h * rates[i];
+            next.angles[static_cast<std::size_t>(link.angles) + static_cast<std::size_t>(i)] += h * rates[i];
     }
     y = vector_of(next);
 }

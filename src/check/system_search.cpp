@@ -312,7 +312,7 @@ class SystemEvidence {
                 to.q = b.q, to.axes = rotation_matrix(b.q), to.angular_velocity_B = b.angular_velocity_B;
                 const std::array<double, 2> now = maximal::LinkView<double, double>(link, from, to).rates();
                 for (int i = 0; i < link.coordinates(); ++i) {
-                    const std::size_t place = static_cast<std::size_t>(link.angles + i);
+                    const std::size_t place = static_cast<std::size_t>(link.angles) + static_cast<std::size_t>(i);
                     const double h = k > 0 ? time(k) - time(k - 1) : time(0);
                     angle[place] =
                         k > 0 ? angle[place] + h * (rate[place] + now[static_cast<std::size_t>(i)]) / 2
@@ -450,7 +450,6 @@ class SystemSearch {
         : evidence_(evidence), hypotheses_(system_faults(scene)), has_loops_(!scene.loops.empty()) {}
 
     Explained sound() {
-        Explained best;
         const SystemEngine model(evidence_.sound());
         // how many steps a row each of the coarse rules takes
         updates_ = {{SystemRule::accurate, evidence_.accurate_steps()}};
@@ -496,8 +495,7 @@ class SystemSearch {
              {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates})
             for (const int steps : {2, 3, 4, 5, 6, 8, 10}) {
                 Answers answers = evidence_.answers(cause, *model, rule, steps);
-                if (answers.total < best.answers.total)
-                    best.rule = rule, best.steps = steps, best.answers = std::move(answers);
+                if (answers.total < best.answers.total) best.rule = rule, best.steps = steps, best.answers = answers;
             }
         if (!fault.hypothesis->fit || best.answers.velocities < nearly_exact) return best;
         for (const SystemRule rule : {SystemRule::joint_impulses, SystemRule::joint_rates})
@@ -512,7 +510,7 @@ class SystemSearch {
                     Answers answers = evidence_.answers(again, *engine, rule, steps);
                     // a number of few digits where it is as good
                     if (!(answers.total < best.answers.total + (number == *x ? 0 : 1e-3))) continue;
-                    best.x = number, best.rule = rule, best.steps = steps, best.answers = std::move(answers);
+                    best.x = number, best.rule = rule, best.steps = steps, best.answers = answers;
                 }
                 if (best.answers.velocities < nearly_exact) return best;
             }
@@ -584,7 +582,7 @@ class SystemSearch {
         for (const Update& u : updates_) {
             Answers answers = evidence_.answers(cause, *model, u.rule, u.steps);
             if (!(answers.total < best.answers.total)) continue;
-            best.rule = u.rule, best.steps = u.steps, best.answers = std::move(answers);
+            best.rule = u.rule, best.steps = u.steps, best.answers = answers;
         }
         return best;
     }
@@ -621,8 +619,8 @@ class SystemSearch {
             const std::optional<double> x = fitted(others, h, next);
             if (x && std::abs(*x - h.fit->neutral) > h.fit->plain) {
                 Explained e = with(rounded(*x));
-                if (Explained exact = with(*x); nearer(exact, e)) e = std::move(exact);
-                if (is_finite(e) && (!best || nearer(e, *best))) best = std::move(e);
+                if (Explained exact = with(*x); nearer(exact, e)) e = exact;
+                if (is_finite(e) && (!best || nearer(e, *best))) best = e;
             }
             const auto is_tried = [&](const Update& u) { return std::ranges::find(tried, u) != tried.end(); };
             if (best && !is_tried({best->rule, best->steps})) {

@@ -131,10 +131,19 @@ TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
     };
     EXPECT_EQ(fault_of_scene(header + "0" + arm + "0,lag,1,0,0,0\n"),
               "run.csv: line 3, column body: \"lag\" is no body of the scene; did you mean leg?");
-    EXPECT_EQ(
-        fault_of_scene("t,qw,qx,qy,qz\n0,1,0,0,0\n"),
-        "run.csv: line 1: column body is missing; give t,body,qw,.. with a line for each of arm, leg at each time");
+    EXPECT_EQ(fault_of_scene("t,qw,qx,qy,qz\n0,1,0,0,0\n"),
+              "run.csv: line 1: column body is missing; give t,body,qw,.. with a line for each of arm, leg, or some of "
+              "them, at "
+              "each time");
     EXPECT_EQ(fault_of_scene(header + "0" + arm + "0" + leg), "");
+    // some of the scene's bodies, the same at each time
+    EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg), "");
+    EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg + "1" + arm),
+              "run.csv: line 4, column body: there is no body \"arm\" at the first time; give a line for each of the "
+              "file's bodies at each time");
+    EXPECT_EQ(fault_of_scene(header + "0" + leg + "0" + arm + "1" + arm),
+              "run.csv: line 4, column body: the body \"leg\" is missing at 1 s; give a line for each body at each "
+              "time");
 }
 
 TEST(TrajectoryFile, EachBodysOriginIsExchangedForItsOwnCenterOfMass) {

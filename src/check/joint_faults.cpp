@@ -16,7 +16,7 @@ namespace {
 
 using Vector = Vector3<double>;
 using maximal::Kind;
-using Link = maximal::Link<double>;
+using JointLink = maximal::Link<double>;
 
 // A body in a row; the world stands still.
 struct Pose {
@@ -45,7 +45,7 @@ class FilePoses {
     }
 
     // `length_unit` and `origin`: how positions are read
-    std::optional<JointRows> of(const Link& link, double length_unit, bool origin) const {
+    std::optional<JointRows> of(const JointLink& link, double length_unit, bool origin) const {
         for (const int b : {link.from.body, link.to.body})
             if (b != mechanism_.world() && place_[static_cast<std::size_t>(b)] < 0) return {};
         JointRows rows;
@@ -76,7 +76,7 @@ class FilePoses {
 };
 
 // From the joint's point on the parent to the one on the child, world axes; of a prismatic joint across its axis.
-Vector gap_W(const Link& link, const Pose& from, const Pose& to) {
+Vector gap_W(const JointLink& link, const Pose& from, const Pose& to) {
     const Vector apart =
         to.position_W + rotate(to.q, link.to.arm_B) - from.position_W - rotate(from.q, link.from.arm_B);
     if (link.kind != Kind::prismatic) return apart;
@@ -84,7 +84,7 @@ Vector gap_W(const Link& link, const Pose& from, const Pose& to) {
     return apart - dot(axis_W, apart) * axis_W;
 }
 // How fast the two points move apart.
-Vector slip_W(const Link& link, const Pose& from, const Pose& to) {
+Vector slip_W(const JointLink& link, const Pose& from, const Pose& to) {
     return to.velocity_W + cross(to.angular_velocity_W, rotate(to.q, link.to.arm_B)) - from.velocity_W -
            cross(from.angular_velocity_W, rotate(from.q, link.from.arm_B));
 }
@@ -104,10 +104,10 @@ struct MeanVector {
     }
 };
 
-double reach_of(const Link& link) { return std::max({length(link.from.arm_B), length(link.to.arm_B), 1e-3}); }
+double reach_of(const JointLink& link) { return std::max({length(link.from.arm_B), length(link.to.arm_B), 1e-3}); }
 
 // The gap in the axes of both bodies, if it is the same all the time in one of them.
-std::optional<Diagnosis> anchor_fault(const Link& link, const JointRows& rows, const std::string& name,
+std::optional<Diagnosis> anchor_fault(const JointLink& link, const JointRows& rows, const std::string& name,
                                       const std::string& parent, const std::string& child) {
     std::vector<Vector> in_from, in_to;
     for (std::size_t k = 0; k < rows.t.size(); ++k) {
@@ -163,7 +163,7 @@ std::optional<CommonAxis> common_axis(const std::vector<Quaternion<double>>& tur
     return CommonAxis{axis, std::sqrt(off / all)};
 }
 
-std::optional<Diagnosis> axis_fault(const Link& link, const JointRows& rows, const std::string& name) {
+std::optional<Diagnosis> axis_fault(const JointLink& link, const JointRows& rows, const std::string& name) {
     if (link.kind != Kind::revolute) return {};
     const auto joint = [&](std::size_t k) { return conjugate(rows.from[k].q * link.orientation) * rows.to[k].q; };
     std::vector<Quaternion<double>> in_child, in_parent;
@@ -196,7 +196,8 @@ std::optional<Diagnosis> axis_fault(const Link& link, const JointRows& rows, con
 
 // How joints that come apart are pulled together: what a multiple of the gap explains of the slip, or of the gap's
 // change.
-std::optional<Diagnosis> drift_fault(const Link& link, const JointRows& rows, const std::string& name, bool has_rates) {
+std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& rows, const std::string& name,
+                                     bool has_rates) {
     double largest = 0, at = 0;
     std::vector<Vector> gaps;
     for (std::size_t k = 0; k < rows.t.size(); ++k) {
@@ -233,7 +234,7 @@ std::optional<Diagnosis> drift_fault(const Link& link, const JointRows& rows, co
 }
 
 // A coordinate that is thrown back, or stopped, at one value again and again.
-std::optional<Diagnosis> limit_fault(const Link& link, const JointRows& rows, const std::string& name,
+std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& rows, const std::string& name,
                                      const std::function<bool(std::size_t)>& predicts) {
     if (link.kind != Kind::revolute && link.kind != Kind::prismatic) return {};
     std::vector<double> x;
@@ -298,7 +299,7 @@ std::optional<Diagnosis> limit_fault(const Link& link, const JointRows& rows, co
 // The largest gap of all joints over the motion, relative to their reach, as positions are read.
 double worst_gap(const maximal::Mechanism<double>& mechanism, const FilePoses& poses, double length_unit, bool origin) {
     double worst = 0;
-    for (const Link& link : mechanism.links) {
+    for (const JointLink& link : mechanism.links) {
         if (!link.is_joint()) continue;
         if (const std::optional<JointRows> rows = poses.of(link, length_unit, origin))
             for (std::size_t k = 0; k < rows->t.size(); ++k)
@@ -342,7 +343,7 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
         return b == mechanism.world() ? std::string("world")
                                       : one_line(scene.bodies[static_cast<std::size_t>(b)].name, 40);
     };
-    for (const Link& link : mechanism.links) {
+    for (const JointLink& link : mechanism.links) {
         if (!link.is_joint()) continue;
         const std::optional<JointRows> rows = poses.of(link, 1, file.has_origin);
         if (!rows || rows->t.size() < 4) continue;

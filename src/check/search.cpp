@@ -8,8 +8,6 @@
 namespace polhode {
 namespace {
 
-// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
-constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike = 0.15;
 // so many of the best single faults are taken into pairs
 constexpr std::size_t beam = 10;
 constexpr std::size_t most_alike = 3;
@@ -288,7 +286,7 @@ FaultSearch Searcher::run() {
     if (candidates.empty()) return found;
     found.best = candidates.front();
     // of explanations as good as the best those that needed nothing fitted go first
-    const double limit = found.best.residual.total + alike;
+    const double limit = found.best.residual.total + alike_within;
     const auto fitted = [](const Explanation& e) {
         return std::any_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) { return !!s.hypothesis->values; });
     };

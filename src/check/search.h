@@ -7,6 +7,9 @@
 
 namespace polhode {
 
+/// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
+inline constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike_within = 0.15;
+
 /// A fault with the number fitted to it.
 struct Supposed {
     const Hypothesis* hypothesis = nullptr;

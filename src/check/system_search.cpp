@@ -12,6 +12,7 @@
 #include "body/mass_properties.h"
 #include "body/orientation.h"
 #include "check/joint_faults.h"
+#include "check/search.h"
 #include "check/system_faults.h"
 #include "motion/mechanism.h"
 
@@ -21,21 +22,21 @@ namespace {
 using Vector = Vector3<double>;
 
 // so many steps of a file are looked at
-constexpr std::size_t most_windows = 24, fewest_moments = 5;
-// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
-constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, gain_of_reading = 3, alike = 0.15;
+constexpr std::size_t most_system_windows = 24, fewest_moments = 5;
+// Columns that are read wrongly have to gain more, in decades over all questions.
+constexpr double gain_of_reading = 3;
 // a file this near to what the scene predicts has no fault that could be told
-constexpr double plainly_wrong = 1e-3;
+constexpr double plain_change = 1e-3;
 // an accurate step turns by no more than this, rad, and there are no more of them from row to row
-constexpr double most_turned = 0.1;
+constexpr double most_turned_in_step = 0.1;
 constexpr int most_steps = 12;
 // decades of what moves: an update that is the engine's own leaves no more
 constexpr double nearly_exact = -6;
 // below it predictions are all alike
-constexpr double finest = 1e-9;
+constexpr double finest_change = 1e-9;
 
 double decades(double error, double scale, double noise) {
-    const double floor = std::max(finest, noise);
+    const double floor = std::max(finest_change, noise);
     if (!std::isfinite(error)) return std::log10(2.0);
     return std::log10(std::clamp(scale > 0 ? error / scale : (error > 0 ? 2.0 : 0.0), floor, 2.0));
 }
@@ -128,7 +129,7 @@ class SystemEvidence {
         for (std::size_t i = 0; i < n; ++i) {
             // what changes by rounding alone, in the file and as predicted, is as it should be
             if (scales[i] <= 1e-9 * largest || scales[i] <= 30 * noise_ * sizes[i]) {
-                a.total += std::log10(finest), a.asked += 1;
+                a.total += std::log10(finest_change), a.asked += 1;
                 continue;
             }
             double sum = 0;
@@ -147,7 +148,7 @@ class SystemEvidence {
     }
 
     // Steps of accurate predictions, each of which turns no body by more than a tenth of a radian.
-    int accurate_steps() const { return std::max(2, static_cast<int>(std::ceil(largest_turn_ / most_turned))); }
+    int accurate_steps() const { return std::max(2, static_cast<int>(std::ceil(largest_turn_ / most_turned_in_step))); }
     // Whether the scene's own motion goes from a row to two rows later: every velocity changes nearly as in the file.
     bool predicts(std::size_t k) const {
         if (!determined_ || k + 2 >= moments_) return true;
@@ -269,7 +270,7 @@ class SystemEvidence {
                 if (file_.has_angular_velocity)
                     turned = std::max(turned, (time(k + 1) - time(k)) * length(body(sound_, k, b).angular_velocity_B));
                 // of rows further apart nothing can be predicted
-                if (turned > most_turned * most_steps) moments_ = k + 1;
+                if (turned > most_turned_in_step * most_steps) moments_ = k + 1;
                 if (k + 1 < moments_) largest_turn_ = std::max(largest_turn_, turned);
             }
         if (moments_ < fewest_moments) return false;
@@ -377,7 +378,7 @@ class SystemEvidence {
         for (const double until : events) {
             std::size_t end = begin;
             while (end < last && time(end) < until) ++end;
-            const std::size_t share = most_windows * (end - begin) / (last - first),
+            const std::size_t share = most_system_windows * (end - begin) / (last - first),
                               count = std::min(std::max(share, few), end - begin);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t k = begin + std::max(i < few / 2 ? i : 0, i * (end - begin) / count);
@@ -534,7 +535,7 @@ class SystemSearch {
         // geometric means over the steps in which the fault does anything
         double effect = 0, spread = 0, remains = 0, count = 0, most = 0;
         const auto log_of = [&](double x) {
-            return std::isfinite(x) ? std::log10(std::clamp(std::abs(x), finest, 2.0)) : std::log10(2.0);
+            return std::isfinite(x) ? std::log10(std::clamp(std::abs(x), finest_change, 2.0)) : std::log10(2.0);
         };
         for (std::size_t i = 0; i < left.size(); ++i)
             if (const double change = std::abs(left[i] - was[i]); std::isfinite(change)) most = std::max(most, change);
@@ -718,7 +719,7 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
     const Explained sound = search.sound();
     result.sound = sound.answers.total;
     result.rule = name_of(sound.rule);
-    if (!all && sound.answers.largest < plainly_wrong && sound.answers.start < -11 && sound.answers.kinematics < -2)
+    if (!all && sound.answers.largest < plain_change && sound.answers.start < -11 && sound.answers.kinematics < -2)
         return result;
     std::vector<Explained> singles = search.singles(sound);
     constexpr std::size_t refined = 4;
@@ -755,7 +756,7 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
         return result;
     }
     // a number known beforehand is preferred to a fitted one that is as good
-    const double limit = accepted.front().answers.total + alike;
+    const double limit = accepted.front().answers.total + alike_within;
     std::vector<Explained> near;
     for (const Explained& e : accepted)
         if (e.answers.total <= limit || (!e.hypothesis->fit && e.answers.total <= limit + 0.5)) near.push_back(e);

@@ -43,7 +43,7 @@ Scene double_pendulum() {
 }
 
 // What is broken, beside a step of its own.
-struct Knobs {
+struct PendulumFaults {
     double gravity_on_upper = 1, gravity_on_lower = 1, damping = 1, stiffness = 1, motor = 1, lower_mass = 1,
            lower_moment = 1, length = 1;
     double elbow_damping = 0, elbow_friction = 0;  // N m s, N m
@@ -54,7 +54,7 @@ struct Knobs {
 
 class Pendulum {
   public:
-    explicit Pendulum(const Knobs& knobs) : k_(knobs) {}
+    explicit Pendulum(const PendulumFaults& knobs) : k_(knobs) {}
 
     void advance(double h) {
         for (int i = 0; i < k_.substeps; ++i) step(h / k_.substeps);
@@ -77,7 +77,7 @@ class Pendulum {
 
   private:
     using Pair = std::array<double, 2>;
-    Knobs k_;
+    PendulumFaults k_;
     Pair x_{0.9, 0.5}, u_{1, 3};  // of each bar against the world
 
     // M^-1 r
@@ -129,7 +129,7 @@ class Pendulum {
     }
 };
 
-TrajectoryFile recorded(const Knobs& knobs, double hertz) {
+TrajectoryFile recorded(const PendulumFaults& knobs, double hertz) {
     TrajectoryFile file;
     file.bodies = {"upper", "lower"};
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
@@ -143,38 +143,47 @@ TrajectoryFile recorded(const Knobs& knobs, double hertz) {
 
 struct Case {
     const char* name;
-    void (*broken)(Knobs&);
+    void (*broken)(PendulumFaults&);
     std::vector<std::string> words;  // that name it
     const char* said;                // that the message has in it
 };
 const std::vector<Case> cases{
-    {"damping missing", [](Knobs& k) { k.damping = 0; }, {"joint_damping_missing"}, "\"shoulder\""},
-    {"damping tripled", [](Knobs& k) { k.damping = 3; }, {"joint_damping_scaled"}, "\"shoulder\" is 3 times"},
+    {"damping missing", [](PendulumFaults& k) { k.damping = 0; }, {"joint_damping_missing"}, "\"shoulder\""},
+    {"damping tripled", [](PendulumFaults& k) { k.damping = 3; }, {"joint_damping_scaled"}, "\"shoulder\" is 3 times"},
     {"damping left on",
-     [](Knobs& k) { k.elbow_damping = 0.05; },
+     [](PendulumFaults& k) { k.elbow_damping = 0.05; },
      {"joint_damping_left_on"},
      "\"elbow\" is left on: 0.05 N m s"},
-    {"friction", [](Knobs& k) { k.elbow_friction = 0.25; }, {"joint_friction_left_on"}, "friction of joint \"elbow\""},
-    {"spring scaled", [](Knobs& k) { k.stiffness = 1.6; }, {"joint_spring_scaled"}, "1.6 times"},
-    {"spring missing", [](Knobs& k) { k.stiffness = 0; }, {"joint_spring_missing"}, "\"elbow\""},
-    {"spring reversed", [](Knobs& k) { k.stiffness = -1; }, {"joint_spring_reversed"}, "\"elbow\""},
-    {"motor missing", [](Knobs& k) { k.motor = 0; }, {"motor_missing"}, "\"shoulder\""},
-    {"motor reversed", [](Knobs& k) { k.motor = -1; }, {"motor_reversed"}, "\"shoulder\""},
-    {"motor scaled", [](Knobs& k) { k.motor = 0.35; }, {"motor_scaled"}, "0.35 times"},
-    {"gravity missing", [](Knobs& k) { k.gravity_on_upper = k.gravity_on_lower = 0; }, {"gravity_missing"}, ""},
+    {"friction",
+     [](PendulumFaults& k) { k.elbow_friction = 0.25; },
+     {"joint_friction_left_on"},
+     "friction of joint \"elbow\""},
+    {"spring scaled", [](PendulumFaults& k) { k.stiffness = 1.6; }, {"joint_spring_scaled"}, "1.6 times"},
+    {"spring missing", [](PendulumFaults& k) { k.stiffness = 0; }, {"joint_spring_missing"}, "\"elbow\""},
+    {"spring reversed", [](PendulumFaults& k) { k.stiffness = -1; }, {"joint_spring_reversed"}, "\"elbow\""},
+    {"motor missing", [](PendulumFaults& k) { k.motor = 0; }, {"motor_missing"}, "\"shoulder\""},
+    {"motor reversed", [](PendulumFaults& k) { k.motor = -1; }, {"motor_reversed"}, "\"shoulder\""},
+    {"motor scaled", [](PendulumFaults& k) { k.motor = 0.35; }, {"motor_scaled"}, "0.35 times"},
+    {"gravity missing",
+     [](PendulumFaults& k) { k.gravity_on_upper = k.gravity_on_lower = 0; },
+     {"gravity_missing"},
+     ""},
     {"gravity scaled",
-     [](Knobs& k) { k.gravity_on_upper = k.gravity_on_lower = 0.9; },
+     [](PendulumFaults& k) { k.gravity_on_upper = k.gravity_on_lower = 0.9; },
      {"gravity_scaled"},
      "0.9 times"},
-    {"weightless forearm", [](Knobs& k) { k.gravity_on_lower = 0; }, {"gravity_on_body_missing"}, "\"lower\""},
-    {"mass", [](Knobs& k) { k.lower_mass = 1.3; }, {"body_mass_scaled"}, "\"lower\" is 1.3 times"},
-    {"inertia", [](Knobs& k) { k.lower_moment = 2.5; }, {"body_inertia_scaled"}, "\"lower\" is 2.5 times"},
+    {"weightless forearm", [](PendulumFaults& k) { k.gravity_on_lower = 0; }, {"gravity_on_body_missing"}, "\"lower\""},
+    {"mass", [](PendulumFaults& k) { k.lower_mass = 1.3; }, {"body_mass_scaled"}, "\"lower\" is 1.3 times"},
+    {"inertia", [](PendulumFaults& k) { k.lower_moment = 2.5; }, {"body_inertia_scaled"}, "\"lower\" is 2.5 times"},
     {"density",
-     [](Knobs& k) { k.lower_mass = k.lower_moment = 0.6; },
+     [](PendulumFaults& k) { k.lower_mass = k.lower_moment = 0.6; },
      {"body_density_scaled"},
      "\"lower\" is 0.6 times"},
-    {"elbow elsewhere", [](Knobs& k) { k.length = 1.05; }, {"joint_anchor_off"}, "\"elbow\""},
-    {"elbow limited", [](Knobs& k) { k.elbow_limit = 0.6; }, {"joint_limit_where_none"}, "\"elbow\" is stopped at 0.6"},
+    {"elbow elsewhere", [](PendulumFaults& k) { k.length = 1.05; }, {"joint_anchor_off"}, "\"elbow\""},
+    {"elbow limited",
+     [](PendulumFaults& k) { k.elbow_limit = 0.6; },
+     {"joint_limit_where_none"},
+     "\"elbow\" is stopped at 0.6"},
 };
 
 class SystemFault : public ::testing::TestWithParam<std::size_t> {};
@@ -192,7 +201,7 @@ TEST_P(SystemFault, IsNamedAtEveryRate) {
         for (const int way : {0, 1, 2}) {
             // one way is enough where there are many rows
             if (hertz > 500 && way != static_cast<int>(GetParam() % 3)) continue;
-            Knobs knobs;
+            PendulumFaults knobs;
             one.broken(knobs);
             knobs.runge_kutta = way == 1, knobs.substeps = way == 2 ? 4 : 1;
             // within a row of 1/60 s a limit looks like a swing that turns
@@ -214,7 +223,7 @@ TEST(SystemSearch, ASoundEngineIsToldNothing) {
     const Scene scene = double_pendulum();
     for (const double hertz : {30.0, 60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {
-            Knobs knobs;
+            PendulumFaults knobs;
             knobs.runge_kutta = way == 1, knobs.substeps = way == 2 ? 4 : 1;
             const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, hertz)).faults;
             EXPECT_TRUE(found.empty()) << hertz << " Hz, way " << way << "\n" << told(found);
@@ -223,7 +232,7 @@ TEST(SystemSearch, ASoundEngineIsToldNothing) {
 
 TEST(SystemSearch, FollowsFromAttitudesAloneWhereJointsTieAllBodies) {
     const Scene scene = double_pendulum();
-    Knobs knobs;
+    PendulumFaults knobs;
     knobs.runge_kutta = true, knobs.stiffness = 0;
     TrajectoryFile file = recorded(knobs, 240);
     for (TrajectoryRow& row : file.rows) row.position_W = row.velocity_W = row.angular_velocity_W = {};
@@ -235,7 +244,7 @@ TEST(SystemSearch, FollowsFromAttitudesAloneWhereJointsTieAllBodies) {
 
 TEST(SystemSearch, TwoFaultsAreBothNamed) {
     const Scene scene = double_pendulum();
-    Knobs knobs;
+    PendulumFaults knobs;
     knobs.motor = 0, knobs.gravity_on_upper = knobs.gravity_on_lower = 0.8;
     const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, 240)).faults;
     ASSERT_EQ(found.size(), 2u) << told(found);

@@ -47,7 +47,8 @@ std::span<const UpdateRule> update_rules() { return rules; }
 EngineModel::EngineModel(const Cause& cause)
     : fault_(cause.engine),
       problem_(pose(cause.scene, Formulation::full)),
-      inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse} {
+      inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse},
+      center_(cause.scene.body.center_of_mass) {
     for (const Load& load : cause.scene.loads) {
         if (const auto* torque = std::get_if<Torque>(&load)) pushes_.push_back(torque->window);
         if (const auto* force = std::get_if<Force>(&load)) pushes_.push_back(force->window);
@@ -92,17 +93,21 @@ Vector EngineModel::damped(const Vector& w, double t, double h) const {
 
 ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
-    ModelState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W};
+    ModelState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W, {}};
     strike(s, problem_.segments.front());
     place_at_pivot(s);
     return s;
 }
 
-bool EngineModel::takes(const UpdateRule& rule) const {
+bool EngineModel::takes(const UpdateRule& rule, int steps) const {
+    if (uses_row_rate() && (steps < 2 || rule.rate == RateUpdate::accurate || !rule.by_new_rate)) return false;
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
     // L by a tensor that is fixed in the world is w: an engine without a gyroscopic term
     if (fault_.tensor == WorldTensor::fixed && rule.rate == RateUpdate::momentum) return false;
-    return rule.rate != RateUpdate::momentum || (fault_.gyroscopic == 1 && fault_.turned_by == TurnedBy::own_rate);
+    // a rate that follows from L is not integrated in axes of its own
+    return rule.rate != RateUpdate::momentum ||
+           (fault_.gyroscopic == 1 &&
+            (fault_.turned_by == TurnedBy::own_rate || fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world));
 }
 
 bool EngineModel::has_event(double t, double dt) const {
@@ -202,7 +207,47 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
+        case TurnedBy::first_rate_of_row_w_in_world: {
+            const Vector w_W = rotate(s.q, s.angular_velocity_B);
+            s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
+            s.angular_velocity_B = rotate_back(s.q, w_W);
+            break;
+        }
+        case TurnedBy::first_rate_of_row_w_in_body:
+            s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
+            break;
     }
+}
+
+// The error of the centre of mass's acceleration (world axes) of an engine that integrates the motion of the origin:
+// a term that a_origin = a_center - dw/dt x r - w x (w x r) lacks is added to a_center.
+Vector EngineModel::origin_error(const ModelState& s, const Vector& w_B, const Vector& dw_B) const {
+    Vector error_B;
+    if (!fault_.origin.has_centripetal) error_B = error_B + cross(w_B, cross(w_B, center_));
+    if (!fault_.origin.has_euler) error_B = error_B + cross(dw_B, center_);
+    return rotate(s.q, error_B);
+}
+
+// The translation in a semi-implicit step, after w and the attitude have been updated. Returns how much further the
+// position is by the new velocity than by the old one.
+Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector& acceleration_W, double h) const {
+    const double kept = std::max(0.0, 1 - fault_.linear_damping * h);
+    if (!fault_.origin.is_integrated) {
+        s.velocity_W = kept * (old.velocity_W + h * acceleration_W);
+        if (fault_.no_translation) return {};
+        s.position_W = old.position_W + h * s.velocity_W;
+        return h * (s.velocity_W - old.velocity_W);
+    }
+    const Vector w = rotate(old.q, old.angular_velocity_B), r = rotate(old.q, center_),
+                 new_w = rotate(s.q, s.angular_velocity_B), new_r = rotate(s.q, center_);
+    Vector a = acceleration_W;
+    if (fault_.origin.has_centripetal) a = a - cross(w, cross(w, r));
+    if (fault_.origin.has_euler) a = a - cross((1 / h) * (new_w - w), r);
+    const Vector v = old.velocity_W - cross(w, r), new_v = kept * (v + h * a);
+    s.velocity_W = new_v + cross(new_w, new_r);
+    if (fault_.no_translation) return {};
+    s.position_W = old.position_W - r + h * new_v + new_r;
+    return h * (new_v - v);
 }
 
 // half a step with the rates of its begin, then all of it with those of the middle
@@ -218,12 +263,13 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
         turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
              false);
         // an engine with its tensor in world axes keeps the rate there, too
-        if (fault_.tensor == WorldTensor::turned)
+        if (fault_.tensor == WorldTensor::turned && fault_.turned_by != TurnedBy::first_rate_of_row_w_in_world)
             next.angular_velocity_B = next.angular_velocity_B + dt * dw;
         else
             next.angular_velocity_B =
                 rotate_back(next.q, rotate(old.q, old.angular_velocity_B) + dt * rotate(from.q, dw));
-        next.velocity_W = old.velocity_W + dt * a.acceleration_W;
+        const Vector error = fault_.origin.is_integrated ? origin_error(from, w, dw) : Vector();
+        next.velocity_W = old.velocity_W + dt * (a.acceleration_W + error);
         if (!fault_.no_translation) next.position_W = old.position_W + dt * v;
         place_at_pivot(next);
         return next;
@@ -240,8 +286,8 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
                          const UpdateRule& rule) const {
     if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
     const Action a = action(loads, t, s);
-    const Vector old_w = s.angular_velocity_B, old_v = s.velocity_W;
-    const Quaternion<double> old_q = s.q;
+    const ModelState old = s;
+    const Vector& old_w = old.angular_velocity_B;
     const BodyInertia<double> I = inertia(s.q);
     const Vector by_loads = h * (I.inverse * a.torque_B);
     Vector w = old_w, momentum_W;
@@ -261,18 +307,15 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
     }
     s.angular_velocity_B = damped(w, t, h);
     limit(s, t);
-    s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * (old_v + h * a.acceleration_W);
     turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
         s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
         limit(s, t);
     } else if (fault_.tensor != WorldTensor::turned && !rule.by_new_rate) {
         // the rate is kept in world axes
-        s.angular_velocity_B = rotate_back(s.q, rotate(old_q, s.angular_velocity_B));
+        s.angular_velocity_B = rotate_back(s.q, rotate(old.q, s.angular_velocity_B));
     }
-    if (fault_.no_translation) return {};
-    s.position_W = s.position_W + h * s.velocity_W;
-    const Vector further = h * (s.velocity_W - old_v);
+    const Vector further = translate(s, old, a.acceleration_W, h);
     place_at_pivot(s);
     return further;
 }
@@ -294,6 +337,7 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         r.w = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
         if (!fault_.only_coasting || is_coasting(t))
             for (int i = 0; i < 3; ++i) r.w[i] -= (fault_.angular_damping + fault_.axis_damping_B[i]) * w[i];
+        const Vector error = fault_.origin.is_integrated ? origin_error(unit, w, r.w) : Vector();
         Vector turning = fault_.turn * w;
         if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
         if (fault_.turned_by == TurnedBy::world_rate_in_body) {
@@ -304,7 +348,7 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         if (fault_.no_rotation) turning = {};
         r.q = attitude_rate(0.5, y.q, turning);
         r.p = fault_.no_translation ? Vector() : y.velocity_W;
-        r.v = a.acceleration_W - fault_.linear_damping * y.velocity_W;
+        r.v = a.acceleration_W + error - fault_.linear_damping * y.velocity_W;
         return r;
     };
     const auto moved = [&](const Rate& r, double by) {
@@ -348,6 +392,7 @@ void EngineModel::go_on(ModelState& s, const WorldLoads<double>& loads, double t
 
 Vector EngineModel::advance(ModelState& s, double t, double dt, const UpdateRule& rule, int steps) const {
     WorldLoads<double> loads(problem_);
+    if (uses_row_rate()) s.row_rate_W = rotate(s.q, s.angular_velocity_B);
     const std::size_t first = segment_at(problem_, t);
     loads.enter(problem_.segments[first]);
     Vector further;

@@ -40,6 +40,7 @@ struct ModelState {
     Vector3<double> angular_velocity_B;  ///< rad/s
     Vector3<double> position_W;          ///< of the centre of mass, m
     Vector3<double> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<double> row_rate_W;          ///< angular velocity at the start of the row, rad/s; set by advance()
 };
 
 /// An engine that was given a cause's scene and has its faults.
@@ -58,8 +59,14 @@ class EngineModel {
     /// w at time t brought to the engine's limit.
     void limit(ModelState& s, double t) const;
 
-    /// Whether a rule makes sense for it: the momentum's has no gyroscopic term that could be missing.
-    bool takes(const UpdateRule& rule) const;
+    /// Whether a rule makes sense for it by this number of steps per row: the momentum's has no gyroscopic term that
+    /// could be missing, and with one step per row the first rate of a row is the rate of the step.
+    bool takes(const UpdateRule& rule, int steps) const;
+    /// Whether the attitude is rotated by the rate at the start of the row.
+    bool uses_row_rate() const {
+        return fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world ||
+               fault_.turned_by == TurnedBy::first_rate_of_row_w_in_body;
+    }
     /// Whether an event of the scene falls in t < event <= t + dt.
     bool has_event(double t, double dt) const;
     const Problem& problem() const { return problem_; }
@@ -69,6 +76,7 @@ class EngineModel {
     EngineFault fault_;
     Problem problem_;
     BodyInertia<double> inertia_;
+    Vector3<double> center_;      // of mass, from the body's origin, body axes, m
     std::vector<Window> pushes_;  // when torques and forces act
 
     // what acts on a state: torque in body axes, acceleration of the centre of mass in world axes
@@ -89,6 +97,9 @@ class EngineModel {
     Vector3<double> turned(const BodyInertia<double>& inertia, const Vector3<double>& w, double h,
                            const UpdateRule& rule) const;
     void turn(ModelState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
+    Vector3<double> origin_error(const ModelState& s, const Vector3<double>& w_B, const Vector3<double>& dw_B) const;
+    Vector3<double> translate(ModelState& s, const ModelState& old, const Vector3<double>& acceleration_W,
+                              double h) const;
     void strike(ModelState& s, const Segment& segment) const;
     void place_at_pivot(ModelState& s) const;
 };

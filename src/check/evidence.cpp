@@ -221,7 +221,15 @@ ModelState FileEvidence::state(const Cause& cause, std::size_t k) const {
     s.position_W = (read.length_unit * read.position_unit) * vector_from(read.axes, row.position_W);
     s.velocity_W = (read.length_unit * read.velocity_unit) * vector_from(read.axes, row.velocity_W);
     if (read.origin) s.position_W = s.position_W + rotate(s.q, sound_.scene.body.center_of_mass);
+    if (file_->has_angular_velocity) use_center(cause, s.angular_velocity_B, s);
     return s;
+}
+
+// Converts the velocity of the body's origin to that of its centre of mass, where the cause says that the file has the
+// former.
+void FileEvidence::use_center(const Cause& cause, const Vector& w_B, ModelState& s) const {
+    if (cause.reading.velocity_of_origin && file_->has_velocity)
+        s.velocity_W = s.velocity_W + rotate(s.q, cross(w_B, sound_.scene.body.center_of_mass));
 }
 
 void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
@@ -236,7 +244,8 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
         const int count = std::max(1, static_cast<int>(std::lround(std::min((until - t) / facts_.row, 1e4))));
         model.advance(start, t, until - t, rule, count * steps);
     }
-    const ModelState f = state(cause, row);
+    ModelState f = state(cause, row);
+    if (!file_->has_angular_velocity) use_center(cause, start.angular_velocity_B, f);
     const auto tell = [&](Question question, double error) {
         Mean one;
         one.add(answer(error, noise_));
@@ -341,7 +350,8 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
         const ModelState before = s;
         if (next > t) further = further + model.advance(s, t, next - t, rule, steps);
         t = std::max(t, next);
-        const ModelState f = state(cause, k);
+        ModelState f = state(cause, k);
+        use_center(cause, s.angular_velocity_B, f);
         turned += chord(before.q, s.q), went += length(s.position_W - before.position_W);
         change = std::max({change, length(s.velocity_W), length(f.velocity_W)});
         if (k == late) continue;

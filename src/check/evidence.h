@@ -56,6 +56,7 @@ class FileEvidence {
     /// A sound cause: this file as it is named, this scene, no fault.
     const Cause& sound() const { return sound_; }
     const FileFacts& facts() const { return facts_; }
+    bool has_angular_velocity() const { return file_->has_angular_velocity; }
     /// From which row on nothing moves any more, where the scene's body does: its time (s).
     std::optional<double> still_from() const { return still_from_; }
     /// The relative rounding of the file's numbers.
@@ -86,6 +87,7 @@ class FileEvidence {
     void choose_windows();
     void compare_plainly();
     ModelState state(const Cause& cause, std::size_t row) const;
+    void use_center(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
     bool same(std::size_t a, std::size_t b) const;
     void ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
     void ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r,

@@ -147,6 +147,17 @@ inline bool add_parallel_axis(Cause& c, double times) {
     return true;
 }
 
+// The scene has a free body whose origin moves on another path than the centre of mass.
+inline bool origin_differs(const Scene& scene) { return !scene.pivot && length(scene.body.center_of_mass) > 0; }
+inline bool origin_without_centripetal_term(Cause& c, double) {
+    c.engine.origin.is_integrated = true, c.engine.origin.has_centripetal = false;
+    return origin_differs(c.scene);
+}
+inline bool origin_without_euler_term(Cause& c, double) {
+    c.engine.origin.is_integrated = true, c.engine.origin.has_euler = false;
+    return origin_differs(c.scene);
+}
+
 inline bool scale_start_rate(Cause& c, double factor) {
     if (!(length(c.scene.initial.angular_velocity) > 0)) return false;
     c.scene.initial.angular_velocity = factor * c.scene.initial.angular_velocity;

@@ -14,16 +14,17 @@ namespace polhode {
 
 /// How a file's columns have to be read in place of what they are named.
 struct Reading {
-    Axes axes = Axes::z_up_right;  ///< that all vectors and the quaternion are written in
-    bool scalar_last = false;      ///< the columns of the quaternion hold x, y, z, w
-    bool inverted = false;         ///< the quaternion maps world to body
-    double rate_unit = 1;          ///< rad/s in the unit of the angular velocity; negative where its sign is turned
-    bool rate_in_body = false;     ///< the angular velocity is in body axes
-    double length_unit = 1;        ///< m in the unit of positions and velocities
-    double position_unit = 1;      ///< the same of positions alone
-    double velocity_unit = 1;      ///< the same of velocities alone
-    bool origin = false;           ///< the position is the origin's, not the centre of mass's
-    int rows_late = 0;             ///< how many rows later than its time each state stands
+    Axes axes = Axes::z_up_right;     ///< that all vectors and the quaternion are written in
+    bool scalar_last = false;         ///< the columns of the quaternion hold x, y, z, w
+    bool inverted = false;            ///< the quaternion maps world to body
+    double rate_unit = 1;             ///< rad/s in the unit of the angular velocity; negative where its sign is turned
+    bool rate_in_body = false;        ///< the angular velocity is in body axes
+    double length_unit = 1;           ///< m in the unit of positions and velocities
+    double position_unit = 1;         ///< the same of positions alone
+    double velocity_unit = 1;         ///< the same of velocities alone
+    bool origin = false;              ///< the position is the origin's, not the centre of mass's
+    bool velocity_of_origin = false;  ///< the velocity is the origin's, not the centre of mass's
+    int rows_late = 0;                ///< how many rows later than its time each state stands
 };
 
 /// Which rate turns the attitude.
@@ -31,6 +32,18 @@ enum class TurnedBy {
     own_rate,            ///< dq/dt = 1/2 q w_B, as it should be
     body_rate_in_world,  ///< dq/dt = 1/2 w_B q: the rate in body axes, multiplied on the world's side
     world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the body's side
+    /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in world axes.
+    first_rate_of_row_w_in_world,
+    /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in body axes.
+    first_rate_of_row_w_in_body,
+};
+
+/// Which terms of the acceleration of the body's origin an engine computes when it integrates the motion of the origin
+/// in place of that of the centre of mass. With r from the origin to the centre of mass,
+/// a_origin = a_center - dw/dt x r - w x (w x r).
+struct OriginTerms {
+    bool is_integrated = false;  ///< false: the engine integrates the motion of the centre of mass
+    bool has_centripetal = true, has_euler = true;
 };
 
 /// What an engine takes for the inertia tensor in world axes, R I R^T as it should be.
@@ -72,6 +85,7 @@ struct EngineFault {
     TurnedBy turned_by = TurnedBy::own_rate;                       ///< which rate that is
     double time = 1;                                               ///< so much time passes in a second of its clock
     InPlace in_place = InPlace::none;                              ///< how the quaternion is overwritten
+    OriginTerms origin;                                            ///< how the origin's acceleration is computed
     bool no_rotation = false;                                      ///< the attitude stays as it is
     bool no_translation = false;                                   ///< the position stays as it is
 };
@@ -104,6 +118,8 @@ enum class Subject {
     inertia,
     mass,
     center_of_mass,
+    origin_centripetal,
+    origin_euler,
     start_rate,
     start_attitude,
     start_position,

@@ -4,14 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "body/orientation.h"
+#include "check/engine_model.h"
 #include "motion/contact.h"
 #include "motion/exact_body.h"
 
 namespace polhode {
 namespace {
+
+// Impacts are measured where the normal speed is this many times what it may change by in free flight within a row.
+constexpr double least_changes = 4;
+constexpr std::size_t most_impacts = 200;
 
 // What one plane sees of the body in a row.
 struct Approach {
@@ -58,7 +64,7 @@ struct Bounce {
     double before = 0, after = 0;  // speed towards the plane, speed away from it, m/s
     double distance = 0;           // of the first row, m
     double h = 0;                  // s
-    bool gone_on = false;          // the row before had left no room for the step: the bounce could have been there
+    bool is_late = false;          // the first row is the first inside the plane, by the way of a step at most
 };
 
 // The bounces of a body that does not turn: then all of its points have one velocity.
@@ -69,8 +75,10 @@ std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::siz
         if (length(rows[k].angular_velocity_W) > 0 || length(rows[k + 1].angular_velocity_W) > 0) return {};
         const Approach now = approach(geometry, plane, rows[k]), next = approach(geometry, plane, rows[k + 1]);
         const double h = file.rows[k + 1].t - file.rows[k].t;
-        if (now.rate < 0 && next.rate >= 0 && now.distance < -2 * now.rate * h + 1e-9)
-            all.push_back({-now.rate, next.rate, now.distance, h, now.distance < 0});
+        if (!(now.rate < 0 && next.rate >= 0 && now.distance < -2 * now.rate * h + 1e-9)) continue;
+        const bool is_late = now.distance < 0 && approach(geometry, plane, rows[k - 1]).distance >= 0 &&
+                             -now.distance < -1.1 * now.rate * h;
+        all.push_back({-now.rate, next.rate, now.distance, h, is_late});
     }
     return all;
 }
@@ -80,9 +88,15 @@ double share(const std::vector<Bounce>& bounces, auto&& is) {
     return static_cast<double>(std::ranges::count_if(bounces, is)) / static_cast<double>(bounces.size());
 }
 
-// What an engine does to bounces of a body that falls on a plane and does not turn.
-std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, double gravity, double restitution,
-                                      std::size_t plane) {
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+// What an engine does to bounces of a body that falls on a plane and does not turn. `returned`: the measured
+// restitutions of impacts.
+std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const std::vector<double>& returned,
+                                      double gravity, double restitution, std::size_t plane) {
     constexpr double most = 0.7;
     if (bounces.size() < 2) return {};
     const auto comes_back_with = [](const Bounce& b, double speed) {
@@ -107,36 +121,157 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, double
                             bounces.size(), plane, gravity * bounces.front().h),
                 "", gravity * bounces.front().h / bounces.front().before, 0};
     }
-    std::vector<double> back;
-    for (const Bounce& b : bounces)
-        if (b.after > 1e-9 * b.before) back.push_back(b.after / b.before);
-    std::ranges::sort(back);
-    const double usual = back.empty() ? 0 : back[back.size() / 2];
-    if (restitution > 0.05 && restitution < 0.95 && !back.empty() &&
+    const double usual = returned.empty() ? 0 : median(returned);
+    if (restitution > 0.05 && restitution < 0.95 && !returned.empty() &&
         std::abs(usual - restitution * restitution) < 0.05 * restitution && std::abs(usual - restitution) > 0.05)
         return Diagnosis{"restitution_applied_twice",
                          fmt::format("bounces on plane {} give back {:.3g} of the speed, the square of the restitution "
                                      "{:.3g}; apply it once, or give one of the two bodies a restitution of 1",
                                      plane, usual, restitution),
                          "", std::abs(usual - restitution), 0};
-    // rests that a speed far above a step's gravity ends in
+    // rests in place of a rebound that is fast against a step's gravity
     for (const Bounce& b : bounces)
-        if (restitution > 0.05 && b.after <= 1e-9 * b.before && b.before > 4 * gravity * b.h && b.before < slowest_back)
+        if (restitution > 0.05 && b.after <= 1e-9 * b.before && b.before > 4 * gravity * b.h &&
+            restitution * b.before > 2 * gravity * b.h && b.before < slowest_back)
             return Diagnosis{
                 "bounce_dies_below_threshold",
                 fmt::format("a bounce on plane {} at {:.3g} m/s gives back nothing, where faster ones do: a "
                             "threshold of speed; lower the engine's threshold for restitution",
                             plane, b.before),
                 "", 1, 0};
-    if (share(bounces, [](const Bounce& b) { return b.gone_on && -b.distance > 0.02 * b.before * b.h; }) >= 0.9)
+    std::vector<Bounce> fast;
+    std::ranges::copy_if(bounces, std::back_inserter(fast),
+                         [&](const Bounce& b) { return b.before > 4 * gravity * b.h; });
+    if (fast.size() >= 2 && share(fast, [](const Bounce& b) { return b.is_late; }) >= 0.9)
         return Diagnosis{
             "bounce_late",
             fmt::format("all {} bounces on plane {} come a step late: the body is behind the plane before, "
                         "by up to the way of a step; find the time of contact within the step",
-                        bounces.size(), plane),
+                        fast.size(), plane),
             "", 1, 0};
     return {};
 }
+
+// Measures the restitution of an impact between two rows: the body flies from the first row to the contact, and back in
+// time from the second row to the contact. Both ends must give one placement of the body, and the changes of both
+// momenta one impulse at the contact: then there is a single impact. Reversed in time, a motion by constant fields is a
+// motion by the same fields.
+class Impacts {
+  public:
+    explicit Impacts(const Scene& scene) : model_(without_planes(scene)) {}
+
+    std::optional<double> restitution(const ContactGeometry<double>& geometry, std::size_t plane,
+                                      const TrajectoryFile& file, const std::vector<Placement<double>>& rows,
+                                      std::size_t k) const {
+        const double t = file.rows[k].t, h = file.rows[k + 1].t - t;
+        const ModelState from = state_of(rows[k]);
+        double open = 0, closed = h;
+        if (geometry.distance(plane, placed(flown(from, t, h))) > 0) return {};
+        if (geometry.distance(plane, rows[k]) > 0)
+            for (int i = 0; i < 40; ++i) {
+                const double middle = (open + closed) / 2;
+                (geometry.distance(plane, placed(flown(from, t, middle))) > 0 ? open : closed) = middle;
+            }
+        const Placement<double> before = placed(flown(from, t, open));
+        ModelState later = reversed(state_of(rows[k + 1]));
+        const Placement<double> after = placed(reversed(flown(later, t, h - open)));
+        const Approach contact = approach(geometry, plane, before);
+        const std::size_t pair = plane * geometry.pieces.size() + contact.piece;
+        const double way = std::abs(contact.rate) * h;
+        if (length(before.position_W - after.position_W) > most_apart * way + geometry.reach * 1e-3 ||
+            rotation_angle_between(before.q, after.q) * geometry.reach > most_apart * way + geometry.reach * 1e-3)
+            return {};
+        if (!(contact.rate < 0)) return {};
+        // a single impulse J acts at the contact: I dw = r x J, with J = m dv
+        const Matrix3<double> A = rotation_matrix(before.q);
+        const Vector3<double> normal_B = rotate_back(before.q, geometry.planes[plane].normal_W),
+                              arm = rotate(before.q, geometry.pieces[contact.piece].lowest_point(normal_B)),
+                              impulse = model_.body().mass * (after.velocity_W - before.velocity_W),
+                              spin = A * (model_.body().inertia_B *
+                                          (transposed(A) * (after.angular_velocity_W - before.angular_velocity_W)));
+        if (length(spin - cross(arm, impulse)) > most_apart * geometry.reach * length(impulse)) return {};
+        Placement<double> same = after;
+        same.q = before.q, same.position_W = before.position_W;
+        return -geometry.gap(pair, same).rate / contact.rate;
+    }
+
+  private:
+    static constexpr double most_apart = 0.1;  // of the way of a row, and of the largest angular impulse
+
+    EngineModel model_;
+
+    static Cause without_planes(const Scene& scene) {
+        Cause cause;
+        cause.scene = scene;
+        cause.scene.planes.clear();
+        return cause;
+    }
+    static ModelState state_of(const Placement<double>& at) {
+        return {at.q, rotate_back(at.q, at.angular_velocity_W), at.position_W, at.velocity_W, {}};
+    }
+    static Placement<double> placed(const ModelState& s) {
+        return {s.q, s.position_W, s.velocity_W, rotate(s.q, s.angular_velocity_B)};
+    }
+    static ModelState reversed(ModelState s) {
+        s.velocity_W = -s.velocity_W, s.angular_velocity_B = -s.angular_velocity_B;
+        return s;
+    }
+    ModelState flown(ModelState s, double t, double time) const {
+        model_.advance(s, t, time, update_rules().front(), 1);
+        return s;
+    }
+};
+
+// Whether only gravity acts, and all the time.
+bool is_in_constant_field(const Scene& scene) {
+    return !scene.pivot && std::ranges::all_of(scene.loads, [](const Load& load) {
+        const auto* g = std::get_if<Gravity>(&load);
+        return g && g->window.from <= 0 && !std::isfinite(g->window.until);
+    });
+}
+
+// The rows in which a body stays inside a plane although it no longer moves into it.
+class Penetration {
+  public:
+    // `change`: how much the normal speed may change within a row (m/s); `reach`: of the body (m)
+    void add(double t, double dt, const Approach& now, double change, double reach) {
+        const double way = (std::abs(now.rate) + change) * dt;
+        const bool stays = now.distance < 0 && -now.distance > way + slop * reach && now.rate >= -change;
+        if (!stays) {
+            rows_ = 0;
+            return;
+        }
+        if (rows_++ == 0) from_ = t, depth_ = 0;
+        depth_ = std::max(depth_, -now.distance);
+        if (rows_ >= least_rows && t - from_ >= least_time && rows_ > kept_.rows) kept_ = {rows_, from_, t, depth_};
+    }
+    std::optional<Diagnosis> diagnosis(std::size_t plane, double end, double reach) const {
+        if (kept_.rows == 0) return {};
+        const bool to_end = kept_.until >= end;
+        return Diagnosis{
+            "penetration_kept",
+            fmt::format("the body stays up to {:.3g} m inside plane {} from t = {:.6g} s {}; push it out, "
+                        "or correct the depth",
+                        kept_.depth, plane, kept_.from, to_end ? "on" : fmt::format("to {:.6g} s", kept_.until)),
+            "", kept_.depth / reach, 0};
+    }
+
+  private:
+    // Engines leave a resting body inside by a slop, to keep its contacts. A penetration below this part of the body's
+    // reach is accepted, and so is one that a single row's motion explains.
+    static constexpr double slop = 0.02;
+    // a soft contact or a slow bounce is inside for a shorter time (s)
+    static constexpr double least_time = 0.1;
+    static constexpr int least_rows = 6;
+
+    struct Kept {
+        int rows = 0;
+        double from = 0, until = 0, depth = 0;
+    };
+    int rows_ = 0;
+    double from_ = 0, depth_ = 0;
+    Kept kept_;  // the longest
+};
 
 }  // namespace
 
@@ -153,11 +288,14 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         const Vector3<double> origin = file.has_origin ? rotate(q, body.center) : Vector3<double>();
         rows.push_back({q, row.position_W + origin, row.velocity_W, row.angular_velocity_W});
     }
+    std::optional<Impacts> impacts;
+    if (is_in_constant_field(scene)) impacts.emplace(scene);
     std::vector<Diagnosis> told;
     for (std::size_t plane = 0; plane < geometry.planes.size(); ++plane) {
         std::vector<double> returned;
         double deepest = 0, deepest_at = 0, entered_at = 0;
         int inside = 0, longest_inside = 0;
+        Penetration penetration;
         for (std::size_t k = 0; k < rows.size(); ++k) {
             const Approach now = approach(geometry, plane, rows[k]);
             // deeper than a step's way: no contact was seen
@@ -169,14 +307,21 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
                 if (-now.distance > deepest) deepest = -now.distance, deepest_at = file.rows[k].t;
             } else
                 inside = 0;
+            const double spin = dot(rows[k].angular_velocity_W, rows[k].angular_velocity_W) * geometry.reach;
+            if (k > 0) penetration.add(file.rows[k].t, dt, now, (gravity + spin) * dt, geometry.reach);
             if (k + 1 == rows.size()) continue;
             const double ahead = file.rows[k + 1].t - file.rows[k].t;
             const double after = geometry.gap(plane * geometry.pieces.size() + now.piece, rows[k + 1]).rate;
-            const double spin = dot(rows[k].angular_velocity_W, rows[k].angular_velocity_W) * geometry.reach;
             const double change = (gravity + spin) * ahead;  // of the rate, within a row
-            if (now.rate < -40 * change && std::abs(now.distance) < -2 * now.rate * ahead &&
-                now.second - now.distance > -4 * now.rate * ahead && after > -change)
-                returned.push_back(-after / now.rate);
+            const bool near = now.distance < -2 * now.rate * ahead && after > -change && returned.size() < most_impacts;
+            std::optional<double> e;
+            if (impacts && near && now.rate < -least_changes * change)
+                e = impacts->restitution(geometry, plane, file, rows, k);
+            // by the speeds of the rows themselves: an engine may move the body in its own way in the step of an impact
+            if (!e && near && now.rate < -40 * change && now.distance > 2 * now.rate * ahead &&
+                now.second - now.distance > -4 * now.rate * ahead)
+                e = -after / now.rate;
+            if (e) returned.push_back(*e);
         }
         // a body that rests may sink a little; one that went through is gone
         if (longest_inside >= 3 && deepest > geometry.reach) {
@@ -188,15 +333,16 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
                             "", 1, 0});
             continue;
         }
+        if (std::optional<Diagnosis> kept = penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
+            told.push_back(*std::move(kept));
         if (const std::optional<double> fall = fall_towards(scene, scene.planes[plane].normal_W))
-            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows), *fall,
+            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows), returned, *fall,
                                                               scene.planes[plane].restitution, plane)) {
                 told.push_back(*std::move(fault));
                 continue;
             }
         if (returned.empty()) continue;
-        std::ranges::sort(returned);
-        const double found = returned[returned.size() / 2], wanted = geometry.planes[plane].restitution;
+        const double found = median(returned), wanted = geometry.planes[plane].restitution;
         if (std::abs(found - wanted) > 0.08)
             told.push_back({"restitution_wrong",
                             fmt::format("impacts on plane {} give back {:.3g} of the normal speed (the median of {}) "

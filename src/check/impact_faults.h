@@ -9,10 +9,13 @@
 
 namespace polhode {
 
-/// Impacts that are missed, the body passing through a plane ("impact_missed"), and impacts whose normal speed comes
-/// back in another measure than the plane's restitution says ("restitution_wrong"): told where a single point touches,
-/// fast enough that neither gravity nor the turning matters within a row. Nothing where the scene has no planes, or the
-/// file no w, p or v.
+/// Impacts that are missed, the body passing through a plane ("impact_missed"). Bodies that stay inside a plane without
+/// moving into it for at least six rows and 0.1 s, by more than 2 % of their reach and the way of a row
+/// ("penetration_kept"). Faults of the bounces of a body that does not rotate ("bounce_gains_energy",
+/// "restitution_applied_twice", "bounce_dies_below_threshold", "bounce_late"). Impacts whose normal speed comes back in
+/// another measure than the plane's restitution says ("restitution_wrong"): reported where a single point touches, fast
+/// enough that neither gravity nor the rotation matters within a row. Empty where the scene has no planes, or the file
+/// no w, p or v.
 std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& file);
 
 }  // namespace polhode

@@ -99,6 +99,10 @@ bool read_other_point(Cause& c, bool origin) {
     c.reading.origin = !origin;
     return true;
 }
+bool read_velocity_of_origin(Cause& c) {
+    c.reading.velocity_of_origin = true;
+    return length(c.scene.body.center_of_mass) > 0;
+}
 
 std::vector<Hypothesis> readings() {
     using S = Subject;
@@ -181,6 +185,17 @@ std::vector<Hypothesis> readings() {
                    .what = "ox,oy,oz are the centre of mass, not the body's origin",
                    .remedy = "name the columns px,py,pz",
                    .apply = [](Cause& c, double) { return read_other_point(c, true); }});
+    all.push_back({.fault = "velocity_of_origin",
+                   .subject = S::point,
+                   .what = "vx,vy,vz are the velocity of the body's origin, not of its centre of mass",
+                   .remedy = "write v + w x r, with r from the origin to the centre of mass",
+                   .apply = [](Cause& c, double) { return read_velocity_of_origin(c); }});
+    all.push_back({.fault = "position_and_velocity_of_origin",
+                   .subject = S::point,
+                   .what = "position and velocity are those of the body's origin, not of its centre of mass",
+                   .remedy = "name the position columns ox,oy,oz, and write v + w x r, with r from the origin to the "
+                             "centre of mass",
+                   .apply = [](Cause& c, double) { return read_other_point(c, false) && read_velocity_of_origin(c); }});
     return all;
 }
 
@@ -213,6 +228,16 @@ std::vector<Hypothesis> engine_faults() {
                "the quaternion is updated in place: the new qw is used for qx, both for qy, and so on (world rate)",
                "keep the old components until all four are computed",
                [](EngineFault& e, double) { e.in_place = InPlace::world_rate; }),
+        engine("attitude_turned_by_first_rate", S::turn,
+               "all substeps of a row rotate the attitude by the angular velocity at the start of the row (w is "
+               "integrated in world axes)",
+               "rotate the attitude in each substep by the angular velocity of that substep",
+               [](EngineFault& e, double) { e.turned_by = TurnedBy::first_rate_of_row_w_in_world; }),
+        engine("attitude_turned_by_first_rate", S::turn,
+               "all substeps of a row rotate the attitude by the angular velocity at the start of the row (w is "
+               "integrated in body axes)",
+               "rotate the attitude in each substep by the angular velocity of that substep",
+               [](EngineFault& e, double) { e.turned_by = TurnedBy::first_rate_of_row_w_in_body; }),
         engine("rotation_frozen", S::rest, "the attitude never changes", "integrate the attitude, or wake the body up",
                [](EngineFault& e, double) { e.no_rotation = true; }),
         {.fault = "position_frozen",
@@ -344,6 +369,16 @@ std::vector<Hypothesis> body_faults() {
               "add the parallel-axis term", add_parallel_axis, -1),
         fixed("inertia_shifted_twice", S::inertia, "the tensor is shifted to the pivot twice",
               "add the parallel-axis term once", add_parallel_axis, 1),
+        fixed("origin_without_centripetal_term", S::origin_centripetal,
+              "the engine integrates the motion of the body's origin, and its acceleration lacks w x (w x r), with r "
+              "from the origin to the centre of mass",
+              "let a_origin = F/m - dw/dt x r - w x (w x r), or integrate the motion of the centre of mass",
+              origin_without_centripetal_term),
+        fixed("origin_without_euler_term", S::origin_euler,
+              "the engine integrates the motion of the body's origin, and its acceleration lacks dw/dt x r, with r "
+              "from the origin to the centre of mass",
+              "let a_origin = F/m - dw/dt x r - w x (w x r), or integrate the motion of the centre of mass",
+              origin_without_euler_term),
         scaled("inertia_scaled", S::mass, "the moments of inertia are {} times what they should be",
                "check the unit of length and the density that the tensor is made with", scale_inertia),
         scaled("mass_scaled", S::mass, "the mass is {} times what it should be", "check the mass, or the density",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "body/mass_properties.h"
 #include "body/orientation.h"
@@ -82,31 +83,84 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
     return {};
 }
 
+namespace {
+
+// The growth of log |q| from row k - 1 to row k, and that of one first-order update by the same rotation: q + (h/2) w q
+// is longer than q by sqrt(1 + |w h/2|^2). In m updates per row log |q| grows by an m-th of it.
+struct Growth {
+    double found = 0, expected = 0;
+};
+Growth growth(const std::vector<TrajectoryRow>& rows, std::size_t k) {
+    const double tangent = std::tan(rotation_angle_between(rows[k - 1].q, rows[k].q) / 2);
+    return {std::log(norm(rows[k].q) / norm(rows[k - 1].q)), 0.5 * std::log1p(tangent * tangent)};
+}
+
+// Whether this share of the expected growth is that of a whole number of updates per row.
+bool is_of_whole_steps(double share, double most) {
+    const double steps = std::round(1 / share);
+    return steps >= 1 && steps <= most && std::abs(share * steps - 1) < 0.05;
+}
+
+// Quaternions whose length grows by first-order updates and returns to 1 in every n-th row. The rule is strict, hence
+// it needs no large deviation: every other row grows by its share, and n is the same throughout.
+std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& rows) {
+    constexpr double tolerance = 0.2;  // of a row's growth: binary32 leaves this much of slow rotations
+    constexpr std::size_t least_periods = 3;
+    const std::size_t count = std::min(rows.size(), most_rows_compared);
+    std::vector<double> shares;
+    std::size_t last = 0, period = 0, periods = 0;
+    double largest = 0;
+    for (std::size_t k = 1; k < count; ++k) {
+        const Growth g = growth(rows, k);
+        if (!(g.expected > 1e-14) || !std::isfinite(g.expected)) return {};
+        largest = std::max(largest, std::abs(norm(rows[k].q) - 1));
+        if (g.found > 0) {
+            shares.push_back(g.found / g.expected);
+            continue;
+        }
+        // normalised before this row's update or after it
+        const double left = std::log(norm(rows[k].q)) / g.expected;
+        if (!(left > -tolerance && left < 1 + tolerance)) return {};
+        if (last > 0) {
+            if (period > 0 && k - last != period) return {};
+            period = k - last, ++periods;
+        }
+        last = k;
+    }
+    if (period < 2 || periods < least_periods || count - last > period + 1) return {};
+    std::vector<double> sorted = shares;
+    std::ranges::sort(sorted);
+    const double usual = sorted[sorted.size() / 2];
+    if (!is_of_whole_steps(usual, 100) || sorted.front() < (1 - tolerance) * usual ||
+        sorted.back() > (1 + tolerance) * usual)
+        return {};
+    return Diagnosis{"quaternion_seldom_normalised",
+                     fmt::format("the quaternion is normalised only every {} rows: in between its length grows as by "
+                                 "first-order updates, up to 1 + {:.2g}; normalise it after each step",
+                                 period, largest),
+                     "", largest, 0};
+}
+
+}  // namespace
+
 std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file) {
     const std::vector<TrajectoryRow>& rows = file.rows;
     if (rows.size() < 12) return {};
+    if (std::optional<Diagnosis> seldom = seldom_normalised(rows)) return {*std::move(seldom)};
     double worst = 0, at = 0;
     for (const TrajectoryRow& row : rows)
         if (const double off = std::abs(norm(row.q) - 1); off > worst) worst = off, at = row.t;
     if (!(worst > 1e-3)) return {};
-    // q + (h/2) w q is longer than q by sqrt(1 + |w h/2|^2): log |q| grows by w^2 dt^2 / 8 m in m steps a row, at every
-    // row. A method of higher order that drifts does so by no such law
+    // log |q| grows at every row. A method of higher order that drifts does so by no such law
     std::vector<double> shares;
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-        const double tangent = std::tan(rotation_angle_between(rows[k - 1].q, rows[k].q) / 2);
-        const double grown = std::log(norm(rows[k].q) / norm(rows[k - 1].q)),
-                     expected = 0.5 * std::log1p(tangent * tangent);
-        if (expected > 1e-12) shares.push_back(grown / expected);
-    }
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        if (const Growth g = growth(rows, k); g.expected > 1e-12) shares.push_back(g.found / g.expected);
     if (shares.size() < rows.size() / 2) return {};
     std::ranges::sort(shares);
     const auto part = [&](double p) {
         return shares[static_cast<std::size_t>(p * static_cast<double>(shares.size() - 1))];
     };
-    const double steps = std::round(1 / part(0.5));
-    if (!(steps >= 1 && steps <= 16 && std::abs(part(0.5) * steps - 1) < 0.05 &&
-          part(0.9) - part(0.1) < 0.1 * part(0.5)))
-        return {};
+    if (!is_of_whole_steps(part(0.5), 16) || !(part(0.9) - part(0.1) < 0.1 * part(0.5))) return {};
     return {
         {"quaternion_not_normalised",
          fmt::format("the quaternion's length leaves 1 by {:.2g} at t = {:.6g} s, as by first-order updates that are "

@@ -33,6 +33,7 @@ class Searcher {
     const FileEvidence& evidence_;
     bool all_;
     std::vector<int> steps_{1};
+    double one_step_rate_ = 0;  // how far w is from what the best update predicts in one step per row, in decades
 
     // rule and number of steps
     struct Update {
@@ -78,9 +79,12 @@ Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<
     best.faults = std::move(faults);
     const EngineModel model(cause);
     for (const Update& update : updates) {
-        if (!model.takes(*update.rule)) continue;
+        if (!model.takes(*update.rule, update.steps)) continue;
         const Residual r = evidence_.residual(cause, model, *update.rule, update.steps);
         if (!(r.total < best.residual.total)) continue;
+        // without substeps the first rate of a row is that of the step: explicit Euler, of the attitude or of all
+        const std::optional<double>& rate = r[Question::rate];
+        if (model.uses_row_rate() && rate && *rate > one_step_rate_ - 0.5) continue;
         best.rule = update.rule, best.steps = update.steps, best.residual = r;
     }
     return best;
@@ -154,22 +158,46 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
 // How many steps a row an engine could take: what its attitude makes of its own rate shows it whatever else is wrong.
 void Searcher::find_steps() {
     constexpr int candidates[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20};
-    std::vector<std::pair<double, int>> scores;
-    for (const int steps : candidates) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const double gyroscopic : {1.0, 0.0}) {
-            Cause cause = evidence_.sound();
-            cause.engine.gyroscopic = gyroscopic;
-            const EngineModel model(cause);
-            for (const UpdateRule& rule : update_rules())
-                if (rule.rate != RateUpdate::accurate && model.takes(rule))
-                    least = std::min(least, evidence_.residual(cause, model, rule, steps).total);
+    using Change = void (*)(EngineFault&);
+    // one step per row, and the best of the other counts if it is better than the least score so far
+    constexpr double none = std::numeric_limits<double>::infinity();
+    double least_of_all = none, possible = none;
+    // how far the attitude is from what one step per row by its first rate predicts, and by a rate updated before
+    double by_first_rate = none, by_new_rate = none;
+    const auto scan = [&](std::initializer_list<Change> changes, bool first_order) {
+        std::vector<std::pair<double, int>> scores;
+        for (const int steps : candidates) {
+            double least = none;
+            for (const Change change : changes) {
+                Cause cause = evidence_.sound();
+                change(cause.engine);
+                const EngineModel model(cause);
+                for (const UpdateRule& rule : update_rules())
+                    if (rule.rate != RateUpdate::accurate && model.takes(rule, steps) &&
+                        (first_order || !rule.first_order)) {
+                        const Residual r = evidence_.residual(cause, model, rule, steps);
+                        least = std::min(least, r.total), possible = std::min(possible, r.least);
+                        if (steps == 1) one_step_rate_ = std::min(one_step_rate_, r[Question::rate].value_or(0));
+                        if (steps > 1 || rule.rate == RateUpdate::momentum || cause.engine.gyroscopic != 1) continue;
+                        double& attitude = rule.by_new_rate ? by_new_rate : by_first_rate;
+                        attitude = std::min(attitude, r[Question::attitude].value_or(0));
+                    }
+            }
+            scores.emplace_back(least, steps);
         }
-        scores.emplace_back(least, steps);
-    }
-    // one step a row, and the best of the other counts where it is plainly better
-    const auto [score, steps] = *std::min_element(scores.begin() + 1, scores.end());
-    if (score < scores.front().first - 0.3) steps_.push_back(steps);
+        least_of_all = std::min(least_of_all, scores.front().first);
+        const auto [score, steps] = *std::min_element(scores.begin() + 1, scores.end());
+        if (score < least_of_all - 0.3) steps_ = {1, steps};
+        least_of_all = std::min(least_of_all, score);
+    };
+    scan({[](EngineFault&) {}, [](EngineFault& e) { e.gyroscopic = 0; }}, true);
+    // An attitude that substeps rotate by the row's first rate is that of one explicit step per row: w alone shows the
+    // substeps.
+    const bool shows_rate = evidence_.has_angular_velocity();
+    if ((shows_rate && by_first_rate > by_new_rate - 0.3) || least_of_all - possible < gain_of_fixed) return;
+    scan({[](EngineFault& e) { e.turned_by = TurnedBy::first_rate_of_row_w_in_world; },
+          [](EngineFault& e) { e.turned_by = TurnedBy::first_rate_of_row_w_in_body; }},
+         false);
 }
 
 // Those that stand for all: of engines in use, and what fits best with one fault.

@@ -1,5 +1,5 @@
-// A battery for `check`: three small engines, written apart from the catalogue's, each broken in some fifty ways, on a
-// dozen scenes.
+// A battery for `check`: three small engines, written apart from the catalogue's and from what `check` predicts with,
+// each with the faults of faults(), on the scenes of scenes(). Faults of impacts are in check/plane_battery.h.
 #pragma once
 
 #include <array>
@@ -29,10 +29,14 @@ struct Knobs {
     /// What stands for R I R^T in world axes.
     enum class Tensor { right, not_turned, turned_back, diagonal, inverse_diagonal } tensor = Tensor::right;
     enum class Clamp { length, body, world } clamp = Clamp::length;
-    bool coasting_only = false;   ///< damping and limit, while no torque or force acts
-    bool in_place = false;        ///< the quaternion's components are overwritten one after the other
-    bool drag_each_step = false;  ///< its torque and force are not multiplied by the step
-    bool drag_on_rate = false;    ///< the scene's drag is taken for a rate of w
+    bool coasting_only = false;      ///< damping and limit, while no torque or force acts
+    bool in_place = false;           ///< the quaternion's components are overwritten one after the other
+    bool drag_each_step = false;     ///< its torque and force are not multiplied by the step
+    bool drag_on_rate = false;       ///< the scene's drag is taken for a rate of w
+    bool first_rate = false;         ///< every substep rotates the attitude by the rate at the start of the row
+    int normalised_every = 1;        ///< rows from one normalisation of the stored quaternion to the next
+    bool integrates_origin = false;  ///< the motion of the body's origin, in place of that of the centre of mass
+    bool has_centripetal = true, has_euler = true;  ///< terms of the origin's acceleration
 };
 
 enum class EngineKind {
@@ -64,6 +68,7 @@ class Engine {
     void step(double t, double h) {
         if (t + 0.5 * h > k_.asleep_after || k_.frozen) return;
         const Real dt = static_cast<Real>(h * k_.clock);
+        if (k_.integrates_origin) x_ = x_ - rotated(q_, center_), v_ = v_ - arm_velocity();
         const V w0 = w_, v0 = v_;
         const Q q0 = q_;
         take_tensor(q0);
@@ -71,26 +76,29 @@ class Engine {
         per_step_ = k_.drag_each_step ? 1 / dt : Real(1);
         if (kind_ == EngineKind::midpoint) {
             const V x0 = x_;
-            const V dw = rate(t, dt / 2), dv = acceleration(t);
+            const V dw = rate(t, dt / 2), dv = point_acceleration(t);
             const Q turn0 = quarter(turning(q0, w0), dt / 2);
             w_ = w0 + (dt / 2) * dw, v_ = v0 + (dt / 2) * dv, x_ = x0 + (dt / 2) * v0;
-            q_ = unit(side(q0, turn0));
-            const V dw2 = rate(t + 0.5 * h, dt / 2), dv2 = acceleration(t + 0.5 * h), middle = turning(q_, w_);
+            q_ = k_.first_rate ? next_attitude(q0, w0, dt / 2) : unit(side(q0, turn0));
+            const V dw2 = rate(t + 0.5 * h, dt / 2), dv2 = point_acceleration(t + 0.5 * h), middle = turning(q_, w_);
             const V v_middle = v_;
             w_ = w0 + dt * dw2, v_ = v0 + dt * dv2, x_ = x0 + dt * v_middle;
-            q_ = unit(side(q0, quarter(middle, dt)));
+            q_ = next_attitude(q0, middle, dt);
         } else if (kind_ == EngineKind::world_rate) {
             const V tau = torque(t);
             V w = w0 + dt * (inverse_I_ * tau);
             w = w - (dt * Real(k_.gyroscopic)) * (inverse_I_ * cross(w, I_ * w));
+            const V dv = point_acceleration(t);
             w_ = w;
             lose(dt);
-            v_ = v0 + dt * acceleration(t);
+            v_ = v0 + dt * dv;
             lose_speed(dt);
-            q_ = unit(side(q0, quarter(turning(q0, w_), dt)));
+            q_ = next_attitude(q0, turning(q0, w_), dt);
+            // the rate is integrated in world axes
+            if (k_.first_rate) w_ = rotated_back(q_, rotated(q0, w_));
             x_ = x_ + dt * v_;
         } else {
-            const V tau = torque(t);
+            const V tau = torque(t), dv = point_acceleration(t);
             // L is what is kept: it is found again from w by the tensor whose inverse gave w
             const V L = rotated(q0, (k_.tensor == Knobs::Tensor::right ? I_ : inverse(inverse_I_)) * w0) +
                         dt * rotated(q0, tau);
@@ -98,22 +106,31 @@ class Engine {
             w_ = w;
             lose(dt);
             const Real kept = length_of(w) > 0 ? length_of(w_) / length_of(w) : Real(1);
-            v_ = v0 + dt * acceleration(t);
+            v_ = v0 + dt * dv;
             lose_speed(dt);
-            q_ = unit(side(q0, quarter(turning(q0, w_), dt)));
+            q_ = next_attitude(q0, turning(q0, w_), dt);
             take_tensor(q_);
             if (k_.gyroscopic == 1 && !k_.wrong_side) w_ = kept * (inverse_I_ * rotated_back(q_, L));
             x_ = x_ + dt * v_;
         }
         if (kind_ == EngineKind::midpoint) lose(dt), lose_speed(dt);
         if (k_.stuck) q_ = q0;
+        if (k_.integrates_origin) x_ = x_ + rotated(q_, center_), v_ = v_ + arm_velocity();
         kick(t, t + h);
         place();
     }
 
+    /// Must be called before the first step of each row.
+    void start_row() { first_rate_W_ = rotated(q_, w_); }
+    /// Must be called after the last step of each row.
+    void end_row() {
+        if (++rows_ % k_.normalised_every == 0) stored_length_ = 1;
+    }
+
     TrajectoryRow row(double t) const {
         TrajectoryRow r;
-        r.t = t, r.q = cast<double>(q_), r.angular_velocity_W = cast<double>(rotated(q_, w_));
+        const Q stored = {stored_length_ * q_.w, stored_length_ * q_.x, stored_length_ * q_.y, stored_length_ * q_.z};
+        r.t = t, r.q = cast<double>(stored), r.angular_velocity_W = cast<double>(rotated(q_, w_));
         r.position_W = cast<double>(x_), r.velocity_W = cast<double>(v_);
         return r;
     }
@@ -127,6 +144,9 @@ class Engine {
     Matrix3<Real> I_, inverse_I_, own_I_, own_inverse_;
     bool coasting_ = false;
     Real per_step_ = 1;
+    V first_rate_W_;
+    int rows_ = 0;
+    Real stored_length_ = 1;  // of the quaternion that is written; q_ itself is of unit length
     V arm_, center_, origin_;
     Q q_;
     V w_, x_, v_;
@@ -147,6 +167,22 @@ class Engine {
         return {std::cos(angle), s * half[0], s * half[1], s * half[2]};
     }
     V turning(const Q&, const V& w) const { return w; }
+    Q next_attitude(const Q& q, const V& w, Real dt) {
+        if (k_.first_rate) return unit(quarter(first_rate_W_, dt) * q);
+        const Q turn = quarter(w, dt);
+        if (k_.normalised_every > 1) stored_length_ *= std::sqrt(squared_norm(turn));
+        return unit(side(q, turn));
+    }
+    // of the centre of mass against the origin, in world axes
+    V arm_velocity() const { return rotated(q_, cross(w_, center_)); }
+    // of the point whose motion is integrated
+    V point_acceleration(double t) const {
+        V a = acceleration(t);
+        if (!k_.integrates_origin) return a;
+        if (k_.has_euler) a = a - rotated(q_, cross(rate(t, 0), center_));
+        if (k_.has_centripetal) a = a - rotated(q_, cross(w_, cross(w_, center_)));
+        return a;
+    }
     Q side(const Q& q, const Q& turn) const {
         if (!k_.in_place) return k_.wrong_side ? turn * q : q * turn;
         Q r = q;
@@ -246,7 +282,8 @@ class Engine {
             if (const auto* g = std::get_if<Gravity>(&load); g && on(g->window, t))
                 sum = sum + Real(k_.gravity) * cast<Real>(g->acceleration_W);
             if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t))
-                sum = sum - (per_step_ * Real(d->translational) / mass_) * v_;
+                sum = sum - (per_step_ * Real(d->translational) / mass_) *
+                                (k_.integrates_origin ? V(v_ + arm_velocity()) : v_);
             if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) sum = sum + (1 / mass_) * force_W(*f);
         }
         return sum;
@@ -274,6 +311,8 @@ inline bool has(EngineKind kind, const Knobs& knobs) {
     if ((knobs.tensor != Knobs::Tensor::right || knobs.in_place) && kind == EngineKind::midpoint) return false;
     // L by a tensor that is not turned is w: a gyroscopic term that is missing
     if (knobs.tensor == Knobs::Tensor::not_turned && kind == EngineKind::momentum) return false;
+    // L is constant in free flight: substeps by the row's first rate are one explicit step
+    if (knobs.first_rate && kind == EngineKind::momentum) return false;
     return kind != EngineKind::momentum || (knobs.gyroscopic >= 0 && !knobs.wrong_side);
 }
 
@@ -285,7 +324,9 @@ TrajectoryFile run(const Scene& scene, const Knobs& knobs, EngineKind kind, doub
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
     file.rows.push_back(engine.row(0));
     for (int k = 1; k <= rows; ++k) {
+        engine.start_row();
         for (int i = 0; i < every; ++i) engine.step(((k - 1) * every + i) * h, h);
+        engine.end_row();
         file.rows.push_back(engine.row(k * every * h));
     }
     return file;
@@ -299,6 +340,7 @@ struct Fault {
     std::function<bool(Scene&, Knobs&)> engine = [](Scene&, Knobs&) { return true; };
     std::function<bool(const Scene&, TrajectoryFile&)> file = [](const Scene&, TrajectoryFile&) { return true; };
     bool needs_rates = false;  ///< means nothing in a file without w
+    int substeps = 1;          ///< steps per row
 };
 
 template <class T>
@@ -587,6 +629,32 @@ inline std::vector<Fault> faults() {
         return pushed(s) && spins(s) && s.name == "driven in world axes";
     });
 
+    for (const int substeps : {3, 8}) {
+        engine("attitude by the row's first rate, " + std::to_string(substeps) + " substeps",
+               {"attitude_turned_by_first_rate"}, [=](Scene& s, Knobs& k) {
+                   k.first_rate = true;
+                   return spins(s) && asymmetric(s);
+               });
+        all.back().substeps = substeps;
+    }
+    for (const int rows : {2, 10})
+        engine("q normalised every " + std::to_string(rows) + " rows", {"quaternion_seldom_normalised"},
+               [=](Scene& s, Knobs& k) {
+                   k.first_order = true, k.normalised_every = rows;
+                   return spins(s);
+               });
+    const auto off_center = [](const Scene& s) {
+        return !s.pivot && dot(s.body.center_of_mass, s.body.center_of_mass) > 0 && turns(s);
+    };
+    engine("origin without w x (w x r)", {"origin_without_centripetal_term"}, [=](Scene& s, Knobs& k) {
+        k.integrates_origin = true, k.has_centripetal = false;
+        return off_center(s);
+    });
+    engine("origin without dw/dt x r", {"origin_without_euler_term"}, [=](Scene& s, Knobs& k) {
+        k.integrates_origin = true, k.has_euler = false;
+        return off_center(s);
+    });
+
     const double degrees = 180 / std::numbers::pi;
     const auto rates = [&](std::string name, std::vector<std::string> words, double factor) {
         file(
@@ -641,6 +709,39 @@ inline std::vector<Fault> faults() {
         each_row(f, [&](TrajectoryRow& r) { r.position_W = r.position_W - rotate(r.q, c); });
         return dot(c, c) > 0 && turns(s);
     });
+    const auto velocity_of_origin = [](TrajectoryRow& r, const V3& c) {
+        r.velocity_W = r.velocity_W - cross(r.angular_velocity_W, rotate(r.q, c));
+    };
+    file("velocity of the origin", {"velocity_of_origin"}, [=](const Scene& s, TrajectoryFile& f) {
+        each_row(f, [&](TrajectoryRow& r) { velocity_of_origin(r, s.body.center_of_mass); });
+        return off_center(s);
+    });
+    file("position and velocity of the origin", {"position_and_velocity_of_origin"},
+         [=](const Scene& s, TrajectoryFile& f) {
+             const V3 c = s.body.center_of_mass;
+             each_row(f, [&](TrajectoryRow& r) {
+                 velocity_of_origin(r, c);
+                 r.position_W = r.position_W - rotate(r.q, c);
+             });
+             return off_center(s);
+         });
+    // the mean rate over the row that ends here; the first row has that of the second
+    const auto differenced = [](TrajectoryFile& f, bool in_body) {
+        std::vector<V3> means(f.rows.size());
+        for (std::size_t k = 1; k < f.rows.size(); ++k) {
+            const Quaternion<double> turn =
+                in_body ? conjugate(f.rows[k - 1].q) * f.rows[k].q : f.rows[k].q * conjugate(f.rows[k - 1].q);
+            const V3 axis(turn.x, turn.y, turn.z);
+            const double sine = std::sqrt(dot(axis, axis)), angle = 2 * std::atan2(sine, std::abs(turn.w));
+            means[k] = (sine > 0 ? std::copysign(angle / sine, turn.w) / (f.rows[k].t - f.rows[k - 1].t) : 0.0) * axis;
+        }
+        means[0] = means[1];
+        for (std::size_t k = 0; k < f.rows.size(); ++k) f.rows[k].angular_velocity_W = means[k];
+        return true;
+    };
+    file(
+        "w differenced in body axes", {"angular_velocity_in_body_axes"},
+        [=](const Scene& s, TrajectoryFile& f) { return differenced(f, true) && turns(s) && asymmetric(s); }, true);
     file("one row late", {"one_row_late"}, [](const Scene& s, TrajectoryFile& f) {
         for (std::size_t k = f.rows.size(); k-- > 1;) {
             const double t = f.rows[k].t;
@@ -659,7 +760,45 @@ inline std::vector<Fault> faults() {
     return all;
 }
 
-/// A dozen scenes, each of two seconds.
+/// Sound engines, by the words of none: what must not be accused.
+inline std::vector<Fault> sound_engines() {
+    std::vector<Fault> all;
+    const auto add = [&](std::string name, int substeps, std::function<bool(Scene&, Knobs&)> f) {
+        all.push_back({std::move(name), {}, std::move(f), {}, false, substeps});
+        all.back().file = [](const Scene&, TrajectoryFile&) { return true; };
+    };
+    add("sound", 1, [](Scene&, Knobs&) { return true; });
+    add("sound, 4 steps per row", 4, [](Scene&, Knobs&) { return true; });
+    add("sound, integrates the origin", 1, [](Scene& s, Knobs& k) {
+        k.integrates_origin = true;
+        return !s.pivot && dot(s.body.center_of_mass, s.body.center_of_mass) > 0;
+    });
+    return all;
+}
+
+/// Names of faults that one engine and its file have at once.
+inline std::vector<std::array<std::string, 2>> pairs_of_faults() {
+    return {
+        {"gyroscopic term missing", "damping left on"},
+        {"gyroscopic term missing", "half rate"},
+        {"gyroscopic term missing", "speed clamped"},
+        {"gyroscopic term missing", "one row late"},
+        {"gyroscopic term reversed", "impulse missing"},
+        {"gravity twice", "w in degrees"},
+        {"gravity missing", "linear damping"},
+        {"gravity reversed", "origin for centre of mass"},
+        {"start negated", "torque missing"},
+        {"start's w in world axes", "gyroscopic term missing"},
+        {"start in degrees", "force missing"},
+        {"moments x, y exchanged", "w in body axes"},
+        {"torque in other axes", "q scalar last"},
+        {"damping left on", "q conjugated"},
+        {"drag missing", "w negated"},
+        {"spring missing", "written y-up"},
+    };
+}
+
+/// Thirteen scenes, each of two seconds.
 inline std::vector<Scene> scenes() {
     std::vector<Scene> all;
     const auto scene = [&](std::string name) -> Scene& {
@@ -720,6 +859,12 @@ inline std::vector<Scene> scenes() {
         Scene& s = scene("struck");
         s.loads.push_back(Impulse{{1.5, -1, 2}, Frame::world, {0.3, 0.2, -0.1}, Frame::body, 0.75});
         s.initial.velocity_W = {1, 2, 0.5};
+    }
+    {
+        Scene& s = scene("off centre");
+        s.body.center_of_mass = {-0.15, 0.1, 0.2};
+        s.loads.push_back(Force{{2, 1.5, -1}, Frame::body, {0.3, 0.2, -0.1}, Frame::body, {}});
+        s.initial.velocity_W = {-1, 0.5, 1.5};
     }
     return all;
 }

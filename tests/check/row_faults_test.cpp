@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "body/orientation.h"
 #include "check/battery.h"
@@ -70,6 +71,36 @@ TEST(RowFaults, LengthsOfQuaternions) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].fault, "quaternion_not_normalised");
     EXPECT_NEAR(found[0].error, norm(file.rows.back().q) - 1, 1e-15);
+}
+
+// A normalisation in every n-th row is a strict pattern, however small the deviation is.
+TEST(RowFaults, QuaternionsThatAreSeldomNormalised) {
+    for (const Scene& scene : battery::scenes())
+        for (const double hertz : {60.0, 1000.0})
+            for (const int every : {2, 3, 10, 30})
+                for (const int substeps : {1, 4}) {
+                    battery::Knobs knobs;
+                    knobs.first_order = true, knobs.normalised_every = every;
+                    const auto kind = battery::EngineKind::world_rate;
+                    const auto file = battery::run<double>(scene, knobs, kind, 1 / hertz / substeps, substeps, 120);
+                    const std::vector<Diagnosis> found = lengths_of_quaternions(file);
+                    ASSERT_EQ(found.size(), 1u) << scene.name << hertz << " " << every;
+                    EXPECT_EQ(found[0].fault, "quaternion_seldom_normalised");
+                    const std::string rows = "only every " + std::to_string(every) + " rows";
+                    EXPECT_NE(found[0].message.find(rows), std::string::npos) << found[0].message;
+                    // a length that is off in one row breaks the pattern
+                    TrajectoryFile other = file;
+                    Quaternion<double>& q = other.rows[50].q;
+                    q = {1.01 * q.w, 1.01 * q.x, 1.01 * q.y, 1.01 * q.z};
+                    EXPECT_TRUE(lengths_of_quaternions(other).empty() ||
+                                lengths_of_quaternions(other)[0].fault != "quaternion_seldom_normalised");
+                }
+    // rounding to binary32 is no pattern
+    for (const Scene& scene : battery::scenes())
+        EXPECT_TRUE(
+            lengths_of_quaternions(battery::run<float>(scene, {}, battery::EngineKind::world_rate, 1.0 / 1000, 1, 400))
+                .empty())
+            << scene.name;
 }
 
 }  // namespace

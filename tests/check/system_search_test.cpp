@@ -141,13 +141,13 @@ TrajectoryFile recorded(const PendulumFaults& knobs, double hertz) {
     return file;
 }
 
-struct Case {
+struct BrokenCase {
     const char* name;
     void (*broken)(PendulumFaults&);
     std::vector<std::string> words;  // that name it
     const char* said;                // that the message has in it
 };
-const std::vector<Case> cases{
+const std::vector<BrokenCase> cases{
     {"damping missing", [](PendulumFaults& k) { k.damping = 0; }, {"joint_damping_missing"}, "\"shoulder\""},
     {"damping tripled", [](PendulumFaults& k) { k.damping = 3; }, {"joint_damping_scaled"}, "\"shoulder\" is 3 times"},
     {"damping left on",
@@ -195,7 +195,7 @@ std::string told(const std::vector<Diagnosis>& faults) {
 }
 
 TEST_P(SystemFault, IsNamedAtEveryRate) {
-    const Case& one = cases[GetParam()];
+    const BrokenCase& one = cases[GetParam()];
     const Scene scene = double_pendulum();
     for (const double hertz : {60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {

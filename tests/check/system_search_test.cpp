@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "build_kind.h"
 #include "check/judge.h"
 #include "motion/trajectory_csv.h"
 
@@ -223,6 +224,7 @@ TEST(SystemSearch, ASoundEngineIsToldNothing) {
     const Scene scene = double_pendulum();
     for (const double hertz : {30.0, 60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {
+            if (!optimised_build && (hertz != 60 || way != 0)) continue;
             PendulumFaults knobs;
             knobs.runge_kutta = way == 1, knobs.substeps = way == 2 ? 4 : 1;
             const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, hertz)).faults;

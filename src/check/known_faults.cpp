@@ -190,7 +190,7 @@ std::vector<Hypothesis> readings() {
                    .what = "vx,vy,vz are the velocity of the body's origin, not of its centre of mass",
                    .remedy = "write v + w x r, with r from the origin to the centre of mass",
                    .apply = [](Cause& c, double) { return read_velocity_of_origin(c); }});
-    all.push_back({.fault = "position_and_velocity_of_origin",
+    all.push_back({.fault = "origin_for_center_of_mass",
                    .subject = S::point,
                    .what = "position and velocity are those of the body's origin, not of its centre of mass",
                    .remedy = "name the position columns ox,oy,oz, and write v + w x r, with r from the origin to the "

@@ -716,7 +716,7 @@ inline std::vector<Fault> faults() {
         each_row(f, [&](TrajectoryRow& r) { velocity_of_origin(r, s.body.center_of_mass); });
         return off_center(s);
     });
-    file("position and velocity of the origin", {"position_and_velocity_of_origin"},
+    file("position and velocity of the origin", {"origin_for_center_of_mass"},
          [=](const Scene& s, TrajectoryFile& f) {
              const V3 c = s.body.center_of_mass;
              each_row(f, [&](TrajectoryRow& r) {

@@ -165,7 +165,7 @@ TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
                 // columns ox,oy,oz that hold the centre of mass beside the origin's velocity are no usual fault
                 if (named_origin && !position) continue;
                 const std::vector<std::string> told = words(diagnose(scene, file).faults);
-                EXPECT_EQ(told, std::vector<std::string>{position && !named_origin ? "position_and_velocity_of_origin"
+                EXPECT_EQ(told, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
                                                                                    : "velocity_of_origin"})
                     << has_rate << named_origin << position;
             }

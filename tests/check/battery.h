@@ -716,15 +716,14 @@ inline std::vector<Fault> faults() {
         each_row(f, [&](TrajectoryRow& r) { velocity_of_origin(r, s.body.center_of_mass); });
         return off_center(s);
     });
-    file("position and velocity of the origin", {"origin_for_center_of_mass"},
-         [=](const Scene& s, TrajectoryFile& f) {
-             const V3 c = s.body.center_of_mass;
-             each_row(f, [&](TrajectoryRow& r) {
-                 velocity_of_origin(r, c);
-                 r.position_W = r.position_W - rotate(r.q, c);
-             });
-             return off_center(s);
-         });
+    file("position and velocity of the origin", {"origin_for_center_of_mass"}, [=](const Scene& s, TrajectoryFile& f) {
+        const V3 c = s.body.center_of_mass;
+        each_row(f, [&](TrajectoryRow& r) {
+            velocity_of_origin(r, c);
+            r.position_W = r.position_W - rotate(r.q, c);
+        });
+        return off_center(s);
+    });
     // the mean rate over the row that ends here; the first row has that of the second
     const auto differenced = [](TrajectoryFile& f, bool in_body) {
         std::vector<V3> means(f.rows.size());

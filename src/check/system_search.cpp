@@ -22,7 +22,7 @@ namespace {
 using Vector = Vector3<double>;
 
 // so many steps of a file are looked at
-constexpr std::size_t most_system_windows = 24, fewest_moments = 5;
+constexpr std::size_t most_system_windows = 24, fewest_windows = 6, most_bodies_of_all_windows = 8, fewest_moments = 5;
 // Columns that are read wrongly have to gain more, in decades over all questions.
 constexpr double gain_of_reading = 3;
 // a file this near to what the scene predicts has no fault that could be told
@@ -371,14 +371,18 @@ class SystemEvidence {
         std::ranges::sort(events);
         std::erase_if(events, [&](double t) { return !(t > time(first) && t < time(last)); });
         events.erase(std::unique(events.begin(), events.end()), events.end());
-        constexpr std::size_t most_spans = 8, few = 6;
+        // the search takes a time that grows with the square of how many bodies there are
+        const std::size_t bodies = std::max(scene.bodies.size(), most_bodies_of_all_windows),
+                          most = std::max(most_system_windows * most_bodies_of_all_windows / bodies, fewest_windows);
+        constexpr std::size_t most_spans = 8;
+        const std::size_t few = std::min<std::size_t>(6, most);
         if (events.size() >= most_spans) events.resize(most_spans - 1);
         events.push_back(time(last));
         std::size_t begin = first;
         for (const double until : events) {
             std::size_t end = begin;
             while (end < last && time(end) < until) ++end;
-            const std::size_t share = most_system_windows * (end - begin) / (last - first),
+            const std::size_t share = most * (end - begin) / (last - first),
                               count = std::min(std::max(share, few), end - begin);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t k = begin + std::max(i < few / 2 ? i : 0, i * (end - begin) / count);

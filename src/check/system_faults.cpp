@@ -103,7 +103,8 @@ void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size
             add_factor(
                 all, "joint_spring", Subject::spring, "the spring " + of, "give the engine the joint's stiffness",
                 [k, axis](SystemCause& c, double x) {
-                    c.scene.joints[k].stiffness[axis] *= x;
+                    // a spring that is missing still has its place among those that count turns
+                    c.scene.joints[k].stiffness[axis] *= x == 0 ? 1e-30 : x;
                     return true;
                 },
                 true);

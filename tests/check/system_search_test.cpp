@@ -201,6 +201,7 @@ TEST_P(SystemFault, IsNamedAtEveryRate) {
     for (const double hertz : {60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {
             // one way is enough where there are many rows
+            if (!optimised_build && (hertz > 60 || way != 0)) continue;
             if (hertz > 500 && way != static_cast<int>(GetParam() % 3)) continue;
             PendulumFaults knobs;
             one.broken(knobs);

@@ -30,6 +30,13 @@ inline std::string read(const fs::path& path) {
     return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
+// What a command wrote to stderr, without the notice that `check` gives where its reference takes more than 2 s.
+inline std::string without_notice(std::string err) {
+    const std::string notice = "polhode: computing the reference; it is kept, so that the next check takes less\n";
+    if (const auto place = err.find(notice); place != std::string::npos) err.erase(place, notice.size());
+    return err;
+}
+
 inline long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 class Program : public testing::Test {

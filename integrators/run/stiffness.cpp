@@ -46,7 +46,7 @@ Stiffness stiffness_at_start(const Problem& problem) {
     for (const Segment& segment : problem.segments) {
         std::vector<double> struck = y;
         system.enter(segment, struck.data());
-        jacobian(system, segment.begin, y.data(), J.data());
+        jacobian(system, segment.begin, struck.data(), J.data());
         if (!std::ranges::all_of(J, [](double entry) { return std::isfinite(entry); })) return {};
         found.decays += (segment.end - segment.begin) * decay_rate(eigenvalues(J));
     }

@@ -66,14 +66,12 @@ class TapeCompiler {
         a_.vzeroupper();
         a_.pop(x86::r13), a_.pop(x86::r12), a_.pop(x86::rbx);
         a_.ret();
-        for (quarters_ = 0; quarters_ <= layout_.lanes / 4; ++quarters_) {
-            if (!parts[quarters_].isValid()) continue;
+        for (int quarters = 0; quarters <= layout_.lanes / 4; ++quarters) {
+            if (!parts[quarters].isValid()) continue;
             a_.align(asmjit::AlignMode::kCode, 32);
-            a_.bind(parts[quarters_]);
-            const bool is_first = quarters_ == 0;
-            if (is_first) quarters_ = 1;
-            step(is_first);
-            if (is_first) quarters_ = 0;
+            a_.bind(parts[quarters]);
+            quarters_ = std::max(quarters, 1);
+            step(quarters == 0);
             a_.ret();
         }
         embed(counts, masks);
@@ -589,9 +587,9 @@ class TapeCompiler {
         // there
         for (int row = 0; row < row_count_; ++row) {
             if (program_.rows[row].is_inner()) continue;
-            const Register r = std::max(home(row_home_, row, 0), 0);
+            const Register kept = home(row_home_, row, 0), r = kept == none ? 0 : kept;
             a_.vbroadcastsd(vec(r), slot(program_.rows[row].value));
-            if (home(row_home_, row, 0) == none) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
+            if (kept == none) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
         }
     }
     void add_eight_rates() {
@@ -647,7 +645,8 @@ class TapeCompiler {
     void add_products(const TapeProgram::Sum& sum) {
         const int vectors = this->vectors();
         const int which = static_cast<int>(&sum - program_.sums.data());
-        std::array<Register, 4> p{}, u{};
+        // four lanes are the narrowest vector
+        std::array<Register, TapeLayout::most_lanes / 4> p{}, u{};
         for (int v = 0; v < vectors; ++v) {
             p[v] = temporary(), u[v] = temporary();
             const x86::Mem at = lanes_at(layout_.sums, which, v);

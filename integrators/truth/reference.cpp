@@ -138,7 +138,11 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         }
         local = digits + (local - made.agreed_digits) + 6;
     }
-    if (!fault.empty()) return none("no truth: " + fault);
+    if (!fault.empty()) {
+        Truth failed = none("no truth: " + fault);
+        failed.limit_reached = fault == truth::Allowance::fault;
+        return failed;
+    }
     return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }
@@ -157,9 +161,8 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     const truth::KeptConstants constants;
     Truth made = compute(scene, times, digits);
     made.seconds = seconds();
-    // of the other thread's time, its fault tells
-    made.limit_reached = !made.reference.available &&
-                         (truth::Allowance::is_spent() || made.reference.message.ends_with(truth::Allowance::fault));
+    // the other thread's time may be spent where this one's is not
+    made.limit_reached = !made.reference.available && (truth::Allowance::is_spent() || made.limit_reached);
     if (made.limit_reached)
         made.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
     else

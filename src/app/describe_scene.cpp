@@ -151,8 +151,11 @@ void invariants(Report& report, const Problem& problem) {
         std::string value =
             vector ? text(Vector3<double>(one.value[0], one.value[1], one.value[2])) : number(one.value[0]);
         report.line(one.name, value + "; " + one.formula);
-        if (one.name.ends_with("along u")) report.line("", "u = " + text(one.direction) + ", world axes");
-        if (one.name.starts_with("spin")) report.line("", "e = " + text(one.direction) + ", axes of the system posed");
+        if (one.kind == ConservedKind::angular_momentum_component ||
+            one.kind == ConservedKind::linear_momentum_component)
+            report.line("", "u = " + text(one.direction) + ", world axes");
+        if (one.kind == ConservedKind::spin)
+            report.line("", "e = " + text(one.direction) + ", axes of the system posed");
     }
 }
 

@@ -51,7 +51,7 @@ std::vector<Entry> scenes() { return texts(builtin_scenes()); }
 std::vector<Entry> experiments() { return texts(builtin_experiments()); }
 
 std::vector<Entry> methods_with_auto() {
-    std::vector<Entry> entries{{"auto", "The most accurate of these for the scene"}};
+    std::vector<Entry> entries{{"auto", "One of these, chosen for the scene: describe says which and why"}};
     for (const Method* method : methods())
         entries.push_back({std::string(method->name), first_sentence(method->documentation)});
     return entries;

@@ -11,6 +11,8 @@
 
 #include "app/commands.h"
 #include "app/ensemble_parts.h"
+#include "app/submit_scripts.h"
+#include "experiment/run/formats.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -18,7 +20,7 @@ namespace {
 
 struct MergeOptions {
     std::vector<std::string> directories;
-    std::string output;
+    std::string output, formats = "csv," + Formats().text();
     int jobs = 0;
     bool quiet = false;
 };
@@ -50,9 +52,11 @@ int merge_command(const MergeOptions& options) {
         throw UsageError(fmt::format("--output {} is no directory", one_line(options.output, 200)));
     RunOptions run;
     run.directory = options.output, run.quiet = options.quiet;
+    run.formats = as_usage([&] { return parse_formats(options.formats); }, "--formats: ");
     run.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     std::string command_line = "polhode merge";
-    for (const std::string& directory : options.directories) command_line += " " + directory;
+    for (const std::string& directory : options.directories) command_line += " " + shell_word(directory);
+    command_line += " --output " + shell_word(options.output);
     const Merged merged = merge_results(options.directories, run, command_line);
     for (const std::string& remark : merged.remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
     if (!options.quiet)
@@ -87,6 +91,8 @@ void add_merge(CLI::App& program, int& exit_code) {
                      "Where to: one of them, or a new folder; of an ensemble a file or the folder of one")
         ->required();
     command->add_option("--jobs", options->jobs, "Threads (default: all cores)");
+    command->add_option("--formats", options->formats, "Formats of tables and pictures; CSV is always written")
+        ->capture_default_str();
     command->add_flag("--quiet", options->quiet, "No summary");
     command->callback([options, &exit_code] { exit_code = merge_command(*options); });
 }

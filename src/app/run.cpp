@@ -9,9 +9,11 @@
 #include <thread>
 
 #include "app/commands.h"
+#include "app/submit_scripts.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/plan/pattern.h"
 #include "experiment/run/costs.h"
+#include "experiment/run/formats.h"
 #include "experiment/run/run_experiment.h"
 #include "table/table.h"
 #include "text/json_document.h"
@@ -22,7 +24,7 @@ namespace {
 
 struct RunCommandOptions {
     std::vector<std::string> experiments;
-    std::string filter, output, shard = "1/1", plan, measured;
+    std::string filter, output, shard = "1/1", plan, measured, formats = "csv," + Formats().text();
     int jobs = 0;
     bool quick = false, dry_run = false, quiet = false;
 };
@@ -68,6 +70,7 @@ RunOptions checked(const RunCommandOptions& options) {
                               !std::filesystem::is_directory(run.directory, none))
         throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
     run.quick = options.quick, run.quiet = options.quiet;
+    run.formats = as_usage([&] { return parse_formats(options.formats); }, "--formats: ");
     if (!options.plan.empty() && options.dry_run) {
         require_output(options.plan);
     } else if (!options.plan.empty()) {
@@ -82,10 +85,11 @@ RunOptions checked(const RunCommandOptions& options) {
 
 std::string command_line(const RunCommandOptions& options) {
     std::string line = "polhode run";
-    for (const std::string& name : options.experiments) line += " " + name;
-    if (!options.filter.empty()) line += " --filter '" + options.filter + "'";
+    for (const std::string& name : options.experiments) line += " " + shell_word(name);
+    if (!options.filter.empty()) line += " --filter " + shell_word(options.filter);
     if (options.shard != "1/1") line += " --shard " + options.shard;
-    if (!options.plan.empty()) line += " --plan '" + options.plan + "'";
+    if (!options.plan.empty()) line += " --plan " + shell_word(options.plan);
+    if (options.formats != RunCommandOptions().formats) line += " --formats " + shell_word(options.formats);
     if (options.quick) line += " --quick";
     return line;
 }
@@ -170,6 +174,8 @@ void add_run(CLI::App& program, int& exit_code) {
         "shares them out by such a file, the same for all shards");
     command->add_option("--measured", options->measured,
                         "With --dry-run --plan: a folder of results whose run times are taken (default: --output)");
+    command->add_option("--formats", options->formats, "Formats of tables and pictures; CSV is always written")
+        ->capture_default_str();
     command->add_flag("--quick", options->quick, "Every third setting, short runs");
     command->add_flag("--dry-run", options->dry_run, "Only list what would run, and how long it took last time");
     command->add_flag("--quiet", options->quiet, "No progress, no summary");

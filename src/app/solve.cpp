@@ -158,7 +158,7 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--method", options->method,
-                     "A method (polhode list methods); auto: the most accurate for the scene")
+                     "A method (polhode list methods); auto: chosen for the scene, describe says which and why")
         ->capture_default_str();
     CLI::Option* step = command->add_option(
         "--step", options->step, "Step in s, rounded down so that whole steps meet every sample (default T/10^4)");

@@ -74,6 +74,7 @@ Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Ref
     result.worst_body = series.worst_body;
     const MechanismMeasure<Wide> measure(scene);
     const std::vector<std::string> joints = joint_names(scene);
+    const std::size_t gap = measure_index("joint_gap"), turn = measure_index("joint_turn");
 
     std::array<bool, most_spans> seen{};
     std::array<ErrorSpan, most_spans> spans;
@@ -92,11 +93,11 @@ Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Ref
             if (is_larger(errors[k], largest)) largest = errors[k];
         }
         summary = {errors[worst], series.t[worst], errors.back()};
+        const bool of_gap = m == gap;
+        if (!of_gap && m != turn) continue;
         const JointViolations<Wide> there = violations_at(measure, trajectory.at(worst));
-        if (measures()[m].name == "joint_gap" && there.gap_joint < joints.size())
-            result.worst_gap = joints[there.gap_joint];
-        if (measures()[m].name == "joint_turn" && there.turn_joint < joints.size())
-            result.worst_turn = joints[there.turn_joint];
+        const std::size_t joint = of_gap ? there.gap_joint : there.turn_joint;
+        if (joint < joints.size()) (of_gap ? result.worst_gap : result.worst_turn) = joints[joint];
     }
     for (std::size_t span = 0; span < most_spans; ++span)
         if (seen[span]) result.over_time.push_back(spans[span]);
@@ -110,7 +111,7 @@ Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Ref
         way = std::max(way, length(now.position_W - first.position_W));
         speed = std::max(speed, length(now.velocity_W));
     }
-    if (rate * scene.duration < 1e-15) rate = 0;  // as in error_series()
+    if (rate * scene.duration < vanishing) rate = 0;  // as in error_series()
     return result;
 }
 

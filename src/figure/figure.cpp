@@ -6,13 +6,14 @@
 namespace polhode {
 
 std::string draw(const Figure& figure, const std::string& path_without_extension,
-                 std::chrono::milliseconds time_limit) {
-    const GnuplotRun svg = gnuplot_picture(gnuplot_script(figure, "svg", ""), "svg", time_limit);
-    if (!svg.fault.empty()) return svg.fault;
-    const GnuplotRun pdf = gnuplot_picture(gnuplot_script(figure, "pdf", ""), "pdf", time_limit);
-    if (!pdf.fault.empty()) return pdf.fault;
-    write_atomically(path_without_extension + ".svg", svg.output);
-    write_atomically(path_without_extension + ".pdf", pdf.output);
+                 const std::vector<std::string>& formats, std::chrono::milliseconds time_limit) {
+    std::vector<GnuplotRun> pictures;
+    for (const std::string& format : formats) {
+        pictures.push_back(gnuplot_picture(gnuplot_script(figure, format, ""), format, time_limit));
+        if (!pictures.back().fault.empty()) return pictures.back().fault;
+    }
+    for (std::size_t i = 0; i < formats.size(); ++i)
+        write_atomically(path_without_extension + "." + formats[i], pictures[i].output);
     return "";
 }
 

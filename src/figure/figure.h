@@ -83,10 +83,11 @@ struct Figure {
 /// where there are several in a row; one legend below all panels.
 std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& path);
 
-/// Draws PATH.svg and PATH.pdf (through temporaries, renamed); the same figure gives the same bytes. Returns an empty
-/// string, or what went wrong, such as gnuplot missing or silent beyond the time limit: tables do not depend on it.
-/// Throws std::runtime_error where a file cannot be written.
+/// Draws PATH.svg and PATH.pdf, or those of them that are asked for (through temporaries, renamed); the same figure
+/// gives the same bytes. Returns an empty string, or what went wrong, such as gnuplot missing or silent beyond the time
+/// limit: tables do not depend on it. Throws std::runtime_error where a file cannot be written.
 std::string draw(const Figure& figure, const std::string& path_without_extension,
+                 const std::vector<std::string>& formats = {"svg", "pdf"},
                  std::chrono::milliseconds time_limit = std::chrono::seconds(60));
 
 }  // namespace polhode

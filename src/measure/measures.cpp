@@ -33,7 +33,7 @@ S norm_error(const ComparedSample<S>& c) {
 // What vanishes to the round-off of its parts is zero: errors are absolute then.
 template <class S>
 S or_zero(const S& value, const S& size) {
-    return value > S(1e-15) * size ? value : S(0);
+    return value > S(vanishing) * size ? value : S(0);
 }
 
 const std::vector<Measure>& table() {

@@ -30,6 +30,10 @@ struct TrueState {
     S energy = S(0);                ///< kinetic and potential, J
 };
 
+/// What is below this share of the parts that it is the sum of, or of a radian, is rounding in binary64, and counts as
+/// 0.
+inline constexpr double vanishing = 1e-15;
+
 /// A sample beside the truth at its time, with the energy and the angular momentum that follow from the sample's own
 /// numbers.
 template <class S>

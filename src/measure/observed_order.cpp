@@ -35,12 +35,15 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
     points.erase(
         std::unique(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.first == b.first; }),
         points.end());
-    const auto saturated = [&](const Point& point) { return point.second > std::log(saturation); };
-    if (std::count_if(points.begin(), points.end(), saturated) + 3 <= static_cast<long>(points.size()))
-        points.erase(std::remove_if(points.begin(), points.end(), saturated), points.end());
+    // beyond the first saturated point errors are below saturation by chance only
+    const auto saturated =
+        std::ranges::find_if(points, [&](const Point& p) { return p.second > std::log(saturation); });
+    points.erase(saturated, points.end());
     const auto converged = [&](const Point& point) { return point.second <= std::log(saturation / 10); };
     if (points.size() < 3 || std::ranges::none_of(points, converged)) return {};
 
+    // of slopes that differ by more the mean says nothing
+    constexpr double largest_spread = 0.5;
     std::optional<ObservedOrder> best, steadiest;
     double least_spread = std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0; begin + 3 <= points.size(); ++begin) {
@@ -50,7 +53,7 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
             low = std::min(low, local), high = std::max(high, local);
             const ObservedOrder window{slope(points, begin, end), static_cast<int>(end - begin),
                                        std::exp(points[begin].first), std::exp(points[end - 1].first)};
-            if (high - low < least_spread) least_spread = high - low, steadiest = window;
+            if (high - low < std::min(least_spread, largest_spread)) least_spread = high - low, steadiest = window;
             if (high - low > 0.03 * std::max(1.0, std::abs(high))) break;
             if (!best || rank(window) > rank(*best)) best = window;
         }

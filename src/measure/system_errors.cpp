@@ -83,7 +83,7 @@ ErrorSeries system_error_series(const Scene& scene, const Trajectory& trajectory
             for (const TrueState<Wide>& state : truth.states) scale[m] = std::max(scale[m], all[m].scale(state));
     }
     // bodies at rest turn by the truth's round-off at most
-    if (Wide& omega = scale["omega"]; omega * Wide(scene.duration) < Wide(1e-15)) omega = 0;
+    if (Wide& omega = scale["omega"]; omega * Wide(scene.duration) < Wide(vanishing)) omega = 0;
     const auto known = [&](const Measure& m, std::size_t k) {
         return (k < compared || (m.needs & known_truth) == 0) && (reacts || (m.needs & known_reactions) == 0) &&
                (!measure.tied() || (m.needs & known_free_system) == 0);

@@ -14,6 +14,7 @@
 #include "experiment/run/fastest.h"
 #include "figure/curve_style.h"
 #include "integrators/method.h"
+#include "measure/stability.h"
 #include "report/findings.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -330,8 +331,8 @@ class DocumentWriter {
         } catch (const std::invalid_argument&) {
             return list;
         }
-        const std::vector<std::string> outcomes{"accurate", "close",  "wrong but bounded", "damped to rest",
-                                                "diverged", "failed", "unsupported",       "no truth"};
+        std::vector<std::string> outcome_names;
+        for (const Outcome outcome : outcomes) outcome_names.emplace_back(name_of(outcome));
         for (const auto& [key, of_map] : intervals) {
             std::set<double> xs, ys;
             for (const Interval& i : of_map) xs.insert(i.x), ys.insert(i.least), ys.insert(i.largest);
@@ -339,10 +340,10 @@ class DocumentWriter {
             std::vector<int> cells(x.size() * y.size(), -1);
             for (const Interval& i : of_map) {
                 const auto column = static_cast<std::size_t>(std::ranges::lower_bound(x, i.x) - x.begin());
-                const auto word = std::ranges::find(outcomes, i.outcome);
+                const auto word = std::ranges::find(outcome_names, i.outcome);
                 for (std::size_t j = 0; j < y.size(); ++j)
-                    if (y[j] >= i.least && y[j] <= i.largest && word != outcomes.end())
-                        cells[j * x.size() + column] = static_cast<int>(word - outcomes.begin());
+                    if (y[j] >= i.least && y[j] <= i.largest && word != outcome_names.end())
+                        cells[j * x.size() + column] = static_cast<int>(word - outcome_names.begin());
             }
             const int method = folder_.methods.find(key.first);
             if (method < 0) continue;
@@ -353,7 +354,7 @@ class DocumentWriter {
                             {"x", numbers_json(x, 4)},
                             {"y", numbers_json(y, 4)},
                             {"outcome", cells},
-                            {"outcomes", outcomes}});
+                            {"outcomes", outcome_names}});
         }
         return list;
     }

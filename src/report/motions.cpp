@@ -355,7 +355,7 @@ class MotionWriter {
 
 Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
                      const std::vector<DrawnFile>& files, int jobs) {
-    // scenes that differ in duration alone are one motion, the shortest one's
+    // scenes that differ in duration alone are one motion, the longest one's
     struct Task {  // NOLINT(bugprone-exception-escape): the JSON library's destructor takes memory
         const Scene* scene = nullptr;
         std::vector<int> places;

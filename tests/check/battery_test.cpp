@@ -256,8 +256,12 @@ bool is_coarse(const Written& written) { return written.hertz <= 60 && !written.
 TEST_P(Battery, FaultsAreNamedAndSoundFilesAreNot) {
     std::string told;
     const Counts counts = counted(GetParam(), optimised_build ? 19 : 997, told);
-    // a build that is not optimised runs too few for shares
-    if (!optimised_build) return;
+    if (!optimised_build) {
+        if (const auto sound = counts.find("sound"); sound != counts.end()) {
+            EXPECT_EQ(sound->second.silent, sound->second.all()) << told;
+        }
+        GTEST_SKIP() << "too few files for shares where nothing is optimised";
+    }
     ASSERT_GT(sum_of_faults(counts).all(), 15);
     expect_goals(counts, is_coarse(GetParam()), GetParam().bare, told);
 }
@@ -270,6 +274,7 @@ TEST(BatteryOfPairs, FaultsAreNamed) {
         const Counts counts = counted_pairs(written, optimised_build ? 11 : 199, told);
         if (optimised_build) expect_goals(counts, is_coarse(written), false, told);
     }
+    if (!optimised_build) GTEST_SKIP() << "too few files for shares where nothing is optimised";
 }
 
 TEST(BatteryOfImpacts, FaultsAreNamedAndSoundBouncesAreNot) {

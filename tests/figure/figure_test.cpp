@@ -381,7 +381,8 @@ TEST_F(Draw, ReportsWhatGnuplotSays) {
 
 TEST_F(Draw, StopsAGnuplotThatHangs) {
     install_gnuplot("exec sleep 100\n");
-    EXPECT_EQ(draw(small_figure(), path("a"), std::chrono::milliseconds(200)), "gnuplot was stopped after 0.2 s");
+    EXPECT_EQ(draw(small_figure(), path("a"), {"svg", "pdf"}, std::chrono::milliseconds(200)),
+              "gnuplot was stopped after 0.2 s");
 }
 
 TEST_F(Draw, FailsWhereADirectoryIsNotThere) {

@@ -72,6 +72,20 @@ TEST(ObservedOrder, LeavesOutWhatExceedsTheSaturation) {
     EXPECT_TRUE(observed_order({0.4, 0.2, 0.1}, {0.32, 0.16, 0.08}, 1));
 }
 
+// A fast top by a first-order update: where the attitude is lost, its error is below a radian by chance.
+TEST(ObservedOrder, LeavesOutStepsLongerThanOneThatLosesTheAttitude) {
+    const std::vector<double> steps{0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125};
+    const auto fit = observed_order(steps, {0.21, 0.35, 0.2, 2.47, 0.5, 0.09}, 1);
+    EXPECT_FALSE(fit) << fit->order;
+    const auto longer =
+        observed_order({0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125}, {0.21, 2.3, 0.16, 0.08, 0.04, 0.02}, 1);
+    ASSERT_TRUE(longer);
+    EXPECT_NEAR(longer->order, 1, 1e-10);
+    EXPECT_EQ(longer->points, 4);
+    // slopes that differ by more than 0.5 show no order
+    EXPECT_FALSE(observed_order({0.4, 0.2, 0.1}, {0.02, 0.03, 0.01}));
+}
+
 TEST(ObservedOrder, NeedsThreeUsablePoints) {
     EXPECT_FALSE(observed_order({0.1, 0.05}, {1e-3, 1e-4}));
     EXPECT_FALSE(observed_order({0.1, 0.05, 0.025}, {1e-3, 0, NAN}));

@@ -14,7 +14,6 @@
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/balls/ball_decimal.h"
 #include "integrators/truth/balls/certify.h"
-#include "integrators/truth/balls/closure.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
@@ -309,10 +308,6 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
         }
     if (!scene.loops.empty()) {
         result.message = "no certified truth: motions with loops are not enclosed; leave out --certified";
-        const DecimalReference agreed = decimal_reference(scene, times, digits, seconds_limit);
-        if (agreed.available)
-            result.message += fmt::format(" (loops of the truth in {} digits are open by no more than {}, for certain)",
-                                          digits, truth::decimal_above(truth::openness_of_loops(scene, agreed)));
         return result;
     }
     if (!scene.planes.empty()) {

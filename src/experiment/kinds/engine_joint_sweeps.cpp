@@ -126,18 +126,19 @@ NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
 }
 
 Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows) {
-    Findings findings{{ropes_table(plan, rows), step_costs_table(plan, rows)}};
+    const NamedTable ropes = ropes_table(plan, rows), costs = step_costs_table(plan, rows);
+    Findings findings{{ropes, costs}};
     const std::string step = step_name(sweep_step);
     findings.page = fmt::format(
         "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
         "0.25 s "
         "at {}: the largest gap of a joint and the largest error of an attitude.\n\n{}\n",
-        step, markdown(page_of(findings.tables[0])));
+        step, markdown(page_of(ropes)));
     findings.page += fmt::format(
         "## Cost against the number of links\n\nHanging chains of hinges, 0.05 s at {}: the time of a step, and the "
         "power "
         "of the number of links with which it grows from 10 to 100.\n\n{}\n",
-        step, markdown(page_of(findings.tables[1])));
+        step, markdown(page_of(costs)));
     return findings;
 }
 

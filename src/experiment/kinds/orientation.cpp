@@ -382,7 +382,7 @@ Findings run_orientation(const Plan& plan, const RunOptions& options) {
                      vertices(options.quick),
                      inertia(std::min(plan.experiment.repeats, options.quick ? 3 : 1000))};
 
-    const Table& drift = result.tables[5].table;
+    const Table& drift = std::ranges::find(result.tables, "vertices", &NamedTable::name)->table;
     NamedFigure figure{"orientation_vertices", {"Vertices turned on from where they are", 2, {}, ""}};
     for (const char* scalar : {"binary32", "binary64"}) {
         Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};

@@ -320,6 +320,7 @@ Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool qu
                     {{"method", "map", "x", "step_least", "step_largest", "outcome", "attitude_error_least",
                       "attitude_error_largest"},
                      {}}};
+    rows.only_csv = true;
     NamedTable shares{"maps_shares", "How the runs of the maps ended", {{"method", "map", "runs"}, {}}};
     for (const Outcome outcome : shown) shares.table.columns.emplace_back(name_of(outcome));
     shares.table.columns.insert(shares.table.columns.end(), {"real_interval", "imaginary_interval"});

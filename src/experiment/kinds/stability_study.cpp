@@ -23,7 +23,6 @@ void add_whole_parts(const Plan& plan, const StabilityFindings& found, const Run
     result.tables.push_back({"linear", "Largest h |lambda| without growth: linear theory and measured",
                              measure_linear_limits(plan, found, options.jobs, options.quick)});
     Findings maps = run_step_maps(fixed, options.jobs, options.quick);
-    maps.tables.front().only_csv = true;
     append(result.tables, std::move(maps.tables));
     append(result.figures, std::move(maps.figures));
     append(result.figures, draw_stability_regions(plan.scenes));

@@ -174,18 +174,11 @@ Table counts_table(const StabilityFindings& found) {
         for (const StabilityRun& run : f.runs) {
             const Result& r = run.result;
             const auto& evaluations = r.rhs_evaluations;
-            table.rows.push_back({f.scene->label,
-                                  f.scene->family,
-                                  cell_of(f.scene->parameter),
-                                  method_name(f),
-                                  r.setting,
-                                  std::string(name_of(r.status)),
-                                  cell_of(r.steps),
-                                  cell_of(evaluations),
+            table.rows.push_back({f.scene->label, f.scene->family, cell_of(f.scene->parameter), method_name(f),
+                                  r.setting, std::string(name_of(r.status)), cell_of(r.steps), cell_of(evaluations),
                                   evaluations ? Cell(static_cast<double>(*evaluations) / f.scene->duration) : Cell(),
-                                  {},
-                                  {},
-                                  {},
+                                  cell_of(r.counts.rejected_steps), cell_of(r.counts.newton_failures),
+                                  cell_of(r.counts.order_reductions),
                                   r.errors["attitude"].max ? Cell(*r.errors["attitude"].max / r.setting) : Cell(),
                                   r.message});
         }

@@ -13,6 +13,7 @@
 
 #include "experiment/run/case.h"
 #include "experiment/run/case_store.h"
+#include "measure/statistics.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -60,13 +61,6 @@ std::optional<double> seconds_of(const std::string& text) {
     return value;
 }
 
-std::optional<double> median(std::vector<double> values) {
-    if (values.empty()) return {};
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 // What is known of how long things took, by setting and by method.
 class Measured {
   public:
@@ -78,10 +72,10 @@ class Measured {
     // and where that is from
     std::pair<double, std::string> expected(const std::vector<std::string>& named_by) const {
         if (const auto known = by_setting_.find(at_setting(named_by)); known != by_setting_.end())
-            return {*median(known->second), "as on other scenes"};
+            return {median(known->second), "as on other scenes"};
         if (const auto known = by_method_.find(named_by[2]); known != by_method_.end())
-            return {*median(known->second), "as its method at other settings"};
-        if (const auto any = median(all_)) return {*any, "as the other cases"};
+            return {median(known->second), "as its method at other settings"};
+        if (!all_.empty()) return {median(all_), "as the other cases"};
         return {assumed_seconds, "assumed"};
     }
 

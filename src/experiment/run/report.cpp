@@ -82,7 +82,7 @@ Table page_of(const NamedTable& named) {
 }
 
 std::vector<std::string> write_report(const Plan& plan, const Findings& findings, const std::string& directory,
-                                      const std::string& command_line, bool quick) {
+                                      const std::string& command_line, bool quick, const Formats& formats) {
     const std::string& experiment = plan.experiment.name;
     const std::filesystem::path folder(directory);
     std::filesystem::create_directories(folder);
@@ -104,18 +104,22 @@ std::vector<std::string> write_report(const Plan& plan, const Findings& findings
         write(name + ".csv", csv(named.table));
         if (named.only_csv) continue;
         const Table page = page_of(named);
-        write(name + ".json", json(named.table));
-        write(name + ".md", markdown(page));
-        write(name + ".tex", latex(page, named.title.empty() ? plan.experiment.about : named.title, "tab:" + name));
+        if (formats.has("json")) write(name + ".json", json(named.table));
+        if (formats.has("md")) write(name + ".md", markdown(page));
+        if (formats.has("tex"))
+            write(name + ".tex", latex(page, named.title.empty() ? plan.experiment.about : named.title, "tab:" + name));
     }
-    if (!findings.page.empty()) write(experiment + ".md", findings.page);
+    if (!findings.page.empty() && formats.has("md")) write(experiment + ".md", findings.page);
     std::vector<std::string> remarks;
+    std::vector<std::string> picture_formats;
+    for (const char* name : {"svg", "pdf"})
+        if (formats.has(name)) picture_formats.emplace_back(name);
     for (const NamedFigure& whole : findings.figures)
         for (const NamedFigure& named : split_figure({pictures.of(whole.name), whole.figure})) {
-            const std::string fault = draw(named.figure, (folder / named.name).string());
+            const std::string fault = draw(named.figure, (folder / named.name).string(), picture_formats);
             if (!fault.empty()) remarks.push_back(named.name + ": " + fault);
-            for (const char* ending : {".svg", ".pdf"})
-                if (fault.empty()) files.push_back(named.name + ending);
+            for (const std::string& ending : picture_formats)
+                if (fault.empty()) files.push_back(named.name + "." + ending);
         }
     std::map<std::string, std::string> titles;
     for (const NamedTable& named : findings.tables)

@@ -72,10 +72,11 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
 }
 
 /// The identity of what a kind makes as a whole: program, experiment, scenes.
-std::string whole_key(const Plan& plan, bool quick) {
+std::string whole_key(const Plan& plan, bool quick, const Formats& formats) {
     const Experiment& e = plan.experiment;
     std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about,
                                    e.kind->name, quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
+    if (const std::string list = formats.text(); list != Formats().text()) text += list + "\n";
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {} {}", curve.method->name, curve.method->identity, name_of(curve.kind));
@@ -87,7 +88,7 @@ std::string whole_key(const Plan& plan, bool quick) {
 
 void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions& options,
                     const std::string& command_line, const std::string& done) {
-    const auto remarks = write_report(plan, findings, options.directory, command_line, options.quick);
+    const auto remarks = write_report(plan, findings, options.directory, command_line, options.quick, options.formats);
     if (!options.quiet) fmt::print(stderr, "{}: {}\n", plan.experiment.name, one_line(done, 1000));
     for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
 }
@@ -96,7 +97,7 @@ void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions
 std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
     const Kind& kind = *plan.experiment.kind;
-    const std::string key = whole_key(plan, options.quick);
+    const std::string key = whole_key(plan, options.quick, options.formats);
     bool done = is_done(options.directory, key);
     // what is made as a whole one process makes, and others wait for; the others share their searches out themselves
     const Claims claims(claims_file(options.directory));

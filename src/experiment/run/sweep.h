@@ -8,6 +8,7 @@
 
 #include "experiment/plan/pattern.h"
 #include "experiment/run/costs.h"
+#include "experiment/run/formats.h"
 #include "experiment/run/result.h"
 
 namespace polhode {
@@ -19,6 +20,7 @@ struct RunOptions {
     int shard = 1, shards = 1;
     bool quick = false, quiet = false;
     std::shared_ptr<const Costs> costs{};  ///< by which shards share the cases out; none: every N-th scene to each
+    Formats formats{};                     ///< of tables and pictures, beside CSV
     bool only_gather = false;              ///< runs no case: tables are made of what stands in the directory
 };
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <gmp.h>
 #include <mpfr.h>
+#include <sys/utsname.h>
 
 #include <boost/version.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "integrators/gsl/gsl.h"
 #include "integrators/series/linear_algebra.h"
@@ -36,7 +38,11 @@ std::string processor_name() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
         if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
-    return "unknown";
+    // without /proc, and on processors that give themselves no name
+    struct utsname machine {};
+    if (::uname(&machine) != 0) return "unknown";
+    return fmt::format("{}, {} processors, {} {}", machine.machine, std::thread::hardware_concurrency(),
+                       machine.sysname, machine.release);
 }
 
 }  // namespace polhode

@@ -11,8 +11,8 @@ namespace polhode {
 /// in a program that has it.
 std::vector<std::pair<std::string, std::string>> library_versions();
 
-/// The name that this machine's processor gives itself, which timings are to be told with; "unknown" where it gives
-/// none.
+/// The name that this machine's processor gives itself, which timings are to be told with; where it gives none, its
+/// architecture, the number of processors and the operating system.
 std::string processor_name();
 
 }  // namespace polhode

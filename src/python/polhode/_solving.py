@@ -250,8 +250,8 @@ def solve(
     scene : scene, str, path or mapping
         A scene or what `polhode.scene` makes one from.
     method : str or callable, optional
-        A method's name (see `methods`), or a function made one by `method` or `solver`. ``auto`` takes the most
-        accurate for the scene.
+        A method's name (see `methods`), or a function made one by `method` or `solver`. ``auto`` chooses
+        one for the scene: `describe` says which and why.
     step : float, optional
         Fixed step, s; rounded down so that whole steps meet every sample. Default: the duration / 10^4.
     tolerance : float, optional

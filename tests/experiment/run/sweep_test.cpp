@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/sweep_tables.h"
@@ -252,6 +253,21 @@ TEST_F(Sweep, WritesTablesPicturesAndProvenance) {
         EXPECT_FALSE(text(name).empty()) << name;
     for (const char* key : {"\"compiler\"", "\"flags\"", "\"cpu\"", "\"commit\"", "\"date\"", "\"sundials\"", "\"t\""})
         EXPECT_NE(text("provenance.json").find(key), std::string::npos) << key;
+}
+
+TEST_F(Sweep, WritesTheFormatsThatAreAskedFor) {
+    const Plan p = plan(R"(, "kind": "convergence")");
+    run_sweep(p, options_);
+    write_report(p, conclude(p, finished_results(p, options_.directory)), options_.directory, "polhode run t", false,
+                 parse_formats("csv,md,svg"));
+    std::set<std::string> endings;
+    for (const auto& entry : fs::directory_iterator(options_.directory))
+        if (entry.is_regular_file() && entry.path().filename().string().starts_with("t"))
+            endings.insert(entry.path().extension().string());
+    EXPECT_EQ(endings, (std::set<std::string>{".csv", ".md", ".svg"}));
+    EXPECT_EQ(parse_formats("svg,md").text(), "md,svg");
+    EXPECT_THROW(parse_formats("md,docx"), std::invalid_argument);
+    EXPECT_THROW(parse_formats("md,,svg"), std::invalid_argument);
 }
 
 TEST_F(Sweep, DriftExperimentsShareTheirFile) {

@@ -128,7 +128,7 @@ export interface Drift {
   energy: (number | null)[];
   momentum: (number | null)[];
   norm: (number | null)[];
-  /** exponents p of error ~ t^p with their standard deviations; null where no fit holds */
+  /** exponents p of error ~ t^p and half the difference between those of the first and second half; null where no fit holds */
   growth: Partial<Record<"attitude" | "omega" | "energy" | "momentum" | "norm", [number, number]>>;
   thinned: boolean;
 }

@@ -61,7 +61,7 @@ export const drift: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, "How errors grow. Beside each method stands the exponent p of error ~ t^p with its standard deviation, where such a law holds: 1 is a steady drift, 2 one that feeds on itself, 0 none."),
+      element("p", { class: "explain" }, "How errors grow. Beside each method stands the exponent p of error ~ t^p and half the difference between the exponents of the first and second half of the run, where such a law holds: 1 is a steady drift, 2 one that feeds on itself, 0 none."),
       element("div", { class: "choices" }, experimentChoice.root, measureChoice.root, scaleChoice.root), message, chart.root, below,
     );
     const having = [...new Set(data.drift.map((run) => run.scene))].sort((a, b) => a - b);

@@ -1,0 +1,69 @@
+// The folder of published results: tables as CSV, and the pages and pictures that a page shows.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace polhode {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+// names of files of results/ that pages link to, or excerpts are made of
+std::set<std::string> names_on_pages() {
+    const fs::path top = POLHODE_SOURCE_DIR;
+    std::set<std::string> names;
+    const auto read = [&](const fs::path& page, const std::regex& link) {
+        const std::string text = content(page);
+        for (std::sregex_iterator it(text.begin(), text.end(), link); it != std::sregex_iterator(); ++it)
+            names.insert(fs::path((*it)[1].str()).filename().string());
+    };
+    const std::regex link(R"(([A-Za-z0-9_./]+\.(?:md|svg|csv)))");
+    read(top / "README.md", link);
+    for (const char* folder : {"results", "experiments", "integrators", "src", "tests"})
+        for (const auto& entry : fs::recursive_directory_iterator(top / folder))
+            if (entry.path().extension() == ".md" && entry.path().string().find("node_modules") == std::string::npos)
+                read(entry.path(), link);
+    const std::string fill = content(top / "experiments" / "update_readme");
+    const std::regex excerpt(R"(excerpt ([a-z0-9_]+))");
+    for (std::sregex_iterator it(fill.begin(), fill.end(), excerpt); it != std::sregex_iterator(); ++it)
+        names.insert((*it)[1].str() + ".md");
+    read(top / "experiments" / "update_readme", link);
+    return names;
+}
+
+TEST(Results, HoldWhatPagesShow) {
+    const std::set<std::string> names = names_on_pages();
+    std::set<std::string> others{"provenance.json", "scenes.json"};
+    std::ifstream ignored(POLHODE_SOURCE_DIR "/.gitignore");
+    for (std::string line; std::getline(ignored, line);)
+        if (line.starts_with("/results/")) others.insert(line.substr(9));
+    std::uintmax_t bytes = 0;
+    int files = 0;
+    for (const auto& entry : fs::directory_iterator(POLHODE_SOURCE_DIR "/results")) {
+        if (!entry.is_regular_file()) continue;
+        const std::string name = entry.path().filename().string(), ending = entry.path().extension().string();
+        if (others.contains(name)) continue;
+        ++files, bytes += entry.file_size();
+        EXPECT_TRUE(ending == ".csv" || ending == ".md" || ending == ".svg" || ending == ".png" || ending == ".gif")
+            << name;
+        if (ending == ".md" || ending == ".svg") {
+            EXPECT_TRUE(names.contains(name)) << name << " is shown by no page";
+        }
+    }
+    EXPECT_GT(files, 50);
+    EXPECT_LT(files, 150);
+    EXPECT_LT(bytes, 20'000'000U);
+}
+
+}  // namespace
+}  // namespace polhode

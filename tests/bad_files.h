@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
+
 namespace polhode {
 
 struct BadFile {
@@ -21,7 +23,7 @@ struct BadFile {
 inline void PrintTo(const BadFile& bad, std::ostream* out) { *out << bad.path; }
 
 inline std::vector<BadFile> bad_files(const std::string& room, const std::string& ending) {
-    const std::string directory = POLHODE_SOURCE_DIR "/tests/" + room;
+    const std::string directory = source_dir() + "/tests/" + room;
     std::vector<BadFile> all;
     std::ifstream table(directory + "/bad_places.tsv");
     for (std::string line; std::getline(table, line);) {
@@ -51,7 +53,7 @@ inline void expect_one_line(const BadFile& bad, const std::string& message) {
 inline void expect_whole_catalogue(const std::string& room, const std::string& ending) {
     std::vector<std::string> listed, there;
     for (const BadFile& bad : bad_files(room, ending)) listed.push_back(bad.path);
-    for (const auto& entry : std::filesystem::directory_iterator(POLHODE_SOURCE_DIR "/tests/" + room + "/bad"))
+    for (const auto& entry : std::filesystem::directory_iterator(source_dir() + "/tests/" + room + "/bad"))
         there.push_back(entry.path().string());
     std::sort(listed.begin(), listed.end());
     std::sort(there.begin(), there.end());

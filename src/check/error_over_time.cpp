@@ -8,7 +8,6 @@
 #include "check/judge.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
-#include "measure/errors.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -18,11 +17,11 @@ constexpr std::size_t many = 2000;
 
 // What the measure is made of and the file has not.
 std::string lacking(const Scene& scene, const TrajectoryFile& file, const Measure& measure) {
-    const bool whole = is_mechanism(scene) && measure.system_error;
+    const bool whole = is_mechanism(scene) && measure.whole_error;
     const bool center = (measure.needs & known_center) != 0 || (whole && (measure.needs & known_angular_velocity) != 0);
     const bool place = file.has_position || file.has_origin;
     std::vector<std::string> all;
-    if (whole || (is_mechanism(scene) && measure.system_error))
+    if (whole)
         for (const std::string& name : missing_bodies(scene, file)) all.push_back("body \"" + name + '"');
     if ((measure.needs & known_angular_velocity) != 0 && !file.has_angular_velocity) all.emplace_back("wx,wy,wz");
     if (((measure.needs & known_position) != 0 || (center && !scene.pivot)) && !place) all.emplace_back("px,py,pz");
@@ -82,10 +81,6 @@ ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, st
     const Reference truth = reference(scene, result.t);
     if (!truth.available) {
         result.fault = truth.message;
-        return result;
-    }
-    if (is_mechanism(scene)) {
-        result.error = error_series(scene, completed_by(truth, scene, picked), truth)[index];
         return result;
     }
     Judge judge(scene, picked, JudgedIn::binary128);

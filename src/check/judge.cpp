@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "motion/exact_body.h"
+#include "measure/scene_measure.h"
 
 namespace polhode {
 
@@ -17,8 +17,6 @@ std::size_t span_of(double t, double begin, double end) {
     const double k = std::ceil(static_cast<double>(most_spans) * ((t - begin) / length)) - 1;
     return std::min(most_spans - 1, static_cast<std::size_t>(std::max(k, 0.0)));
 }
-
-bool is_larger(double error, double largest) { return !std::isnan(largest) && !(error <= largest); }
 
 bool rotates_alone(const Scene& scene) {
     return scene.planes.empty() && std::ranges::none_of(scene.loads, [](const Load& load) {
@@ -33,8 +31,11 @@ bool rotates_alone(const Scene& scene) {
 struct Judge::Tally {
     ErrorSummary all;
     std::array<double, most_spans> span{};
+    bool any = false;  // whether any was noted
 
+    bool is_worst(double error) const { return !any || is_larger(error, all.max); }
     void note(double error, double t, std::size_t k) {
+        any = true;
         all.final = error;
         if (is_larger(error, all.max)) all.max = error, all.max_time = t;
         if (is_larger(error, span[k])) span[k] = error;
@@ -53,9 +54,22 @@ struct Judge::Tally {
 };
 
 struct Judge::State {
+    // The measuring in one scalar, and what is made anew for each time.
+    template <class S>
+    struct Arithmetic {
+        explicit Arithmetic(const Scene& scene) : measure(scene) { compared.bodies.resize(measure.bodies()); }
+
+        SceneMeasure<S> measure;
+        ComparedMotion<S> compared{};
+        std::vector<BodyMotion<S>> motions{}, truth{};  // q of unit length
+    };
+
     const Scene* scene;
     const TrajectoryFile* file;
-    std::variant<ExactBody<Wide>, ExactBody<double>> body;
+    std::vector<std::size_t> places;  // in the scene, of the file's bodies
+    std::vector<std::string> joints;
+    std::variant<Arithmetic<Wide>, Arithmetic<double>> arithmetic;
+    JointCoordinates coordinates, true_coordinates;
     // Whether the energy is that of rotation: of a body that flies, whose rotation does not hang on where it is, in a
     // file without all of the translation.
     bool rotational = false;
@@ -65,87 +79,134 @@ struct Judge::State {
     std::array<double, most_spans> until{};
     std::optional<std::size_t> kept_measure{};
     std::vector<double> kept{};
-    std::size_t place = measure_index("position"), speed = measure_index("velocity"), energy = measure_index("energy");
+    std::vector<Vector3<double>> starts{};  // of several bodies at the file's first time
+    std::string worst_body{}, worst_gap{}, worst_turn{};
+    std::size_t place = measure_index("position"), speed = measure_index("velocity"), energy = measure_index("energy"),
+                attitude = measure_index("attitude"), gap = measure_index("joint_gap"),
+                turn = measure_index("joint_turn"), omega = measure_index("omega");
 
-    // where the centre of mass starts
-    template <class S>
-    static Vector3<S> own_start(const ExactBody<S>& own) {
-        return own.pivoted ? rotate(own.q, own.arm) : own.position_W;
-    }
     bool has_position() const { return file->has_position || file->has_origin; }
+    bool has_all_bodies() const { return !is_mechanism(*scene) || places.size() == scene->bodies.size(); }
 
     // whether the file's columns tell what a measure needs
     bool knows(const Measure& measure) const {
-        const bool center =
-            scene->pivot || (has_position() && file->has_velocity) || (rotational && measure.name == "energy");
-        const unsigned known = known_truth | (file->has_angular_velocity ? known_angular_velocity : 0U) |
+        const bool several = is_mechanism(*scene);
+        if (!std::visit([&](const auto& a) { return a.measure.has(measure); }, arithmetic)) return false;
+        const bool center = (!several && scene->pivot) || (has_position() && file->has_velocity) ||
+                            (rotational && measure.name == "energy");
+        const unsigned known = known_truth | known_free_system |
+                               (file->has_angular_velocity ? known_angular_velocity : 0U) |
                                (has_position() ? known_position : 0U) | (file->has_velocity ? known_velocity : 0U) |
                                (center ? known_center : 0U);
-        return measure.of_one_body() && (measure.needs & ~known) == 0;
+        // momenta and energies of several bodies hang on where all of them are and how they move
+        if (several && measure.whole_error &&
+            (!has_all_bodies() || ((measure.needs & known_angular_velocity) != 0 && !center)))
+            return false;
+        return (measure.needs & ~known) == 0;
     }
 
     std::size_t span_of(double t) const { return polhode::span_of(t, file->rows.front().t, file->rows.back().t); }
 
+    // the numbers of a row, in place of the truth's; what the file does not tell is not judged
+    template <class S>
+    void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& own) const {
+        own.q = cast<S>(row.q);
+        const Quaternion<S> unit = normalized(own.q);
+        if (has_position()) own.position_W = cast<S>(row.position_W);
+        if (file->has_origin) own.position_W = own.position_W + rotate(unit, center);
+        if (file->has_velocity) own.velocity_W = cast<S>(row.velocity_W);
+        if (file->has_angular_velocity) own.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
+    }
+
     // both without their translation: what remains is the energy of rotation
     template <class S>
-    ComparedSample<S> at_rest_in_place(ComparedSample<S> c, const ExactBody<S>& own, double t,
-                                       const Quaternion<S>& unit) const {
-        c.position_W = c.velocity_W = c.truth.position_W = c.truth.velocity_W = {};
-        set_invariants(c, *scene, own, t, unit);
-        const Invariants<S> right =
-            invariants(*scene, own, t, c.truth.q, c.truth.angular_velocity_B, c.truth.position_W, c.truth.velocity_W);
-        c.truth.kinetic = right.kinetic, c.truth.energy = right.energy;
+    ComparedMotion<S> at_rest_in_place(const Arithmetic<S>& a, double t) {
+        ComparedMotion<S> c = a.compared;
+        BodyMotion<S> own = a.motions[0], right = a.truth[0];
+        own.position_W = own.velocity_W = right.position_W = right.velocity_W = {};
+        c.own = a.measure.invariants(t, {&own, 1}, coordinates);
+        c.truth = a.measure.invariants(t, {&right, 1}, true_coordinates);
         return c;
     }
 
     template <class S>
-    void add(const ExactBody<S>& own, const TrajectoryRow& row, const ReferenceSample& reference) {
-        if (row.t != reference.t) throw std::invalid_argument("there is no truth at the file's times");
-        const std::size_t k = span_of(row.t);
-        until[k] = row.t;
-        ComparedSample<S> c;
-        c.truth = true_state(own, reference);
-        c.q = cast<S>(row.q);
-        const Quaternion<S> unit = normalized(c.q);
-        // what the file does not tell is not judged: the truth stands in for it
-        c.position_W = has_position() ? cast<S>(row.position_W) : c.truth.position_W;
-        if (file->has_origin) c.position_W = c.position_W + rotate(unit, own.center);
-        c.velocity_W = file->has_velocity ? cast<S>(row.velocity_W) : c.truth.velocity_W;
-        c.angular_velocity_B = file->has_angular_velocity ? rotate_back(unit, cast<S>(row.angular_velocity_W))
-                                                          : c.truth.angular_velocity_B;
-        set_invariants(c, *scene, own, row.t, unit);
-        std::optional<ComparedSample<S>> alone;
-        if (rotational) alone = at_rest_in_place(c, own, row.t, unit);
+    void add(Arithmetic<S>& a, std::span<const TrajectoryRow> rows, std::span<const ReferenceSample> truth) {
+        const double t = rows[0].t;
+        if (t != truth[0].t) throw std::invalid_argument("there is no truth at the file's times");
+        const std::size_t k = span_of(t);
+        until[k] = t;
+        a.truth.clear();
+        for (const ReferenceSample& sample : truth) a.truth.push_back(true_motion<S>(sample));
+        for (std::size_t b = 0; b < a.truth.size(); ++b)
+            a.compared.bodies[b].truth = a.compared.bodies[b].own = a.truth[b];
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            read(rows[i], a.measure.center(places[i]), a.compared.bodies[places[i]].own);
+        a.motions.clear();
+        for (const ComparedBody<S>& body : a.compared.bodies) {
+            a.motions.push_back(body.own);
+            a.motions.back().q = normalized(body.own.q);
+        }
+        a.compared.truth = a.measure.true_invariants(truth, a.truth, true_coordinates);
+        if (has_all_bodies()) {
+            a.compared.own = a.measure.invariants(t, a.motions, coordinates);
+            a.compared.joints = a.measure.violations(a.motions);
+        }
+        std::optional<ComparedMotion<S>> alone;
+        if (rotational) alone = at_rest_in_place(a, t);
         const std::span<const Measure> all = measures();
         for (std::size_t m = 0; m < all.size(); ++m) {
             if (!knows(all[m])) continue;
-            const ComparedSample<S>& compared = alone && m == energy ? *alone : c;
-            const auto error = static_cast<double>(all[m].error(compared));
-            tallies[m].note(error, row.t, k);
+            const ComparedMotion<S>& compared = alone && m == energy ? *alone : a.compared;
+            const auto [wide_error, body] = error_in(all[m], compared);
+            const auto error = static_cast<double>(wide_error);
+            if (tallies[m].is_worst(error)) note_worst(m, body, a.compared.joints);
+            tallies[m].note(error, t, k);
             if (kept_measure == m) kept.push_back(error);
-            if (all[m].scale) scales[m] = std::max(scales[m], double(all[m].scale(compared.truth)));
+            scales[m] = std::max(scales[m], double(scale_in<S>(all[m], a.truth, compared.truth)));
         }
-        sizes[place] = std::max(sizes[place], double(length(c.truth.position_W - own_start(own))));
-        sizes[speed] = std::max(sizes[speed], double(length(c.truth.velocity_W)));
+        if (starts.empty())
+            for (const BodyMotion<S>& body : a.truth)
+                starts.push_back(cast<double>(a.measure.is_of_several() ? body.position_W : a.measure.start_W()));
+        for (std::size_t b = 0; b < a.truth.size(); ++b) {
+            sizes[place] = std::max(sizes[place], double(length(a.truth[b].position_W - cast<S>(starts[b]))));
+            sizes[speed] = std::max(sizes[speed], double(length(a.truth[b].velocity_W)));
+        }
+    }
+
+    template <class S>
+    void note_worst(std::size_t m, std::size_t body, const JointViolations<S>& violations) {
+        const auto joint = [&](std::size_t j) { return j < joints.size() ? joints[j] : std::string(); };
+        if (m == attitude && is_mechanism(*scene)) worst_body = scene->bodies[body].name;
+        if (m == gap) worst_gap = joint(violations.gap_joint);
+        if (m == turn) worst_turn = joint(violations.turn_joint);
     }
 };
 
-Judge::Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic)
-    : state_(std::make_unique<State>(State{&scene, &file, exact_body<Wide>(scene)})) {
-    state_->rotational = !scene.pivot && !(state_->has_position() && file.has_velocity) && rotates_alone(scene);
-    if (arithmetic == JudgedIn::binary64) state_->body = exact_body<double>(scene);
+Judge::Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic) {
+    using Arithmetics = decltype(State::arithmetic);
+    state_ =
+        std::make_unique<State>(State{&scene, &file, bodies_of_file(scene, file), joint_names(scene),
+                                      arithmetic == JudgedIn::binary64 ? Arithmetics(State::Arithmetic<double>(scene))
+                                                                       : Arithmetics(State::Arithmetic<Wide>(scene)),
+                                      JointCoordinates(scene), JointCoordinates(scene)});
+    state_->rotational =
+        !is_mechanism(scene) && !scene.pivot && !(state_->has_position() && file.has_velocity) && rotates_alone(scene);
 }
 Judge::~Judge() = default;
 Judge::Judge(Judge&&) noexcept = default;
 
 void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
-    if (first + truth.size() > state_->file->rows.size())
+    const std::span<const TrajectoryRow> rows = state_->file->rows;
+    const std::size_t at_once = state_->places.size(), bodies = std::max<std::size_t>(1, state_->scene->bodies.size()),
+                      moments = truth.size() / bodies;
+    if ((first + moments) * at_once > rows.size())
         throw std::invalid_argument("the truth has more samples than the file");
     std::visit(
-        [&](const auto& body) {
-            for (std::size_t k = 0; k < truth.size(); ++k) state_->add(body, state_->file->rows[first + k], truth[k]);
+        [&](auto& a) {
+            for (std::size_t k = 0; k < moments; ++k)
+                state_->add(a, rows.subspan((first + k) * at_once, at_once), truth.subspan(k * bodies, bodies));
         },
-        state_->body);
+        state_->arithmetic);
 }
 
 void Judge::keep(std::size_t measure) { state_->kept_measure = measure; }
@@ -172,10 +233,17 @@ Judgement Judge::result() const {
     std::array<bool, most_spans> seen{};
     for (const TrajectoryRow& row : state_->file->rows) seen[state_->span_of(row.t)] = true;
     PerMeasure<Tally> tallies = state_->tallies;
+    PerMeasure<double> scales = state_->scales;
+    // several bodies at rest turn by the truth's round-off at most
+    if (double& rate = scales[state_->omega];
+        is_mechanism(*state_->scene) && rate * state_->scene->duration < vanishing)
+        rate = 0;
     Judgement result;
+    result.worst_body = state_->worst_body, result.worst_gap = state_->worst_gap,
+    result.worst_turn = state_->worst_turn;
     for (std::size_t m = 0; m < measures().size(); ++m) {
-        tallies[m].divide_by(state_->scales[m]);
-        result.size[m] = std::max(state_->scales[m], state_->sizes[m]);
+        tallies[m].divide_by(scales[m]);
+        result.size[m] = std::max(scales[m], state_->sizes[m]);
         if (state_->knows(measures()[m])) result[m] = tallies[m].all;
     }
     for (std::size_t k = 0; k < most_spans; ++k) {
@@ -188,8 +256,7 @@ Judgement Judge::result() const {
 }
 
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth, JudgedIn arithmetic) {
-    if (is_mechanism(scene)) return judge_system(scene, file, truth);
-    if (!truth.available || truth.samples.size() != file.rows.size())
+    if (!truth.available || file.rows.empty() || truth.moments() * file.bodies_at_once() != file.rows.size())
         throw std::invalid_argument("there is no truth at the file's times");
     Judge whole(scene, file, arithmetic);
     whole.add(0, truth.samples);

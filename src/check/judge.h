@@ -38,9 +38,6 @@ struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
     std::string worst_body, worst_gap, worst_turn;
 };
 
-/// Whether an error is larger than the largest so far; NaN is the largest of all, and the first of several stays.
-bool is_larger(double error, double largest);
-
 /// Whether the rotation of a body that flies does not hang on where it is: no plane, no point of attack in the world.
 bool rotates_alone(const Scene& scene);
 
@@ -55,7 +52,7 @@ enum class JudgedIn { binary128, binary64 };
 
 /// Judges sample by sample; `truth` has the file's times, else std::invalid_argument. Omega and momentum need w. Energy
 /// needs w, and p and v where the scene has no pivot; without one of these the energy of rotation is compared where the
-/// rotation does not hang on them. Of several bodies see judge_system().
+/// rotation does not hang on them. Momenta and energy of several bodies need w, p and v of all, joints need all bodies.
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
                 JudgedIn arithmetic = JudgedIn::binary128);
 
@@ -68,10 +65,6 @@ std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile
 /// bodies that it does not have.
 Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
 
-/// Judges a file of several bodies, whose truth has its times and bodies: in 128 bits, by error_series(). What a file
-/// does not tell is not judged: energy, momenta and joints need what they are made of.
-Judgement judge_system(const Scene& scene, const TrajectoryFile& file, const Reference& truth);
-
 /// The same as judge() piece by piece, for files whose truth does not fit in memory or is made by several threads.
 class Judge {
   public:
@@ -80,12 +73,12 @@ class Judge {
     ~Judge();
     Judge(Judge&&) noexcept;
 
-    /// Judges rows first, first + 1, .. by these samples; each row once, in order within one Judge. Throws
-    /// std::invalid_argument where a time is not the row's.
+    /// Judges the rows of the times first, first + 1, .. by these samples, which are of all bodies at each time; each
+    /// row once, in order within one Judge. Throws std::invalid_argument where a time is not the row's.
     void add(std::size_t first, std::span<const ReferenceSample> truth);
     /// Keeps the error of each row in this measure as well; before any is judged.
     void keep(std::size_t measure);
-    /// Takes over what another has judged, of later rows.
+    /// Takes over what another has judged, of later rows of a scene of one body.
     void append(const Judge& later);
     Judgement result() const;
     /// The errors kept, row by row, as the measure has them.

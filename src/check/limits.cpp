@@ -68,7 +68,7 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
         if (is_of_joints(block.name) && !judgement[m]) continue;
         BlockVerdict v{&block, {}, {}, limits_[i], false};
         if (const std::optional<ErrorSummary>& error = judgement[m]) {
-            const bool is_relative = static_cast<bool>(measures()[m].scale);
+            const bool is_relative = measures()[m].is_relative();
             const double size = judgement.size[m];
             // energy and momentum are told as they are measured
             v.error = is_relative && !block.unit.empty() && size > 0 ? error->max * size : error->max;

@@ -121,7 +121,7 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     file["from"] = number(c.from), file["until"] = number(c.until);
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::optional<ErrorSummary>& error = c.judgement[m];
-        if (!measures()[m].of_one_body() && !error) continue;
+        if (!measures()[m].of_one_body && !error) continue;
         const auto put = [&](const char* what, double ErrorSummary::*member) {
             file[fmt::format("{}{}_{}", measures()[m].name, measures()[m].suffix, what)] =
                 error ? number((*error).*member) : ordered_json(nullptr);

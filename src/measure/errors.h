@@ -36,8 +36,6 @@ struct Errors : PerMeasure<ErrorOfRun> {
 /// absolute. Of several bodies: an error of the attitude, w, p, v and the norm is the worst body's, all others are of
 /// the bodies together; a momentum that vanishes to round-off has the scale zero.
 ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const Reference& reference);
-/// The same of a scene of several bodies.
-ErrorSeries system_error_series(const Scene& scene, const Trajectory& trajectory, const Reference& reference);
 
 /// The errors of a run at its end and at their largest, from its series.
 Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Reference& reference);

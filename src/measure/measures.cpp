@@ -23,10 +23,10 @@ S angle_of(const Quaternion<S>& r) {
 }
 
 template <class S>
-S norm_error(const ComparedSample<S>& c) {
+S norm_error(const ComparedBody<S>& c) {
     if (c.orthogonality_defect) return S(*c.orthogonality_defect);
     // |q| - 1 = (|q|^2 - 1) / (|q| + 1), with nothing cancelled in binary64
-    const S square = squared_norm(c.q);
+    const S square = squared_norm(c.own.q);
     return magnitude(S(square - S(1))) / (square_root(square) + S(1));
 }
 
@@ -46,14 +46,14 @@ const std::vector<Measure>& table() {
          .tabled = true,
          .tabled_at_end = true,
          .over_time = true,
-         .error = [](const auto& c) { return angle_of(conjugate(c.truth.q) * c.q); }},
+         .error = [](const auto& c) { return angle_of(conjugate(c.truth.q) * c.own.q); }},
         {.name = "omega",
          .title = "angular velocity",
          .unit = "relative",
          .meaning = "|w_B - w_B,truth| over the run's largest |w|",
          .needs = known_truth | known_angular_velocity,
          .tabled = true,
-         .error = [](const auto& c) { return length(c.angular_velocity_B - c.truth.angular_velocity_B); },
+         .error = [](const auto& c) { return length(c.own.angular_velocity_B - c.truth.angular_velocity_B); },
          .scale = [](const auto& truth) { return length(truth.angular_velocity_B); }},
         {.name = "momentum",
          .title = "angular momentum",
@@ -62,10 +62,8 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity,
          .tabled = true,
          .over_time = true,
-         .error = [](const auto& c) { return length(c.angular_momentum_W - c.truth.angular_momentum_W); },
-         .scale = [](const auto& truth) { return length(truth.angular_momentum_W); },
-         .system_error = [](const auto& c) { return length(c.own.angular_momentum_W - c.truth.angular_momentum_W); },
-         .system_scale =
+         .whole_error = [](const auto& c) { return length(c.own.angular_momentum_W - c.truth.angular_momentum_W); },
+         .whole_scale =
              [](const auto& truth) { return or_zero(length(truth.angular_momentum_W), truth.angular_size); }},
         {.name = "energy",
          .title = "energy",
@@ -74,23 +72,21 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity | known_center,
          .tabled = true,
          .over_time = true,
-         .error = [](const auto& c) { return magnitude(decltype(c.energy)(c.energy - c.truth.energy)); },
-         .scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); },
-         .system_error = [](const auto& c) { return magnitude(decltype(c.own.energy)(c.own.energy - c.truth.energy)); },
-         .system_scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
+         .whole_error = [](const auto& c) { return magnitude(decltype(c.own.energy)(c.own.energy - c.truth.energy)); },
+         .whole_scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
         {.name = "position",
          .title = "position",
          .unit = "m",
          .meaning = "Distance of the centre of mass from the truth",
          .needs = known_truth | known_position,
-         .error = [](const auto& c) { return length(c.position_W - c.truth.position_W); },
+         .error = [](const auto& c) { return length(c.own.position_W - c.truth.position_W); },
          .tabled_of_systems = true},
         {.name = "velocity",
          .title = "velocity",
          .unit = "m/s",
          .meaning = "|v - v_truth| of the centre of mass",
          .needs = known_truth | known_velocity,
-         .error = [](const auto& c) { return length(c.velocity_W - c.truth.velocity_W); }},
+         .error = [](const auto& c) { return length(c.own.velocity_W - c.truth.velocity_W); }},
         {.name = "norm",
          .title = "norm of q",
          .unit = "",
@@ -103,8 +99,9 @@ const std::vector<Measure>& table() {
          .unit = "relative",
          .meaning = "|p_W - p_W,truth| of several bodies that no joint ties to the world, over the run's largest |p|",
          .needs = known_truth | known_velocity | known_free_system,
-         .system_error = [](const auto& c) { return length(c.own.linear_momentum_W - c.truth.linear_momentum_W); },
-         .system_scale = [](const auto& truth) { return or_zero(length(truth.linear_momentum_W), truth.linear_size); },
+         .whole_error = [](const auto& c) { return length(c.own.linear_momentum_W - c.truth.linear_momentum_W); },
+         .whole_scale = [](const auto& truth) { return or_zero(length(truth.linear_momentum_W), truth.linear_size); },
+         .of_one_body = false,
          .tabled_of_systems = true},
         {.name = "joint_gap",
          .title = "gap of joints",
@@ -112,7 +109,8 @@ const std::vector<Measure>& table() {
          .meaning = "How far the points of a joint are apart, the worst of several bodies' joints",
          .needs = known_position,
          .over_time = true,
-         .system_error = [](const auto& c) { return c.joints.gap; },
+         .whole_error = [](const auto& c) { return c.joints.gap; },
+         .of_one_body = false,
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "joint_turn",
@@ -120,7 +118,8 @@ const std::vector<Measure>& table() {
          .unit = "rad",
          .meaning = "How far the axes of a joint are off one another, the worst of several bodies' joints",
          .over_time = true,
-         .system_error = [](const auto& c) { return c.joints.turn; },
+         .whole_error = [](const auto& c) { return c.joints.turn; },
+         .of_one_body = false,
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "reaction",
@@ -130,7 +129,8 @@ const std::vector<Measure>& table() {
              "Error of the force and of the torque of a joint, each over the run's largest, the worst of several "
              "bodies' joints",
          .needs = known_truth | known_reactions,
-         .system_error = [](const auto& c) { return c.reaction_error; },
+         .whole_error = [](const auto& c) { return c.reaction_error; },
+         .of_one_body = false,
          .tabled_of_systems = true},
     };
     return all;

@@ -4,6 +4,7 @@
 // that a new measure is one entry in measures.cpp.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -11,50 +12,38 @@
 #include <vector>
 
 #include "body/elementary.h"
-#include "motion/exact_body.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
 
 namespace polhode {
 
-/// The truth at one time. S is double, which drops the low parts of the truth, or Wide.
-template <class S>
-struct TrueState {
-    Quaternion<S> q;                ///< body to world, of unit length
-    Vector3<S> angular_velocity_B;  ///< rad/s
-    Vector3<S> position_W;          ///< of the centre of mass, m
-    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
-    Vector3<S> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
-    S kinetic = S(0);               ///< energy, J
-    S energy = S(0);                ///< kinetic and potential, J
-};
-
 /// What is below this share of the parts that it is the sum of, or of a radian, is rounding in binary64, and counts as
 /// 0.
 inline constexpr double vanishing = 1e-15;
 
-/// A sample beside the truth at its time, with the energy and the angular momentum that follow from the sample's own
-/// numbers.
+/// Whether an error is larger than the largest so far; NaN is the largest of all, and the first of several stays.
 template <class S>
-struct ComparedSample {
-    Quaternion<S> q;                             ///< body to world as the method left it, of any length but zero
-    Vector3<S> angular_velocity_B;               ///< rad/s
-    Vector3<S> position_W;                       ///< of the centre of mass, m
-    Vector3<S> velocity_W;                       ///< of the centre of mass, m/s
+bool is_larger(const S& error, const S& largest) {
+    return !std::isnan(double(largest)) && !(error <= largest);
+}
+
+/// One body beside the truth at one time. S is double or Wide.
+template <class S>
+struct ComparedBody {
+    BodyMotion<S> own;                           ///< q as the method left it, of any length but zero
+    BodyMotion<S> truth;                         ///< q of unit length
     std::optional<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1
-    Vector3<S> angular_momentum_W;               ///< about the pivot, or else about the centre of mass, kg m^2/s
-    S energy = S(0);                             ///< kinetic and potential, J
-    TrueState<S> truth;                          ///< at the sample's time
 };
 
-/// Several bodies at one time, beside the truth at that time: what they have together.
+/// The bodies of a scene, one or several, beside the truth at one time.
 template <class S>
-struct ComparedSystem {
-    SystemInvariants<S> own;    ///< as it follows from the bodies' own numbers
-    SystemInvariants<S> truth;  ///< as it follows from the truth's
-    JointViolations<S> joints;  ///< of the bodies' own numbers
-    S reaction_error = S(0);    ///< of all joints, relative to the run's largest reaction
+struct ComparedMotion {
+    std::vector<ComparedBody<S>> bodies;  ///< in the scene's order
+    SystemInvariants<S> own;              ///< what all have together, from their own numbers
+    SystemInvariants<S> truth;            ///< the same from the truth's
+    JointViolations<S> joints;            ///< of the bodies' own numbers
+    S reaction_error = S(0);              ///< of all joints, relative to the run's largest reaction
 };
 
 /// One formula, compiled for binary64 and for 128 bits.
@@ -98,20 +87,20 @@ struct Measure {
     bool tabled = false;         ///< has columns in the tables of results and series; without, only `check` tells it
     bool tabled_at_end = false;  ///< and one of its value at the end of the run
     bool over_time = false;      ///< `check` tells its growth
-    /// Of one sample, before it is divided by the scale; of several bodies the largest counts. Null of what a body
-    /// alone does not have.
-    MeasureFormula<ComparedSample> error = {};
-    /// What the error is relative to: the largest of this over the run (and the bodies). Absolute where there is none.
-    MeasureFormula<TrueState> scale = {};
-    /// Of several bodies, what stands in the place of `error`: of all of them together.
-    MeasureFormula<ComparedSystem> system_error = {};
-    /// And in the place of `scale`.
-    MeasureFormula<SystemInvariants> system_scale = {};
+    /// Of a body, before it is divided by the scale; the largest of several counts. Null of what bodies have together.
+    MeasureFormula<ComparedBody> error = {};
+    /// What that is relative to: the largest of this over the run and the bodies. Absolute where there is none.
+    MeasureFormula<BodyMotion> scale = {};
+    /// Of all bodies together, where there is no `error`.
+    MeasureFormula<ComparedMotion> whole_error = {};
+    /// What that is relative to: the largest of this over the run.
+    MeasureFormula<SystemInvariants> whole_scale = {};
+    bool of_one_body = true;             ///< whether one body alone has it
     bool tabled_of_systems = false;      ///< has columns in tables of several bodies alone
     std::string_view suffix = "_error";  ///< of the name in those columns
 
-    /// Whether one body has it.
-    bool of_one_body() const { return static_cast<bool>(error); }
+    /// Whether it is relative to a scale.
+    bool is_relative() const { return scale || whole_scale; }
 };
 
 /// All measures, in the order of reports.
@@ -138,37 +127,15 @@ class PerMeasure {
     std::vector<T> values_ = std::vector<T>(measures().size());
 };
 
-/// The truth at one time in the scalar S, without the kinetic energy.
+/// The truth at one time in the scalar S.
 template <class S>
-TrueState<S> true_motion(const ReferenceSample& truth) {
+BodyMotion<S> true_motion(const ReferenceSample& truth) {
     const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };
     const auto vector = [&](const Vector3<Pair>& v) { return Vector3<S>{value(v[0]), value(v[1]), value(v[2])}; };
     return {{value(truth.q.w), value(truth.q.x), value(truth.q.y), value(truth.q.z)},
             vector(truth.angular_velocity_B),
             vector(truth.position_W),
-            vector(truth.velocity_W),
-            vector(truth.angular_momentum_W),
-            S(0),
-            value(truth.energy)};
-}
-
-/// The truth at one time in the scalar S, with the kinetic energy of the body.
-template <class S>
-TrueState<S> true_state(const ExactBody<S>& body, const ReferenceSample& truth) {
-    TrueState<S> state = true_motion<S>(truth);
-    state.kinetic = dot(state.angular_velocity_B, body.inertia_B * state.angular_velocity_B) / S(2);
-    if (!body.pivoted) state.kinetic += body.mass * dot(state.velocity_W, state.velocity_W) / S(2);
-    return state;
-}
-
-/// Sets the energy and the angular momentum of a sample whose other numbers are set. `unit` is its q, normalised; loads
-/// act as the scene has them at time t (s).
-template <class S>
-void set_invariants(ComparedSample<S>& sample, const Scene& scene, const ExactBody<S>& body, double t,
-                    const Quaternion<S>& unit) {
-    const Invariants<S> own =
-        invariants(scene, body, t, unit, sample.angular_velocity_B, sample.position_W, sample.velocity_W);
-    sample.angular_momentum_W = own.angular_momentum_W, sample.energy = own.energy;
+            vector(truth.velocity_W)};
 }
 
 /// Rotation angle (rad) between q, of any length, and the truth, without regard to sign.

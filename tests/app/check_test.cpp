@@ -9,6 +9,7 @@
 #include "build_kind.h"
 #include "motion/trajectory_csv.h"
 #include "motion/written_tables.h"
+#include "places.h"
 #include "text/decimal.h"
 
 namespace polhode {
@@ -198,7 +199,7 @@ struct PrintedSession {
     std::string command, printed;
 };
 std::vector<PrintedSession> worked_example() {
-    std::ifstream page(POLHODE_SOURCE_DIR "/experiments/README.md");
+    std::ifstream page(source_dir() + "/experiments/README.md");
     std::vector<PrintedSession> sessions;
     bool inside = false;
     for (std::string line; std::getline(page, line);) {
@@ -220,13 +221,13 @@ std::string in_one_line(const std::string& text) {
 
 // What stands in experiments/README.md is what a user sees who types it.
 TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
-    fs::create_directory_symlink(POLHODE_SOURCE_DIR "/experiments", directory / "experiments");
-    const std::string path = "PATH=" + fs::path(POLHODE_PROGRAM).parent_path().string() + ":$PATH; ";
+    fs::create_directory_symlink(source_dir() + "/experiments", directory / "experiments");
+    const std::string path = "PATH=" + fs::path(program_path()).parent_path().string() + ":$PATH; ";
     const auto succeeds = [](const char* command) { return std::system(command) == 0; };
     const bool has_node = succeeds("command -v node >/dev/null"),
                has_bullet = succeeds("pkg-config --exists bullet-float64 2>/dev/null");
     // the packages that the engines under Node were installed from are those that npm would get
-    const fs::path packages = fs::path(POLHODE_PROGRAM).parent_path() / "engines/node_modules";
+    const fs::path packages = fs::path(program_path()).parent_path() / "engines/node_modules";
     const bool has_cannon = has_node && fs::exists(packages / "cannon-es");
     if (has_cannon) fs::create_directory_symlink(packages, directory / "node_modules");
     int judged = 0;

@@ -7,6 +7,7 @@
 #include "app/program_fixture.h"
 #include "build_kind.h"
 #include "experiment/run/findings.h"
+#include "places.h"
 #include "table/table.h"
 
 namespace polhode {
@@ -15,7 +16,7 @@ namespace {
 // This program as an engine: an update of the catalogue under another name.
 nlohmann::json itself(const std::string& name, const std::string& method) {
     return {{"name", name},
-            {"command", {POLHODE_PROGRAM, "solve", "/dev/stdin", "--method", method, "--samples", "{samples}"}},
+            {"command", {program_path(), "solve", "/dev/stdin", "--method", method, "--samples", "{samples}"}},
             {"by_step", {"--step", "{step}"}}};
 }
 nlohmann::json script(const std::string& name, const std::string& then) {

@@ -8,6 +8,7 @@
 
 #include "check/check_files.h"
 #include "experiment/plan/plan_limits.h"
+#include "places.h"
 #include "scene/scene_limits.h"
 #include "text/json_limits.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 std::map<std::string, std::string> limits_of_readme() {
     std::map<std::string, std::string> limits;
-    std::ifstream file(POLHODE_SOURCE_DIR "/src/README.md");
+    std::ifstream file(source_dir() + "/src/README.md");
     bool inside = false;
     for (std::string line; std::getline(file, line);) {
         if (line.starts_with("| what | limit")) inside = true;

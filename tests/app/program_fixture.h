@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
+
 namespace polhode {
 
 namespace fs = std::filesystem;
@@ -63,7 +65,7 @@ class Program : public testing::Test {
             if (::chdir(directory.c_str()) != 0) ::_exit(99);
             ::dup2(o, 1), ::dup2(e, 2);
             if (prepare) prepare();
-            ::execv(POLHODE_PROGRAM, argv.data());
+            ::execv(program_path().c_str(), argv.data());
             ::_exit(98);
         }
         int status = 0;

@@ -9,6 +9,7 @@
 #include "build_kind.h"
 #include "integrators/method.h"
 #include "motion/trajectory_csv.h"
+#include "places.h"
 #include "scene/scene_file.h"
 #include "scene/scene_keys.h"
 
@@ -201,7 +202,7 @@ TEST_F(Program, ShowsASceneAsItIsWritten) {
         "{\"name\": \"mine\", \"duration\": 1, \"body\": {\"mass\": 1, \"inertia\": [1, 2, 3]}}  // at rest\n";
     std::ofstream(directory / "mine.json") << text;
     EXPECT_EQ(run({"show", "mine.json"}).out, text);
-    std::ifstream file(POLHODE_SOURCE_DIR "/experiments/scenes/t_handle.json");
+    std::ifstream file(source_dir() + "/experiments/scenes/t_handle.json");
     const std::string built_in(std::istreambuf_iterator<char>(file), {});
     EXPECT_EQ(run({"show", "t_handle"}).out, built_in);
     EXPECT_EQ(run({"show", "no_such_scene"}).exit_code, 2);
@@ -251,14 +252,14 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
         EXPECT_NE(row, std::string::npos) << name;
         EXPECT_EQ(listed.out.find(begin, row + 1), std::string::npos) << name;
     }
-    const std::string index = read(fs::path(POLHODE_SOURCE_DIR) / "experiments/scenes/README.md");
+    const std::string index = read(fs::path(source_dir()) / "experiments/scenes/README.md");
     EXPECT_TRUE(index.ends_with("\n\n" + listed.out)) << "run experiments/update_readme";
 }
 
 TEST_F(Program, TheReferenceOfKeysColumnsAndConstructsIsTheOneGenerated) {
     for (const auto& [what, file] :
          {std::pair("keys", "README.md"), std::pair("columns", "README.md"), std::pair("constructs", "robots.md")}) {
-        const std::string page = read(fs::path(POLHODE_SOURCE_DIR) / "experiments" / file);
+        const std::string page = read(fs::path(source_dir()) / "experiments" / file);
         const Outcome listed = run({"list", what, "--format", "markdown"});
         EXPECT_EQ(listed.exit_code, 0) << listed.err;
         EXPECT_NE(page.find(fmt::format("<!-- begin: {0} -->\n{1}<!-- end: {0} -->", what, listed.out)),

@@ -15,6 +15,7 @@
 
 #include "app/program_fixture.h"
 #include "build_kind.h"
+#include "places.h"
 #include "table/table.h"
 #include "text/claims.h"
 
@@ -47,7 +48,7 @@ class SeveralRuns : public Program {
         ::setenv("TMPDIR", directory.c_str(), 1);
         ::setenv("POLHODE_CACHE", (directory / "cache").c_str(), 1);
         for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
-        ::execl(POLHODE_PROGRAM, "polhode", "run", "shared.json", "--output", output.c_str(), nullptr);
+        ::execl(program_path().c_str(), "polhode", "run", "shared.json", "--output", output.c_str(), nullptr);
         ::_exit(98);
     }
     static int code_of(pid_t child) {

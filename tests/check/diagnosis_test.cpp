@@ -389,7 +389,7 @@ TEST(Judge, NotANumberIsTheLargestError) {
     for (const Sample& s : run.samples)
         several.rows.push_back({s.t, s.q, rotate(s.q, s.angular_velocity_B), s.position_W, s.velocity_W});
     several.rows[9].velocity_W[0] = nan;
-    EXPECT_TRUE(std::isnan(judge_system(timed, several, right)["velocity"]->max));
+    EXPECT_TRUE(std::isnan(judge(timed, several, right)["velocity"]->max));
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ TEST(ErrorOverTime, OfSeveralBodiesIsTheWorstOnes) {
                                                  QuaternionColumns::by_name, body_names(scene));
     std::vector<double> times;
     for (std::size_t k = 0; k < file.rows.size(); k += file.bodies_at_once()) times.push_back(file.rows[k].t);
-    const Judgement judgement = judge_system(scene, file, reference(scene, times));
+    const Judgement judgement = judge(scene, file, reference(scene, times));
     const ErrorOverTime errors = error_over_time(scene, file, "attitude", "run.csv");
     EXPECT_EQ(errors.error.size(), 51U);
     EXPECT_EQ(std::ranges::max(errors.error), judgement["attitude"]->max);

@@ -8,6 +8,7 @@
 #include "fuzz/command_oracle.h"
 #include "fuzz/folder_oracle.h"
 #include "fuzz/oracles.h"
+#include "places.h"
 
 namespace polhode {
 namespace {
@@ -23,7 +24,7 @@ struct Target {
 class Findings : public ::testing::TestWithParam<Target> {};
 
 TEST_P(Findings, HoldStill) {
-    const std::string tests = POLHODE_SOURCE_DIR "/tests/";
+    const std::string tests = source_dir() + "/tests/";
     std::vector<std::string> directories = GetParam().also;
     for (const char* kind : {"seeds", "findings"})
         directories.push_back(tests + "fuzz/" + kind + "/" + GetParam().name);
@@ -43,7 +44,7 @@ TEST_P(Findings, HoldStill) {
 
 std::string name_of(const ::testing::TestParamInfo<Target>& info) { return info.param.name; }
 
-const std::string top = POLHODE_SOURCE_DIR;
+const std::string top = source_dir();
 
 INSTANTIATE_TEST_SUITE_P(
     Fuzz, Findings,

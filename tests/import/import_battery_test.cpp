@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "integrators/method.h"
+#include "places.h"
 #include "scene/scene_file.h"
 #include "text/named_file.h"
 
@@ -20,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string battery_folder = POLHODE_SOURCE_DIR "/tests/import";
+const std::string battery_folder = source_dir() + "/tests/import";
 
 // Of the motion, and rad. The solver's tolerance is 1e-12; the computed motions are good to 4e-10 where MuJoCo reduces
 // a mesh, and to 1e-11 elsewhere.

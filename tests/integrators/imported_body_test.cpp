@@ -9,12 +9,13 @@
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
 #include "motion/exact_body_of.h"
+#include "places.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
 
-const std::string body_files = POLHODE_SOURCE_DIR "/tests/scene/bodies";
+const std::string body_files = source_dir() + "/tests/scene/bodies";
 
 Scene scene_of(const std::string& body) {
     return parse_scene(R"({"name": "s", "duration": 3, "body": {)" + body +

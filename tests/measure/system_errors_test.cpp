@@ -7,6 +7,7 @@
 #include <string>
 
 #include "measure/errors.h"
+#include "motion/exact_body.h"
 
 namespace polhode {
 namespace {
@@ -318,7 +319,7 @@ RC_GTEST_PROP(SystemErrors, OfOneBodyAreThoseOfABodyAlone, ()) {
     }
     const ErrorSeries one = error_series(alone, trajectory, truth), other = error_series(several, trajectory, truth);
     for (std::size_t m = 0; m < measures().size(); ++m) {
-        if (!measures()[m].of_one_body()) continue;
+        if (!measures()[m].of_one_body) continue;
         RC_ASSERT(one[m].size() == other[m].size());
         for (std::size_t k = 0; k < one[m].size(); ++k)
             RC_ASSERT(std::abs(one[m][k] - other[m][k]) <= 1e-15 * (1 + std::abs(one[m][k])));

@@ -9,6 +9,7 @@
 #include "motion/moderate_scene.h"
 #include "motion/trajectory_csv.h"
 #include "motion/written_tables.h"
+#include "places.h"
 #include "scene/random_scene.h"
 
 namespace polhode {
@@ -226,7 +227,7 @@ TEST(BadTrajectories, EachIsRefusedInOneLineThatNamesFilePlaceAndRemedy) {
 }
 
 TEST(BadTrajectories, FilesThatCannotBeReadAreNamed) {
-    for (const char* path : {"/nowhere/run.csv", POLHODE_SOURCE_DIR}) {
+    for (const std::string& path : {std::string("/nowhere/run.csv"), source_dir()}) {
         try {
             read_trajectory(path);
             FAIL() << path;

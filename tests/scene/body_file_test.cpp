@@ -7,6 +7,7 @@
 
 #include "body/shapes.h"
 #include "body/tessellation.h"
+#include "places.h"
 #include "scene/body_source.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
@@ -15,7 +16,7 @@
 namespace polhode {
 namespace {
 
-const std::string bodies = POLHODE_SOURCE_DIR "/tests/scene/bodies";
+const std::string bodies = source_dir() + "/tests/scene/bodies";
 
 Scene scene_of(const std::string& body, const std::string& more = "") {
     return parse_scene(R"({"name": "s", "duration": 1, "body": {)" + body + "}" + more + "}", "s.json", bodies);
@@ -251,7 +252,7 @@ TEST(BodyFile, WritesWhatItRead) {
 }
 
 TEST(BodyFile, FilesAreBesideTheScene) {
-    const Scene scene = read_scene(POLHODE_SOURCE_DIR "/tests/scene/bodies/cube_scene.json");
+    const Scene scene = read_scene(source_dir() + "/tests/scene/bodies/cube_scene.json");
     EXPECT_EQ(scene.body.mass, 8);
 }
 

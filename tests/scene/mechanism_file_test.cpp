@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "places.h"
 #include "scene/random_mechanism.h"
 #include "scene/scene_file.h"
 #include "scene/scene_keys.h"
@@ -38,7 +39,7 @@ std::string fault_of_bodies(const std::string& list) {
 }
 
 std::string golden_text(const std::string& name) {
-    std::ifstream file(POLHODE_SOURCE_DIR "/tests/scene/" + name);
+    std::ifstream file(source_dir() + "/tests/scene/" + name);
     std::stringstream text;
     text << file.rdbuf();
     return text.str();

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "places.h"
 #include "scene/robot_schema.h"
 #include "scene/robot_tree.h"
 #include "scene/scene_file.h"
@@ -30,7 +31,7 @@ struct SchemaLine {
     std::vector<std::string> attributes;
 };
 std::vector<SchemaLine> schema_lines() {
-    std::ifstream file(POLHODE_SOURCE_DIR "/tests/scene/mjcf_schema.txt");
+    std::ifstream file(source_dir() + "/tests/scene/mjcf_schema.txt");
     std::vector<SchemaLine> lines;
     for (std::string line; std::getline(file, line);) {
         if (line.starts_with('#')) continue;

@@ -8,6 +8,7 @@
 
 #include "body/mass_properties.h"
 #include "body/orientation.h"
+#include "places.h"
 #include "scene/builtin.h"
 #include "scene/inertia_repair.h"
 #include "scene/robot_tree.h"
@@ -560,7 +561,7 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
 TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     const Scene built_in = find_scene("mechanisms/arm6");
     allow_outside_files(true);  // its robot lies in ../robots
-    const Scene from_file = read_scene(POLHODE_SOURCE_DIR "/experiments/scenes/mechanisms/arm6.json");
+    const Scene from_file = read_scene(source_dir() + "/experiments/scenes/mechanisms/arm6.json");
     allow_outside_files(false);
     EXPECT_EQ(write_scene(built_in), write_scene(from_file));
     ASSERT_EQ(built_in.bodies.size(), 6u);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "bad_files.h"
+#include "places.h"
 #include "scene/scene_family.h"
 #include "text/named_file.h"
 
@@ -153,7 +154,7 @@ TEST(SceneFile, MessagesTellWhatWasMeant) {
 TEST(SceneFile, FilesThatCannotBeReadAreNamed) {
     EXPECT_NE(message_of("/nowhere/scene.json").find("/nowhere/scene.json: cannot be opened: No such file"),
               std::string::npos);
-    EXPECT_NE(message_of(POLHODE_SOURCE_DIR).find("Is a directory"), std::string::npos);
+    EXPECT_NE(message_of(source_dir()).find("Is a directory"), std::string::npos);
     EXPECT_NE(message_of("/dev/zero").find("is a device and no regular file"), std::string::npos);
     const std::string message = message_of("no\nsuch\x1b[31m file \xff.json");
     EXPECT_NE(message.find("no\\nsuch\\x1b[31m file \\xff.json"), std::string::npos) << message;
@@ -161,7 +162,7 @@ TEST(SceneFile, FilesThatCannotBeReadAreNamed) {
 
 TEST(FindScene, KnowsNamesAndPathsAndNearMisses) {
     EXPECT_EQ(find_scene("free_asymmetric").name, "free_asymmetric");
-    EXPECT_EQ(find_scene(POLHODE_SOURCE_DIR "/experiments/scenes/dzhanibekov.json").name, "dzhanibekov");
+    EXPECT_EQ(find_scene(source_dir() + "/experiments/scenes/dzhanibekov.json").name, "dzhanibekov");
     try {
         find_scene("lagrange_tpo");
         FAIL();
@@ -185,7 +186,7 @@ TEST(BuiltinScenes, AreTheFilesAndValid) {
                                  "nasa_brick", "damped_spin", "stiff_drag"})
         EXPECT_NE(std::find(names.begin(), names.end(), expected), names.end()) << expected;
     for (const std::string& name : names) {
-        std::ifstream file(POLHODE_SOURCE_DIR "/experiments/scenes/" + name + ".json");
+        std::ifstream file(source_dir() + "/experiments/scenes/" + name + ".json");
         std::stringstream text;
         text << file.rdbuf();
         EXPECT_EQ(builtin_scene_text(name), text.str());

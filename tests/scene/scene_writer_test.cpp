@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "places.h"
 #include "scene/random_scene.h"
 #include "scene/scene_file.h"
 
@@ -78,7 +79,7 @@ TEST(WriteScene, WritesTheGoldenFile) {
                Drag{{0.1, 0.2, 0.3}, 5e-324, {}},
                Spring{10, {}, {}}};
     s.tolerated = {{"attitude", 1e-3}};
-    std::ifstream file(POLHODE_SOURCE_DIR "/tests/scene/golden_scene.json");
+    std::ifstream file(source_dir() + "/tests/scene/golden_scene.json");
     std::stringstream golden;
     golden << file.rdbuf();
     EXPECT_EQ(write_scene(s), golden.str());

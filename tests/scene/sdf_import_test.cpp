@@ -10,6 +10,7 @@
 #include <set>
 
 #include "body/orientation.h"
+#include "places.h"
 #include "scene/robot_file.h"
 #include "scene/robot_schema.h"
 #include "scene/robot_tree.h"
@@ -497,7 +498,7 @@ const RobotConstruct* row_of(std::string_view parent, std::string_view element, 
 }
 
 TEST(SdfConstructs, ListTheWholeSchema) {
-    std::ifstream schema(POLHODE_SOURCE_DIR "/tests/scene/sdf_schema.txt");
+    std::ifstream schema(source_dir() + "/tests/scene/sdf_schema.txt");
     std::string parent, element, attribute;
     int rows = 0;
     for (; schema >> parent >> element >> attribute; ++rows) {

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "places.h"
 #include "table/table.h"
 #include "text/decimal.h"
 
@@ -143,7 +144,7 @@ TEST(Latex, TablesCompileAndFit) {
     };
     std::ofstream(pattern + "/awkward.tex") << latex(awkward_table(), "50 % of ω & more", "tab:a_b");
     input(pattern + "/awkward.tex");
-    for (const auto& entry : fs::directory_iterator(POLHODE_SOURCE_DIR "/results")) {
+    for (const auto& entry : fs::directory_iterator(source_dir() + "/results")) {
         constexpr std::uintmax_t largest = 100'000;  // bytes
         if (entry.path().extension() != ".csv" || entry.file_size() > largest) continue;
         const std::string name = entry.path().stem().string();

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "places.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -18,7 +20,7 @@ struct Report {
 
 Report look(const std::string& script, const fs::path& tree) {
     Report report;
-    const std::string command = "'" POLHODE_SOURCE_DIR "/tests/" + script + "' '" + tree.string() + "' 2>&1";
+    const std::string command = "'" + polhode::source_dir() + "/tests/" + script + "' '" + tree.string() + "' 2>&1";
     FILE* pipe = ::popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
     if (pipe == nullptr) return report;
     for (char buffer[4096]; const std::size_t read = std::fread(buffer, 1, sizeof buffer, pipe);)
@@ -52,7 +54,7 @@ class SmallTree : public ::testing::Test {
 };
 
 TEST(IncludeGraph, GoesOneWayThroughTheHouse) {
-    const Report report = look("include_graph", POLHODE_SOURCE_DIR);
+    const Report report = look("include_graph", polhode::source_dir());
     EXPECT_EQ(report.status, 0) << report.text;
 }
 
@@ -91,7 +93,7 @@ TEST_F(SmallTree, FailsWhereEigenSeesTheProcessor) {
 }
 
 TEST(OneDefinition, OfEachType) {
-    const Report report = look("one_definition", POLHODE_SOURCE_DIR);
+    const Report report = look("one_definition", polhode::source_dir());
     EXPECT_EQ(report.status, 0) << report.text;
 }
 

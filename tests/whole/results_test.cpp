@@ -8,6 +8,8 @@
 #include <set>
 #include <string>
 
+#include "places.h"
+
 namespace polhode {
 namespace {
 
@@ -20,7 +22,7 @@ std::string content(const fs::path& path) {
 
 // names of files of results/ that pages link to, or excerpts are made of
 std::set<std::string> names_on_pages() {
-    const fs::path top = POLHODE_SOURCE_DIR;
+    const fs::path top = source_dir();
     std::set<std::string> names;
     const auto read = [&](const fs::path& page, const std::regex& link) {
         const std::string text = content(page);
@@ -44,12 +46,12 @@ std::set<std::string> names_on_pages() {
 TEST(Results, HoldWhatPagesShow) {
     const std::set<std::string> names = names_on_pages();
     std::set<std::string> others{"provenance.json", "scenes.json"};
-    std::ifstream ignored(POLHODE_SOURCE_DIR "/.gitignore");
+    std::ifstream ignored(source_dir() + "/.gitignore");
     for (std::string line; std::getline(ignored, line);)
         if (line.starts_with("/results/")) others.insert(line.substr(9));
     std::uintmax_t bytes = 0;
     int files = 0;
-    for (const auto& entry : fs::directory_iterator(POLHODE_SOURCE_DIR "/results")) {
+    for (const auto& entry : fs::directory_iterator(source_dir() + "/results")) {
         if (!entry.is_regular_file()) continue;
         const std::string name = entry.path().filename().string(), ending = entry.path().extension().string();
         if (others.contains(name)) continue;

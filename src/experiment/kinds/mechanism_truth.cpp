@@ -42,10 +42,8 @@ JointViolations<Wide> largest_violations(const Scene& scene, const Reference& tr
     JointViolations<Wide> largest;
     std::vector<BodyMotion<Wide>> motions(measure.bodies());
     for (std::size_t k = 0; k < truth.moments(); ++k) {
-        for (std::size_t b = 0; b < motions.size(); ++b) {
-            const TrueState<Wide> state = true_motion<Wide>(truth.samples[k * motions.size() + b]);
-            motions[b] = {state.q, state.angular_velocity_B, state.position_W, state.velocity_W};
-        }
+        for (std::size_t b = 0; b < motions.size(); ++b)
+            motions[b] = true_motion<Wide>(truth.samples[k * motions.size() + b]);
         const JointViolations<Wide> now = measure.violations(motions);
         largest.gap = std::max(largest.gap, now.gap), largest.turn = std::max(largest.turn, now.turn);
     }

@@ -53,7 +53,7 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
     if (!truth.available) return {truth.message, {}, {}};
     EndOfTruth end;
     const std::size_t n = scene.bodies.size(), joints = scene.joints.size();
-    std::map<std::string, TrueState<Wide>> bodies;
+    std::map<std::string, BodyMotion<Wide>> bodies;
     for (std::size_t b = 0; b < n; ++b)
         bodies[scene.bodies[b].name] = true_motion<Wide>(truth.samples[truth.samples.size() - n + b]);
     bodies["world"].q = {1, 0, 0, 0};
@@ -64,7 +64,7 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
     };
     for (const Link<Wide>& link : tree.links().links) {
         const Joint& joint = scene.joints[static_cast<std::size_t>(link.joint)];
-        const TrueState<Wide>&parent = bodies[joint.parent], &child = bodies[joint.child];
+        const BodyMotion<Wide>&parent = bodies[joint.parent], &child = bodies[joint.child];
         const Vector3<Wide> along = cast<Wide>(joint.axes[0]), axis = (1 / length(along)) * along;
         // q_child = q_parent q0 J
         const Quaternion<Wide> turned =

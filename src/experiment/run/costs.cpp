@@ -135,11 +135,11 @@ void save_truth_duration(const std::string& directory, const Plan& plan, const P
 }
 
 Table cost_table(const Plan& plan, const std::string& measured) {
-    struct Line {
+    struct CostLine {
         std::vector<std::string> named_by;
         std::optional<double> seconds;
     };
-    std::vector<Line> lines;
+    std::vector<CostLine> lines;
     Measured known;
     const auto add = [&](std::vector<std::string> named, const std::string& words) {
         lines.push_back({std::move(named), load_duration(measured, words)});
@@ -156,7 +156,7 @@ Table cost_table(const Plan& plan, const std::string& measured) {
                     add(named_by(plan, scene, curve, rank), words_of(plan, Case{&scene, &curve, rank, {}}));
         }
     Table table{Costs::columns(), {}};
-    for (const Line& line : lines) {
+    for (const CostLine& line : lines) {
         auto [seconds, source] =
             line.seconds ? std::pair(*line.seconds, std::string("measured")) : known.expected(line.named_by);
         std::vector<Cell> row(line.named_by.begin(), line.named_by.end());

@@ -13,6 +13,7 @@
 
 #include "body/orientation.h"
 #include "integrators/run/watch.h"
+#include "places.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
@@ -178,7 +179,7 @@ TEST(EngineMethods, StepsBeyondTheLimitAreNotBegun) {
 TEST(EngineMethods, AProgramThatPrintsATrajectoryIsAnEngine) {
     const ScriptedEngine itself(
         "", {{"command",
-              {POLHODE_PROGRAM, "solve", "/dev/stdin", "--method", "gyroscopic_implicit", "--samples", "{samples}"}},
+              {program_path(), "solve", "/dev/stdin", "--method", "gyroscopic_implicit", "--samples", "{samples}"}},
              {"by_step", {"--step", "{step}"}}});
     const Scene scene = find_scene("mujoco_box");
     Settings settings;

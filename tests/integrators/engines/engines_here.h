@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "integrators/engines/engine_methods.h"
+#include "places.h"
 
 namespace polhode {
 
 inline const std::vector<EngineMethod>& engines_here() {
     static const std::vector<EngineMethod> all = [] {
         std::vector<EngineMethod> here;
-        const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
+        const auto list = std::filesystem::path(program_path()).parent_path() / "engines" / "engines.json";
         if (!std::filesystem::exists(list)) return here;
         for (EngineMethod& engine : read_engines(list.string())) {
             const EngineReport report = engine.inspect(nullptr);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "motion/trajectory_csv.h"
+#include "places.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
@@ -24,7 +25,7 @@ Trajectory solved_by(const std::string& script, Settings settings = {}) {
 
 std::shared_ptr<const Method> polhode_itself(const std::string& method) {
     EngineCommand command;
-    command.arguments = {POLHODE_PROGRAM, "solve", "/dev/stdin", "--method", method, "--samples", "{samples}"};
+    command.arguments = {program_path(), "solve", "/dev/stdin", "--method", method, "--samples", "{samples}"};
     command.by_step = {"--step", "{step}"}, command.by_tolerance = {"--tolerance", "{tolerance}"};
     return external_method({.name = "itself_" + method, .planes = true}, command);
 }

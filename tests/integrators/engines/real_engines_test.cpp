@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "body/orientation.h"
+#include "places.h"
 #include "scene/scene_file.h"
 #include "tests/integrators/engines/engines_here.h"
 
@@ -193,7 +194,7 @@ TEST(RealEngines, BounceFromAPlane) {
 // The body that is made is the one asked for, and the same question has the same answer, from another process too.
 TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
     SKIP_WITHOUT_ENGINES();
-    const auto list = std::filesystem::path(POLHODE_PROGRAM).parent_path() / "engines" / "engines.json";
+    const auto list = std::filesystem::path(program_path()).parent_path() / "engines" / "engines.json";
     const std::vector<EngineMethod> others = read_engines(list.string());
     for (const EngineMethod& engine : engines_here()) {
         SCOPED_TRACE(engine.method->name);

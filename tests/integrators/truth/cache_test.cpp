@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "integrators/truth/fresh_cache.h"
+#include "places.h"
 
 namespace polhode::truth {
 namespace {
@@ -104,8 +105,8 @@ TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
                                         "integrators/truth"};
     int files = 0;
     for (const std::string& folder : folders) {
-        EXPECT_NE(read(POLHODE_SOURCE_DIR "/integrators/CMakeLists.txt").find(folder), std::string::npos) << folder;
-        for (const auto& entry : std::filesystem::directory_iterator(POLHODE_SOURCE_DIR "/" + folder)) {
+        EXPECT_NE(read(source_dir() + "/integrators/CMakeLists.txt").find(folder), std::string::npos) << folder;
+        for (const auto& entry : std::filesystem::directory_iterator(source_dir() + "/" + folder)) {
             // the method `truth` hands on what is computed, and computes none of it
             if (!entry.is_regular_file() || entry.path().filename() == "truth_method.cpp") continue;
             std::istringstream lines(read(entry.path().string()));

@@ -1,0 +1,41 @@
+// Files of several bodies, and the truth that stands in for what they do not tell.
+#include "check/judge.h"
+
+namespace polhode {
+
+std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<std::size_t> places;
+    for (const std::string& name : file.bodies) places.push_back(static_cast<std::size_t>(body_index(scene, name)));
+    // a file without a column `body` is of the only one
+    if (places.empty()) places.push_back(0);
+    return places;
+}
+
+std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file) {
+    std::vector<std::string> missing = body_names(scene);
+    for (const std::size_t b : bodies_of_file(scene, file)) missing[b].clear();
+    std::erase(missing, std::string());
+    return missing;
+}
+
+Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
+    const std::vector<std::size_t> places = bodies_of_file(scene, file);
+    std::vector<Vector3<double>> centers;
+    for (const std::size_t b : places) centers.push_back(scene.bodies[b].body.center_of_mass);
+    const std::vector<Sample> told = samples_of(file, centers);
+    const std::size_t n = scene.bodies.size();
+    Trajectory trajectory;
+    trajectory.bodies = static_cast<int>(n);
+    for (const ReferenceSample& sample : truth.samples) trajectory.samples.push_back(sample.rounded());
+    for (std::size_t i = 0; i < told.size(); ++i) {
+        Sample& own = trajectory.samples[i / places.size() * n + places[i % places.size()]];
+        const Sample right = own;
+        own = told[i];
+        if (!file.has_angular_velocity) own.angular_velocity_B = right.angular_velocity_B;
+        if (!file.has_position && !file.has_origin) own.position_W = right.position_W;
+        if (!file.has_velocity) own.velocity_W = right.velocity_W;
+    }
+    return trajectory;
+}
+
+}  // namespace polhode

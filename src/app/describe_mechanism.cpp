@@ -278,18 +278,6 @@ void import_notes(Report& report, const Scene& scene) {
     list("Assumptions of the import", scene.assumed);
 }
 
-void kept(Report& report, const Problem& problem) {
-    report.title("Invariants, with their values at t = 0");
-    const std::vector<SystemConserved> all = conserved_by_mechanism(problem);
-    if (all.empty()) report.line("none known: loads, joints or time change energy and momenta");
-    for (const SystemConserved& one : all) {
-        const std::vector<double>& v = one.value;
-        report.line(one.name,
-                    (v.size() == 3 ? text(Vector3<double>(v[0], v[1], v[2])) : number(v[0])) + "; " + one.formula);
-        if (one.direction) report.line("", "u = " + text(*one.direction) + ", world axes");
-    }
-}
-
 }  // namespace
 
 void description::mechanism(Report& report, const Problem& problem) {
@@ -305,7 +293,7 @@ void description::mechanism(Report& report, const Problem& problem) {
     report.title("Truth");
     report.line("by", std::string(truth_method(problem)) +
                           " in joint coordinates and, separately written, in maximal coordinates with multipliers");
-    kept(report, problem);
+    invariants(report, problem);
 }
 
 }  // namespace polhode

@@ -14,7 +14,6 @@
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
-#include "motion/conserved.h"
 #include "motion/contact.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
@@ -140,23 +139,6 @@ void system_posed(Report& report, const Problem& problem) {
     report.title("Left out, and why");
     if (needs.left_out.empty()) report.line("nothing");
     for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
-}
-
-void invariants(Report& report, const Problem& problem) {
-    report.title("Invariants, with their values at t = 0");
-    const std::vector<Conserved> all = conserved(problem);
-    if (all.empty()) report.line("none: the loads change energy and every component of momentum");
-    for (const Conserved& one : all) {
-        const bool vector = one.value.size() == 3;
-        std::string value =
-            vector ? text(Vector3<double>(one.value[0], one.value[1], one.value[2])) : number(one.value[0]);
-        report.line(one.name, value + "; " + one.formula);
-        if (one.kind == ConservedKind::angular_momentum_component ||
-            one.kind == ConservedKind::linear_momentum_component)
-            report.line("", "u = " + text(one.direction) + ", world axes");
-        if (one.kind == ConservedKind::spin)
-            report.line("", "e = " + text(one.direction) + ", axes of the system posed");
-    }
 }
 
 void polhode_drawing(Report& report, const Problem& problem) {

@@ -9,6 +9,7 @@
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
+#include "motion/conserved.h"
 
 namespace polhode {
 namespace {
@@ -76,6 +77,25 @@ void description::choice(Report& report, const Problem& problem) {
         report.line(found.stiff() ? "stiff" : "not stiff",
                     fmt::format("{:.3g} decay times of what decays fastest, while the body turns by {:.3g} rad",
                                 found.decays, found.turning));
+}
+
+void description::invariants(Report& report, const Problem& problem) {
+    report.title("Invariants, with their values at t = 0");
+    const std::vector<Conserved> all = conserved(problem);
+    if (all.empty())
+        report.line(is_mechanism(problem.scene) ? "none known: loads, joints or time change energy and momenta"
+                                                : "none: the loads change energy and every component of momentum");
+    for (const Conserved& one : all) {
+        const bool vector = one.value.size() == 3;
+        std::string value =
+            vector ? text(Vector3<double>(one.value[0], one.value[1], one.value[2])) : number(one.value[0]);
+        report.line(one.name, value + "; " + one.formula);
+        if (one.kind == ConservedKind::angular_momentum_component ||
+            one.kind == ConservedKind::linear_momentum_component)
+            report.line("", "u = " + text(one.direction) + ", world axes");
+        if (one.kind == ConservedKind::spin)
+            report.line("", "e = " + text(one.direction) + ", axes of the system posed");
+    }
 }
 
 // How small changes of the start grow, and so from when on an engine's error says nothing about the engine.

@@ -44,6 +44,8 @@ class Report {
 void loads(Report& report, const Scene& scene);
 /// A block of the method that auto takes.
 void choice(Report& report, const Problem& problem);
+/// A block of what the motion keeps.
+void invariants(Report& report, const Problem& problem);
 /// How much of a scene's conditioning is computed.
 enum class ConditioningBudget {
     brief,  ///< what a fixed number of steps reaches: a fraction of a second

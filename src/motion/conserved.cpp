@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "body/elementary.h"
+#include "motion/conserved_by_mechanism.h"
 #include "motion/contact.h"
 #include "motion/systems.h"
 
@@ -352,6 +353,7 @@ Sample first_sample(const Problem& problem) {
 }  // namespace
 
 std::vector<Conserved> conserved(const Problem& problem) {
+    if (is_mechanism(problem.scene)) return conserved_by_mechanism(problem);
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
     const auto keep = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,

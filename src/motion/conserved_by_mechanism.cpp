@@ -146,7 +146,7 @@ std::optional<V3> line_of_turning(const Scene& scene, const std::vector<Sample>&
 
 }  // namespace
 
-std::vector<SystemConserved> conserved_by_mechanism(const Problem& problem) {
+std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     const Scene& scene = problem.scene;
     MechanismModel model = mechanism_of(problem);
     std::vector<double> y(static_cast<std::size_t>(model.dimension()));
@@ -160,27 +160,30 @@ std::vector<SystemConserved> conserved_by_mechanism(const Problem& problem) {
     JointCoordinates coordinates(scene);
     const SystemInvariants<double> at_start = measure.invariants(0, motions, coordinates);
 
-    std::vector<SystemConserved> found;
-    const auto keep = [&](const char* name, const char* formula, const V3& value) {
-        found.push_back({name, formula, {value[0], value[1], value[2]}, {}});
+    std::vector<Conserved> found;
+    const auto keep = [&](ConservedKind kind, const char* name, const char* formula, const V3& value,
+                          const V3& direction = {}) {
+        found.push_back({kind, name, formula, {value[0], value[1], value[2]}, nullptr, direction});
     };
-    const auto keep_across = [&](const Changes& changes, const char* whole, const char* part, const char* formula,
-                                 const V3& value) {
-        if (changes.none()) keep(whole, formula, value);
+    const auto keep_across = [&](const Changes& changes, ConservedKind whole, ConservedKind part, const char* name,
+                                 const char* formula, const V3& value) {
+        if (changes.none()) keep(whole, name, formula, value);
         if (changes.any || !changes.along) return;
         const V3& u = *changes.along;
-        keep(part, formula, value - dot(value, u) * u);
-        found.back().direction = u;
+        keep(part, (std::string(name) + " across u").c_str(), formula, value - dot(value, u) * u, u);
     };
-    if (adds_up_to_energy(problem)) found.push_back({"energy", "E, kinetic and potential, J", {at_start.energy}, {}});
+    if (adds_up_to_energy(problem))
+        found.push_back(
+            {ConservedKind::energy, "energy", "E, kinetic and potential, J", {at_start.energy}, nullptr, {}});
     if (!measure.tied()) {
         Changes linear, angular;
         for (const Load& load : scene.loads)
             std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
-        keep_across(angular, "angular momentum", "angular momentum across u",
-                    "L about the centre of mass of all, world axes, kg m^2/s", at_start.angular_momentum_W);
-        keep_across(linear, "linear momentum", "linear momentum across u", "p of all, world axes, kg m/s",
-                    at_start.linear_momentum_W);
+        keep_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
+                    "angular momentum", "L about the centre of mass of all, world axes, kg m^2/s",
+                    at_start.angular_momentum_W);
+        keep_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
+                    "p of all, world axes, kg m/s", at_start.linear_momentum_W);
         return found;
     }
     std::optional<V3> line = line_of_turning(scene, before);
@@ -201,12 +204,15 @@ std::vector<SystemConserved> conserved_by_mechanism(const Problem& problem) {
     }
     if (!other.none()) return found;
     if (is_zero(*line)) {
-        keep("angular momentum", "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
+        keep(ConservedKind::angular_momentum, "angular momentum", "L about the world's origin, world axes, kg m^2/s",
+             at_start.angular_momentum_W);
         return found;
     }
-    found.push_back({"angular momentum along u",
+    found.push_back({ConservedKind::angular_momentum_component,
+                     "angular momentum along u",
                      "L . u about the world's origin, kg m^2/s",
                      {dot(at_start.angular_momentum_W, *line)},
+                     nullptr,
                      *line});
     return found;
 }

@@ -6,24 +6,17 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "motion/conserved.h"
 #include "motion/problem.h"
 
 namespace polhode {
-
-/// A quantity that stays what it is at t = 0+ (after any impulse there) until the end.
-struct SystemConserved {
-    std::string name;                          ///< "energy", "angular momentum along u", ..
-    std::string formula;                       ///< what it is, with units
-    std::vector<double> value;                 ///< one number, or three of a vector in world axes
-    std::optional<Vector3<double>> direction;  ///< u, where the name says so; unit, world axes
-};
 
 /// Energy where nothing but potentials acts, all the time; of a system in flight the momentum p and the angular
 /// momentum L about its centre of mass, or what is left of them across the one direction that loads change them in; of
 /// one tied to the world L about the line u through the world's origin, where it hangs on hinges along that line or on
 /// points of it, free of springs, dampers and motors, and gravity lies along it. Directions count as equal within
 /// 1e-12. There may be others. `problem`: a posed mechanism.
-std::vector<SystemConserved> conserved_by_mechanism(const Problem& problem);
+std::vector<Conserved> conserved_by_mechanism(const Problem& problem);
 
 /// The normal (unit, world axes) of the planes in which all bodies stay for whatever loads: all hinges are parallel to
 /// it, all slides across it, and nothing else lets a body move. Empty where they need not stay in planes.

@@ -102,6 +102,10 @@ ModelState EngineModel::start() const {
 bool EngineModel::takes(const UpdateRule& rule, int steps) const {
     if (uses_row_rate() && (steps < 2 || rule.rate == RateUpdate::accurate || !rule.by_new_rate)) return false;
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
+    // where the attitude turns by the old rate, or all at once, the order makes no difference
+    if (fault_.damped_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
+                               rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
+        return false;
     // L by a tensor that is fixed in the world is w: an engine without a gyroscopic term
     if (fault_.tensor == WorldTensor::fixed && rule.rate == RateUpdate::momentum) return false;
     // a rate that follows from L is not integrated in axes of its own
@@ -115,11 +119,36 @@ bool EngineModel::has_event(double t, double dt) const {
                        [&](const Segment& segment) { return t < segment.begin && segment.begin <= t + dt; });
 }
 
+// What torques in the wrong axes, and arms in them, add to the scene's torque (world axes).
+Vector EngineModel::misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,
+                                const Matrix3<double>& A) const {
+    Vector more;
+    if (fault_.drag_in_world && loads.forcing().has_damping) {
+        const Vector& w_B = s.angular_velocity_B;
+        more = more + A * (loads.forcing().damping * w_B) - loads.forcing().damping * (A * w_B);
+    }
+    if (fault_.spring != TorqueAxes::own)
+        for (const SpringTorque<double>& spring : loads.forcing().springs) {
+            const Quaternion<double> r = conjugate(spring.rest) * s.q;
+            const Vector in_body = (-2 * spring.stiffness * r.w) * vector_part(r), in_world = A * in_body;
+            more = more + (fault_.spring == TorqueAxes::body_in_world ? in_body : A * in_world) - in_world;
+        }
+    if (fault_.arm_not_rotated)
+        for (const Load& load : problem_.scene.loads) {
+            const auto* force = std::get_if<Force>(&load);
+            if (!force || force->point_frame != Frame::body || !acts(force->window, t)) continue;
+            const Vector arm = force->point - problem_.scene.pivot.value_or(center_);
+            const Vector force_W = force->frame == Frame::body ? A * force->vector : force->vector;
+            more = more + cross(arm - A * arm, force_W);
+        }
+    return more;
+}
+
 EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double t, const ModelState& s) const {
     const Matrix3<double> A = rotation_matrix(s.q);
     const Vector torque = loads.torque_W(
         t, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
-    Action a{transposed(A) * torque, {}};
+    Action a{transposed(A) * (torque + misdirected(loads, t, s, A)), {}};
     if (!problem_.body.pivoted) a.acceleration_W = loads.acceleration_W(A, s.velocity_W);
     return a;
 }
@@ -207,6 +236,9 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
+        case TurnedBy::world_rate_in_body_w_in_body:
+            s.q = normalized(s.q * factor(rotate(s.q, by)));
+            break;
         case TurnedBy::first_rate_of_row_w_in_world: {
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
             s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
@@ -305,8 +337,8 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
         default:
             w = turned(I, old_w + by_loads, h, rule);
     }
-    s.angular_velocity_B = damped(w, t, h);
-    limit(s, t);
+    s.angular_velocity_B = fault_.damped_last ? w : damped(w, t, h);
+    if (!fault_.damped_last) limit(s, t);
     turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
         s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
@@ -314,6 +346,10 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
     } else if (fault_.tensor != WorldTensor::turned && !rule.by_new_rate) {
         // the rate is kept in world axes
         s.angular_velocity_B = rotate_back(s.q, rotate(old.q, s.angular_velocity_B));
+    }
+    if (fault_.damped_last) {
+        s.angular_velocity_B = damped(s.angular_velocity_B, t, h);
+        limit(s, t);
     }
     const Vector further = translate(s, old, a.acceleration_W, h);
     place_at_pivot(s);
@@ -345,6 +381,7 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
             // w_W is what changes by torques alone
             r.w = r.w - cross(turning, w);
         }
+        if (fault_.turned_by == TurnedBy::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
         if (fault_.no_rotation) turning = {};
         r.q = attitude_rate(0.5, y.q, turning);
         r.p = fault_.no_translation ? Vector() : y.velocity_W;

@@ -86,6 +86,8 @@ class EngineModel {
     // what the engine takes for the tensor in body axes at an attitude
     BodyInertia<double> inertia(const Quaternion<double>& q) const;
     bool is_coasting(double t) const;
+    Vector3<double> misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,
+                                const Matrix3<double>& A) const;
     Vector3<double> damped(const Vector3<double>& w, double t, double h) const;
     Action action(const WorldLoads<double>& loads, double t, const ModelState& s) const;
     Vector3<double> step(ModelState& s, const WorldLoads<double>& loads, double t, double h,

@@ -104,7 +104,8 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         const double size = checked.judgement.size[measure_index(verdict.block->measure)];
         // the limit in the unit that the measure has
         const double of_size = measure.is_relative() || !verdict.limit.relative ? 1 : size;
-        const double per_size = measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
+        const double per_size =
+            measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
         if (const double allowed = verdict.limit.value * of_size / per_size; std::isfinite(allowed) && allowed > 0)
             panel.guides.push_back({"allowed", {}, {allowed}});
         if (verdict.block->name == "attitude" && checked.until > 0 && !several) {

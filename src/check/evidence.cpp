@@ -225,6 +225,13 @@ ModelState FileEvidence::state(const Cause& cause, std::size_t k) const {
     return s;
 }
 
+// How exactly a position (m) is known: what a file has of the origin is the difference of numbers as large as its
+// distance from the centre of mass.
+double FileEvidence::position_noise(const Cause& cause, const ModelState& s) const {
+    const double from_origin = cause.reading.origin ? length(sound_.scene.body.center_of_mass) : 0;
+    return noise_ * (length(s.position_W) + from_origin);
+}
+
 // Converts the velocity of the body's origin to that of its centre of mass, where the cause says that the file has the
 // former.
 void FileEvidence::use_center(const Cause& cause, const Vector& w_B, ModelState& s) const {
@@ -262,7 +269,9 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
         ask(Question::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
     }
-    if (file_->has_position || file_->has_origin) ask(Question::start_position, start.position_W, f.position_W);
+    const double blur = 3 * position_noise(cause, f);
+    if ((file_->has_position || file_->has_origin) && (length(start.position_W) > blur || length(f.position_W) > blur))
+        ask(Question::start_position, start.position_W, f.position_W);
     if (file_->has_velocity) ask(Question::start_velocity, start.velocity_W, f.velocity_W);
 }
 
@@ -315,7 +324,7 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
         for (int i = 0; i < 3; ++i)
             places[static_cast<std::size_t>(i)].add(
                 answer(apart(next.position_W - (0.5 * i) * further, f.position_W, base.position_W),
-                       noise_ * length(f.position_W) / std::max(moved, 1e-300)));
+                       position_noise(cause, f) / std::max(moved, 1e-300)));
     }
     attitude.give(r, Question::attitude), rate.give(r, Question::rate), velocity.give(r, Question::velocity);
     // no credit for one step that happens to be nearer than all others
@@ -362,7 +371,7 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
             places[static_cast<std::size_t>(i)].add(
                 answer(relative(length(s.position_W - (0.5 * i) * further - f.position_W), went,
                                 length(f.position_W - start.position_W)),
-                       noise_ * length(f.position_W) / std::max(went, 1e-300)));
+                       position_noise(cause, f) / std::max(went, 1e-300)));
         if (file_->has_velocity) velocity.add(answer(relative(length(s.velocity_W - f.velocity_W), change, 0), noise_));
         if (turned > 20 && (k > first_event || first_event == last_)) break;
     }

@@ -87,6 +87,7 @@ class FileEvidence {
     void choose_windows();
     void compare_plainly();
     ModelState state(const Cause& cause, std::size_t row) const;
+    double position_noise(const Cause& cause, const ModelState& s) const;
     void use_center(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
     bool same(std::size_t a, std::size_t b) const;
     void ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;

@@ -243,6 +243,47 @@ bool from_center(Cause& c, double) {
     });
     return any;
 }
+// points of body axes on the other side of the centre of mass (or the pivot): the torque has the opposite sign
+template <class T>
+bool arm_negated(Cause& c, double) {
+    bool any = false;
+    const Vector3<double> center = c.scene.pivot.value_or(c.scene.body.center_of_mass);
+    each<T>(c.scene, [&](T& load) {
+        if (load.point_frame == Frame::body && length(load.point - center) > 0)
+            any = true, load.point = 2.0 * center - load.point;
+    });
+    return any;
+}
+// a point of body axes taken for one of the world, and the reverse
+template <class T, Frame written>
+bool point_in_other_frame(Cause& c, double) {
+    bool any = false;
+    each<T>(c.scene, [&](T& load) {
+        if (load.point_frame == written)
+            any = true, load.point_frame = written == Frame::body ? Frame::world : Frame::body;
+    });
+    return any;
+}
+inline bool arm_in_world(Cause& c, double) {
+    c.engine.arm_not_rotated = true;
+    const Vector3<double> center = c.scene.pivot.value_or(c.scene.body.center_of_mass);
+    return has_load(c.scene, [&](const Load& load) {
+        const Force* force = std::get_if<Force>(&load);
+        return force && force->point_frame == Frame::body && length(force->point - center) > 0;
+    });
+}
+inline bool drag_in_world(Cause& c, double) {
+    c.engine.drag_in_world = true;
+    return has_load(c.scene, [](const Load& load) {
+        const Drag* drag = std::get_if<Drag>(&load);
+        return drag && (drag->rotational[0] != drag->rotational[1] || drag->rotational[1] != drag->rotational[2]);
+    });
+}
+template <TorqueAxes axes>
+bool spring_in_other_axes(Cause& c, double) {
+    c.engine.spring = axes;
+    return has<Spring>(c.scene);
+}
 // a field of the world that turns with the body: a force at the centre of mass, in body axes
 inline bool gravity_in_body_axes(Cause& c, double) {
     bool any = false;

@@ -32,6 +32,8 @@ enum class TurnedBy {
     own_rate,            ///< dq/dt = 1/2 q w_B, as it should be
     body_rate_in_world,  ///< dq/dt = 1/2 w_B q: the rate in body axes, multiplied on the world's side
     world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the body's side
+    /// The same of an engine that integrates w in body axes, and converts it to world axes to turn the attitude.
+    world_rate_in_body_w_in_body,
     /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in world axes.
     first_rate_of_row_w_in_world,
     /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in body axes.
@@ -63,6 +65,13 @@ enum class InPlace {
     world_rate,  ///< of w_W q
 };
 
+/// In which axes an engine applies a torque that it computes in axes of its own.
+enum class TorqueAxes {
+    own,
+    body_in_world,  ///< its components in body axes are taken for those in world axes
+    world_in_body,  ///< its components in world axes are taken for those in body axes
+};
+
 /// What a limit on the angular velocity holds.
 enum class LimitOf {
     length,      ///< |w|
@@ -73,21 +82,25 @@ enum class LimitOf {
 /// What an engine does to Euler's equations and to the attitude's beside what the scene says:
 /// I dw/dt = tau - gyroscopic w x I w - angular_damping I w, dv/dt = .. - linear_damping v, |w| <= speed_limit.
 struct EngineFault {
-    double gyroscopic = 1;                                         ///< 0: no term; -1: its sign is reversed
-    double angular_damping = 0;                                    ///< 1/s
-    Vector3<double> axis_damping_B;                                ///< 1/s, of each component of w_B, beside the other
-    double linear_damping = 0;                                     ///< 1/s
+    double gyroscopic = 1;                ///< 0: no term; -1: its sign is reversed; 2: twice
+    TorqueAxes spring = TorqueAxes::own;  ///< of the springs' torque
+    bool drag_in_world = false;           ///< coefficients of rotational drag in body axes are used along world axes
+    bool arm_not_rotated = false;         ///< arms of forces in body axes are used in world axes
+    double angular_damping = 0;           ///< 1/s
+    Vector3<double> axis_damping_B;       ///< 1/s, of each component of w_B, beside the other
+    double linear_damping = 0;            ///< 1/s
     double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
     LimitOf limit_of = LimitOf::length;                            ///< what the limit holds
     bool only_coasting = false;                                    ///< both act only where no torque or force does
-    WorldTensor tensor = WorldTensor::turned;                      ///< the inertia tensor in world axes
-    double turn = 1;                                               ///< factor of the rate that turns the attitude
-    TurnedBy turned_by = TurnedBy::own_rate;                       ///< which rate that is
-    double time = 1;                                               ///< so much time passes in a second of its clock
-    InPlace in_place = InPlace::none;                              ///< how the quaternion is overwritten
-    OriginTerms origin;                                            ///< how the origin's acceleration is computed
-    bool no_rotation = false;                                      ///< the attitude stays as it is
-    bool no_translation = false;                                   ///< the position stays as it is
+    bool damped_last = false;  ///< damping and limit act at the end of a step, after the attitude has turned
+    WorldTensor tensor = WorldTensor::turned;  ///< the inertia tensor in world axes
+    double turn = 1;                           ///< factor of the rate that turns the attitude
+    TurnedBy turned_by = TurnedBy::own_rate;   ///< which rate that is
+    double time = 1;                           ///< so much time passes in a second of its clock
+    InPlace in_place = InPlace::none;          ///< how the quaternion is overwritten
+    OriginTerms origin;                        ///< how the origin's acceleration is computed
+    bool no_rotation = false;                  ///< the attitude stays as it is
+    bool no_translation = false;               ///< the position stays as it is
 };
 
 /// A file explained: how to read it, the scene that its engine was given, and what the engine does.

@@ -59,28 +59,47 @@ std::optional<double> fall_towards(const Scene& scene, const Vector3<double>& no
     return sum;
 }
 
-// A row and the next, between which a body that does not turn comes back from a plane or stops there.
+// A row and the next, between which a body comes back from a plane or stops there.
 struct Bounce {
     double before = 0, after = 0;  // speed towards the plane, speed away from it, m/s
     double distance = 0;           // of the first row, m
+    double next_distance = 0;      // of the second row, m
     double h = 0;                  // s
     bool is_late = false;          // the first row is the first inside the plane, by the way of a step at most
 };
 
-// The bounces of a body that does not turn: then all of its points have one velocity.
+// Whether the normal through a contact passes through the centre of mass: an impact without friction then changes no
+// rotation, and the normal speed of the contact is that of the centre of mass.
+bool is_without_arm(const ContactGeometry<double>& geometry, std::size_t plane, std::size_t piece,
+                    const Placement<double>& at) {
+    const Vector3<double>& normal_W = geometry.planes[plane].normal_W;
+    const Vector3<double> arm_W = rotate(at.q, geometry.pieces[piece].lowest_point(rotate_back(at.q, normal_W)));
+    return length(cross(arm_W, normal_W)) <= 1e-9 * geometry.reach * length(normal_W);
+}
+
+// The bounces of a body whose impacts change no rotation, or that does not rotate at all.
 std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::size_t plane, const TrajectoryFile& file,
                                const std::vector<Placement<double>>& rows) {
     std::vector<Bounce> all;
     for (std::size_t k = 1; k + 1 < rows.size(); ++k) {
-        if (length(rows[k].angular_velocity_W) > 0 || length(rows[k + 1].angular_velocity_W) > 0) return {};
         const Approach now = approach(geometry, plane, rows[k]), next = approach(geometry, plane, rows[k + 1]);
         const double h = file.rows[k + 1].t - file.rows[k].t;
         if (!(now.rate < 0 && next.rate >= 0 && now.distance < -2 * now.rate * h + 1e-9)) continue;
+        const bool rotates = length(rows[k].angular_velocity_W) > 0 || length(rows[k + 1].angular_velocity_W) > 0;
+        if (rotates && !(is_without_arm(geometry, plane, now.piece, rows[k]) &&
+                         is_without_arm(geometry, plane, next.piece, rows[k + 1])))
+            return {};
         const bool is_late = now.distance < 0 && approach(geometry, plane, rows[k - 1]).distance >= 0 &&
                              -now.distance < -1.1 * now.rate * h;
-        all.push_back({-now.rate, next.rate, now.distance, h, is_late});
+        all.push_back({-now.rate, next.rate, now.distance, next.distance, h, is_late});
     }
     return all;
+}
+
+// The energy that a bounce adds (of a unit mass, J/kg) beside what a rebound from the plane at the restitution leaves.
+double energy_gained(const Bounce& b, double fall, double restitution) {
+    const double at_contact = b.before * b.before / 2 + fall * b.distance;
+    return b.after * b.after / 2 + fall * b.next_distance - restitution * restitution * at_contact;
 }
 
 double share(const std::vector<Bounce>& bounces, auto&& is) {
@@ -93,8 +112,8 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-// What an engine does to bounces of a body that falls on a plane and does not turn. `returned`: the measured
-// restitutions of impacts.
+// What an engine does to bounces of a body that falls on a plane, whose rotation they do not change. `returned`: the
+// measured restitutions of impacts.
 std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const std::vector<double>& returned,
                                       double gravity, double restitution, std::size_t plane) {
     constexpr double most = 0.7;
@@ -108,9 +127,21 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
             if (b.after > 1e-9 * b.before) slowest = std::min(slowest, b.before);
         return slowest;
     }();
+    std::vector<Bounce> fast;
+    std::ranges::copy_if(bounces, std::back_inserter(fast),
+                         [&](const Bounce& b) { return b.before > 4 * gravity * b.h; });
+    if (fast.size() >= 2 && share(fast, [](const Bounce& b) { return b.is_late; }) >= 0.9)
+        return Diagnosis{
+            "bounce_late",
+            fmt::format("all {} bounces on plane {} come a step late: the body is behind the plane before, "
+                        "by up to the way of a step; find the time of contact within the step",
+                        fast.size(), plane),
+            "", 1, 0};
     if (gravity > 0 && restitution > 0) {
+        // an engine that leaves the body where the step has brought it, inside the plane, loses what the speed gains
         const auto by_whole_step = [&](const Bounce& b) {
-            return comes_back_with(b, restitution * (b.before + gravity * b.h));
+            return comes_back_with(b, restitution * (b.before + gravity * b.h)) &&
+                   energy_gained(b, gravity, restitution) > 0.2 * restitution * restitution * gravity * b.h * b.before;
         };
         if (share(bounces, by_whole_step) >= most)
             return Diagnosis{
@@ -139,16 +170,6 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
                             "threshold of speed; lower the engine's threshold for restitution",
                             plane, b.before),
                 "", 1, 0};
-    std::vector<Bounce> fast;
-    std::ranges::copy_if(bounces, std::back_inserter(fast),
-                         [&](const Bounce& b) { return b.before > 4 * gravity * b.h; });
-    if (fast.size() >= 2 && share(fast, [](const Bounce& b) { return b.is_late; }) >= 0.9)
-        return Diagnosis{
-            "bounce_late",
-            fmt::format("all {} bounces on plane {} come a step late: the body is behind the plane before, "
-                        "by up to the way of a step; find the time of contact within the step",
-                        fast.size(), plane),
-            "", 1, 0};
     return {};
 }
 
@@ -276,11 +297,15 @@ class Penetration {
 }  // namespace
 
 std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& file) {
-    if (scene.planes.empty() || !scene.body.source || !file.has_angular_velocity || !file.has_velocity ||
-        !(file.has_position || file.has_origin) || file.rows.size() < 3)
+    if (scene.planes.empty() || !scene.body.source || !file.has_velocity || !(file.has_position || file.has_origin) ||
+        file.rows.size() < 3)
         return {};
     const ExactBody<double> body = exact_body<double>(scene);
     const ContactGeometry<double> geometry = contact_geometry<double>(scene, body.center, {});
+    // how a ball about its centre of mass rotates does not matter
+    if (!file.has_angular_velocity &&
+        !(geometry.pieces.size() == 1 && is_without_arm(geometry, 0, 0, {{}, {}, {}, {}})))
+        return {};
     const double gravity = gravity_of(scene);
     std::vector<Placement<double>> rows;
     for (const TrajectoryRow& row : file.rows) {
@@ -307,7 +332,9 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
                 if (-now.distance > deepest) deepest = -now.distance, deepest_at = file.rows[k].t;
             } else
                 inside = 0;
-            const double spin = dot(rows[k].angular_velocity_W, rows[k].angular_velocity_W) * geometry.reach;
+            const double spin = is_without_arm(geometry, plane, now.piece, rows[k])
+                                    ? 0
+                                    : dot(rows[k].angular_velocity_W, rows[k].angular_velocity_W) * geometry.reach;
             if (k > 0) penetration.add(file.rows[k].t, dt, now, (gravity + spin) * dt, geometry.reach);
             if (k + 1 == rows.size()) continue;
             const double ahead = file.rows[k + 1].t - file.rows[k].t;

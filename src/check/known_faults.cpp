@@ -206,6 +206,8 @@ std::vector<Hypothesis> engine_faults() {
                "turn the engine's gyroscopic term on", [](EngineFault& e, double) { e.gyroscopic = 0; }),
         engine("gyroscopic_term_reversed", S::gyroscopic, "the gyroscopic term has the wrong sign",
                "let I dw/dt = tau - w x I w", [](EngineFault& e, double) { e.gyroscopic = -1; }),
+        engine("gyroscopic_term_twice", S::gyroscopic, "the gyroscopic term is applied twice",
+               "let I dw/dt = tau - w x I w", [](EngineFault& e, double) { e.gyroscopic = 2; }),
         engine("attitude_turned_at_half_rate", S::turn, "the attitude turns at half the rate that w says",
                "let dq/dt = 1/2 w q, with the half once", [](EngineFault& e, double) { e.turn = 0.5; }),
         engine("attitude_turned_at_twice_the_rate", S::turn, "the attitude turns at twice the rate that w says",
@@ -220,6 +222,11 @@ std::vector<Hypothesis> engine_faults() {
                "the attitude is turned by the rate in world axes on the body's side: q w in place of w q",
                "let q go on as w q for a rate in world axes",
                [](EngineFault& e, double) { e.turned_by = TurnedBy::world_rate_in_body; }),
+        engine("world_rate_multiplied_on_the_right", S::turn,
+               "the attitude is turned by the rate in world axes on the body's side, q w in place of w q, and w is "
+               "integrated in body axes",
+               "let q go on as w q for a rate in world axes",
+               [](EngineFault& e, double) { e.turned_by = TurnedBy::world_rate_in_body_w_in_body; }),
         engine("quaternion_updated_in_place", S::turn,
                "the quaternion is updated in place: the new qw is used for qx, both for qy, and so on (body rate)",
                "keep the old components until all four are computed",
@@ -260,6 +267,21 @@ std::vector<Hypothesis> engine_faults() {
                "raise the engine's limit on angular speed",
                engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.limit_of = LimitOf::world_axes; }),
                component_limits<LimitOf::world_axes>),
+        fitted("speed_clamped", S::limit, "the angular speed is clamped at {} rad/s at the end of each step",
+               "raise the engine's limit on angular speed",
+               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.damped_last = true; }), speed_limits),
+        fitted("speed_clamped_by_axis", S::limit,
+               "each component of w is clamped at {} rad/s in body axes at the end of each step",
+               "raise the engine's limit on angular speed", engine_does([](EngineFault& e, double x) {
+                   e.speed_limit = x, e.limit_of = LimitOf::body_axes, e.damped_last = true;
+               }),
+               component_limits<LimitOf::body_axes>),
+        fitted("speed_clamped_by_axis", S::limit,
+               "each component of w is clamped at {} rad/s in world axes at the end of each step",
+               "raise the engine's limit on angular speed", engine_does([](EngineFault& e, double x) {
+                   e.speed_limit = x, e.limit_of = LimitOf::world_axes, e.damped_last = true;
+               }),
+               component_limits<LimitOf::world_axes>),
         fitted(
             "speed_clamped_while_coasting", S::limit,
             "the angular speed is clamped at {} rad/s while no torque or force acts",
@@ -275,6 +297,15 @@ std::vector<Hypothesis> engine_faults() {
             "turn the engine's angular damping off",
             [](Cause& c, double x) {
                 c.engine.angular_damping = x, c.engine.only_coasting = true;
+                return has_pushes(c.scene);
+            },
+            damping_rates),
+        fitted(
+            "damping_while_coasting", S::damping,
+            "w dies away at {} 1/s more than in the scene while no torque or force acts, at the end of each step",
+            "turn the engine's angular damping off",
+            [](Cause& c, double x) {
+                c.engine.angular_damping = x, c.engine.only_coasting = c.engine.damped_last = true;
                 return has_pushes(c.scene);
             },
             damping_rates),
@@ -301,6 +332,11 @@ std::vector<Hypothesis> engine_faults() {
         fitted("damping_left_on", S::damping, "damping is left on: w dies away at {} 1/s more than in the scene",
                "turn the engine's angular damping off",
                engine_does([](EngineFault& e, double x) { e.angular_damping = x; }), damping_rates),
+        fitted("damping_left_on", S::damping,
+               "damping is left on: w dies away at {} 1/s more than in the scene, at the end of each step",
+               "turn the engine's angular damping off",
+               engine_does([](EngineFault& e, double x) { e.angular_damping = x, e.damped_last = true; }),
+               damping_rates),
         fitted(
             "linear_damping_left_on", S::linear_damping,
             "linear damping is left on: v dies away at {} 1/s more than in the scene",
@@ -462,6 +498,16 @@ std::vector<Hypothesis> load_faults() {
         fixed("force_at_wrong_point", S::force,
               "the force's point is counted from the centre of mass in place of the body's origin",
               "count the point from the body's origin", from_center<Force>),
+        fixed("force_at_wrong_point", S::force,
+              "the arm of the force has the opposite sign: the torque is F x r in place of r x F",
+              "let the torque be (point - center of mass) x F", arm_negated<Force>),
+        fixed("force_at_wrong_point", S::force,
+              "the arm of the force is not rotated with the body: its components in body axes are used in world axes",
+              "rotate the arm to world axes before r x F", arm_in_world),
+        fixed("force_at_wrong_point", S::force, "the force's point in body axes is taken for a point of the world",
+              "let the point move with the body", point_in_other_frame<Force, Frame::body>),
+        fixed("force_at_wrong_point", S::force, "the force's point of the world is taken for one in body axes",
+              "convert the point to body axes in each step", point_in_other_frame<Force, Frame::world>),
         fixed("impulse_missing", S::impulse, "the impulse is missing", "apply the impulse", scale_vectors<Impulse>, 0),
         fixed("impulse_reversed", S::impulse, "the impulse has the opposite sign", "turn the impulse's sign",
               scale_vectors<Impulse>, -1),
@@ -478,6 +524,9 @@ std::vector<Hypothesis> load_faults() {
         fixed("impulse_at_wrong_point", S::impulse,
               "the impulse's point is counted from the centre of mass in place of the body's origin",
               "count the point from the body's origin", from_center<Impulse>),
+        fixed("impulse_at_wrong_point", S::impulse,
+              "the arm of the impulse has the opposite sign: the angular impulse is J x r in place of r x J",
+              "let the angular impulse be (point - center of mass) x J", arm_negated<Impulse>),
         fixed("spring_missing", S::spring, "the spring is missing", "apply the spring's torque", scale_spring, 0),
         fixed("spring_reversed", S::spring, "the spring's torque has the opposite sign",
               "let the torque drive the body back to rest", scale_spring, -1),
@@ -485,10 +534,16 @@ std::vector<Hypothesis> load_faults() {
               "let the torque be k sin(angle) about the axis", scale_spring, 2),
         scaled("spring_scaled", S::spring, "the spring is {} times as stiff as the scene's", "check the stiffness",
                scale_spring),
+        fixed("spring_in_other_axes", S::spring, "the spring's torque in body axes is applied in world axes", frame,
+              spring_in_other_axes<TorqueAxes::body_in_world>),
+        fixed("spring_in_other_axes", S::spring, "the spring's torque in world axes is applied in body axes", frame,
+              spring_in_other_axes<TorqueAxes::world_in_body>),
         fixed("drag_missing", S::drag, "the scene's drag is missing", "apply the scene's drag", scale_drag, 0),
         fixed("drag_twice", S::drag, "the scene's drag is applied twice", once, scale_drag, 2),
         fixed("drag_reversed", S::drag, "the scene's drag has the opposite sign", "let drag act against the motion",
               scale_drag, -1),
+        fixed("drag_in_other_axes", S::drag, "the coefficients of the drag in body axes are used along world axes",
+              "let the torque be -R C R^T w", drag_in_world),
         fitted(
             "drag_per_step", S::drag, "the scene's drag acts per step and not per second: {} times too strong",
             "multiply the drag by the step", [](Cause& c, double x) { return is_plain(x) && scale_drag(c, x); },

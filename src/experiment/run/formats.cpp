@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include "text/message.h"
 
@@ -19,6 +22,18 @@ std::string Formats::text() const {
     for (const std::string_view name : names)
         if (has(name)) list.append(list.empty() ? "" : ",").append(name);
     return list;
+}
+
+bool has_table_formats(const std::string& directory, const std::string& experiment, const Formats& formats) {
+    return std::ranges::all_of(std::array{"md", "json", "tex"}, [&](const char* format) {
+        if (!formats.has(format)) return true;
+        std::error_code none;
+        const std::filesystem::directory_iterator files(directory, none);
+        return std::any_of(begin(files), end(files), [&](const auto& entry) {
+            const std::string name = entry.path().filename().string();
+            return name.starts_with(experiment) && name.ends_with(std::string(".") + format);
+        });
+    });
 }
 
 Formats parse_formats(std::string_view text) {

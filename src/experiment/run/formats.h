@@ -18,6 +18,9 @@ struct Formats {
     std::string text() const;
 };
 
+/// Whether the directory has a table of this experiment in each of the table formats wanted.
+bool has_table_formats(const std::string& directory, const std::string& experiment, const Formats& formats);
+
 /// Reads a list such as "md,svg"; "csv" may stand in it. Throws std::invalid_argument on any other word.
 Formats parse_formats(std::string_view text);
 

@@ -72,11 +72,10 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
 }
 
 /// The identity of what a kind makes as a whole: program, experiment, scenes.
-std::string whole_key(const Plan& plan, bool quick, const Formats& formats) {
+std::string whole_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
     std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about,
                                    e.kind->name, quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
-    if (const std::string list = formats.text(); list != Formats().text()) text += list + "\n";
     for (const PlannedScene& scene : plan.scenes) text += scene.label + "\n" + scene.canonical + "\n";
     for (const PlannedCurve& curve : plan.curves) {
         text += fmt::format("{} {} {}", curve.method->name, curve.method->identity, name_of(curve.kind));
@@ -97,15 +96,18 @@ void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions
 std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
     const Kind& kind = *plan.experiment.kind;
-    const std::string key = whole_key(plan, options.quick, options.formats);
-    bool done = is_done(options.directory, key);
+    const std::string key = whole_key(plan, options.quick);
+    const auto is_made = [&] {
+        return is_done(options.directory, key) && has_table_formats(options.directory, name, options.formats);
+    };
+    bool done = is_made();
     // what is made as a whole one process makes, and others wait for; the others share their searches out themselves
     const Claims claims(claims_file(options.directory));
     std::optional<Claims::Claim> claim;
     if (!done && !kind.resumable && options.shard == 1) {
         while (!(claim = claims.take(key)) && !sweep_interrupted())
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        done = is_done(options.directory, key);
+        done = is_made();
     }
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)

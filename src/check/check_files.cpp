@@ -167,8 +167,11 @@ std::string no_diagnosis(const TrajectoryFile& file) {
     return fmt::format(
         "no diagnosis is possible from these rows, between which the body turns by up to {:.2g} rad: no "
         "known fault and no known update, in 1 to 16 or 20 steps a row, predicts a row from the one "
-        "before; record a row after every step of the engine, with w, p and v",
-        turn);
+        "before; {}",
+        turn,
+        file.has_angular_velocity && file.has_velocity && (file.has_position || file.has_origin)
+            ? "if a row is not written after every step of the engine, record such a file"
+            : "record a row after every step of the engine, with w, p and v");
 }
 
 // Why no fault is named in a file of several bodies, and what to record.

@@ -2,6 +2,7 @@
 // each with the faults of faults(), on the scenes of scenes(). Faults of impacts are in check/plane_battery.h.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -37,6 +38,12 @@ struct Knobs {
     int normalised_every = 1;        ///< rows from one normalisation of the stored quaternion to the next
     bool integrates_origin = false;  ///< the motion of the body's origin, in place of that of the centre of mass
     bool has_centripetal = true, has_euler = true;  ///< terms of the origin's acceleration
+    double arm = 1;                                 ///< factor of the forces' arms in the torque
+    bool arm_in_world = false;                      ///< an arm in body axes is used in world axes as it stands
+    bool drag_in_world = false;                     ///< so are the coefficients of the drag
+    bool spring_in_world = false;                   ///< and the spring's torque
+    bool world_rate_right = false;                  ///< w, kept in body axes, turns the attitude as R w on the right
+    bool lose_last = false;                         ///< damping and limit act after the attitude has turned
 };
 
 enum class EngineKind {
@@ -90,10 +97,11 @@ class Engine {
             w = w - (dt * Real(k_.gyroscopic)) * (inverse_I_ * cross(w, I_ * w));
             const V dv = point_acceleration(t);
             w_ = w;
-            lose(dt);
+            if (!k_.lose_last) lose(dt);
             v_ = v0 + dt * dv;
             lose_speed(dt);
             q_ = next_attitude(q0, turning(q0, w_), dt);
+            if (k_.lose_last) lose(dt);
             // the rate is integrated in world axes
             if (k_.first_rate) w_ = rotated_back(q_, rotated(q0, w_));
             x_ = x_ + dt * v_;
@@ -166,7 +174,7 @@ class Engine {
         const Real angle = length_of(half), s = angle > 0 ? std::sin(angle) / angle : Real(1);
         return {std::cos(angle), s * half[0], s * half[1], s * half[2]};
     }
-    V turning(const Q&, const V& w) const { return w; }
+    V turning(const Q& q, const V& w) const { return k_.world_rate_right ? rotated(q, w) : w; }
     Q next_attitude(const Q& q, const V& w, Real dt) {
         if (k_.first_rate) return unit(quarter(first_rate_W_, dt) * q);
         const Q turn = quarter(w, dt);
@@ -259,18 +267,25 @@ class Engine {
                 sum = sum + ((c->frame == Frame::body) != k_.swap_torque_axes ? given : rotated_back(q_, given));
             }
             if (const auto* d = std::get_if<Drag>(&load); d && on(d->window, t)) {
-                for (int i = 0; i < 3 && !k_.drag_on_rate; ++i) sum[i] -= per_step_ * Real(d->rotational[i]) * w_[i];
+                V against;
+                const V w = k_.drag_in_world ? rotated(q_, w_) : w_;
+                for (int i = 0; i < 3 && !k_.drag_on_rate; ++i) against[i] = per_step_ * Real(d->rotational[i]) * w[i];
+                sum = sum - (k_.drag_in_world ? rotated_back(q_, against) : against);
                 if (held_) sum = sum - Real(d->translational) * cross(arm_, cross(w_, arm_));
             }
             if (const auto* f = std::get_if<Force>(&load); f && on(f->window, t)) {
                 const V point = f->point_frame == Frame::body
                                     ? V(cast<Real>(f->point) - origin_)
                                     : rotated_back(q_, held_ ? cast<Real>(f->point) : V(cast<Real>(f->point) - x_));
-                sum = sum + cross(point, rotated_back(q_, force_W(*f)));
+                if (k_.arm_in_world && f->point_frame == Frame::body)
+                    sum = sum + rotated_back(q_, cross(point, force_W(*f)));
+                else
+                    sum = sum + Real(k_.arm) * cross(point, rotated_back(q_, force_W(*f)));
             }
             if (const auto* s = std::get_if<Spring>(&load); s && on(s->window, t)) {
                 const Q r = conjugate(unit(cast<Real>(s->rest_orientation))) * q_;
-                sum = sum - (2 * Real(s->stiffness) * r.w) * V(r.x, r.y, r.z);
+                const V back = (2 * Real(s->stiffness) * r.w) * V(r.x, r.y, r.z);
+                sum = sum - (k_.spring_in_world ? rotated_back(q_, back) : back);
             }
         }
         return sum;
@@ -313,7 +328,9 @@ inline bool has(EngineKind kind, const Knobs& knobs) {
     if (knobs.tensor == Knobs::Tensor::not_turned && kind == EngineKind::momentum) return false;
     // L is constant in free flight: substeps by the row's first rate are one explicit step
     if (knobs.first_rate && kind == EngineKind::momentum) return false;
-    return kind != EngineKind::momentum || (knobs.gyroscopic >= 0 && !knobs.wrong_side);
+    if (knobs.lose_last && kind != EngineKind::world_rate) return false;
+    if (knobs.world_rate_right && kind == EngineKind::momentum) return false;
+    return kind != EngineKind::momentum || ((knobs.gyroscopic == 0 || knobs.gyroscopic == 1) && !knobs.wrong_side);
 }
 
 /// A run of an engine: steps of h, a row each `every` of them, for so many rows.
@@ -392,6 +409,23 @@ inline std::vector<Fault> faults() {
     engine("gyroscopic term reversed", {"gyroscopic_term_reversed"}, [=](Scene& s, Knobs& k) {
         k.gyroscopic = -1;
         return spins(s) && asymmetric(s);
+    });
+    engine("gyroscopic term twice", {"gyroscopic_term_twice"}, [=](Scene& s, Knobs& k) {
+        k.gyroscopic = 2;
+        return spins(s) && asymmetric(s);
+    });
+    engine("world rate on the right", {"world_rate_multiplied_on_the_right"}, [=](Scene& s, Knobs& k) {
+        k.world_rate_right = true;
+        return spins(s) && asymmetric(s);
+    });
+    engine("damping at the end of a step", {"damping_left_on"}, [=](Scene& s, Knobs& k) {
+        k.damping = 0.23, k.lose_last = true;
+        return spins(s);
+    });
+    engine("speed clamped at the end of a step", {"speed_clamped"}, [=](Scene& s, Knobs& k) {
+        k.speed_limit = 0.8 * std::sqrt(dot(s.initial.angular_velocity, s.initial.angular_velocity));
+        k.lose_last = true;
+        return spins(s);
     });
     engine("damping left on", {"damping_left_on"}, [=](Scene& s, Knobs& k) {
         k.damping = 0.1;
@@ -540,6 +574,33 @@ inline std::vector<Fault> faults() {
     engine("force at the centre of mass", {"force_at_center_of_mass"}, [](Scene& s, Knobs&) {
         const V3 c = s.body.center_of_mass;
         return change_each<Force>(s, [&](Force& f) { f.point = c, f.point_frame = Frame::body; }) && !s.pivot;
+    });
+    engine("arm of the force negated", {"force_at_wrong_point"}, [](Scene& s, Knobs& k) {
+        k.arm = -1;
+        return any<Force>(s);
+    });
+    const auto has_body_point = [](const Scene& s) {
+        return std::ranges::any_of(s.loads, [](const Load& load) {
+            const auto* f = std::get_if<Force>(&load);
+            return f && f->point_frame == Frame::body;
+        });
+    };
+    engine("arm of the force not rotated", {"force_at_wrong_point"}, [=](Scene& s, Knobs& k) {
+        k.arm_in_world = true;
+        return has_body_point(s);
+    });
+    engine("point of the force in the world", {"force_at_wrong_point"}, [=](Scene& s, Knobs&) {
+        const bool means = has_body_point(s);
+        change_each<Force>(s, [](Force& f) { f.point_frame = Frame::world; });
+        return means;
+    });
+    engine("spring in other axes", {"spring_in_other_axes"}, [=](Scene& s, Knobs& k) {
+        k.spring_in_world = true;
+        return any<Spring>(s) && spins(s);
+    });
+    engine("drag in other axes", {"drag_in_other_axes"}, [=](Scene& s, Knobs& k) {
+        k.drag_in_world = true;
+        return any<Drag>(s) && spins(s);
     });
     engine("impulse missing", {"impulse_missing"},
            [](Scene& s, Knobs&) { return change_each<Impulse>(s, [](Impulse& i) { i.vector = {}; }); });

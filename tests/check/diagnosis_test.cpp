@@ -357,7 +357,8 @@ TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
 // NaN is the largest of all errors, in one piece and in several, of one body and of several.
 TEST(Judge, NotANumberIsTheLargestError) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_TRUE(is_larger(nan, 3) && is_larger(2, 1) && !is_larger(1.0, 1) && !is_larger(5, nan) && !is_larger(nan, nan));
+    EXPECT_TRUE(is_larger<double>(nan, 3) && is_larger<double>(2, 1) && !is_larger<double>(1, 1) &&
+                !is_larger<double>(5, nan) && !is_larger<double>(nan, nan));
     const Scene scene = plain_scene();
     TrajectoryFile file = of_method(scene, "gyroscopic_explicit", 1.0 / 60, 60);
     file.rows[20].angular_velocity_W[1] = nan;

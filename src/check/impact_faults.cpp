@@ -79,19 +79,22 @@ bool is_without_arm(const ContactGeometry<double>& geometry, std::size_t plane, 
 
 // The bounces of a body whose impacts change no rotation, or that does not rotate at all.
 std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::size_t plane, const TrajectoryFile& file,
-                               const std::vector<Placement<double>>& rows) {
+                               const std::vector<Placement<double>>& rows, double fall) {
     std::vector<Bounce> all;
     for (std::size_t k = 1; k + 1 < rows.size(); ++k) {
         const Approach now = approach(geometry, plane, rows[k]), next = approach(geometry, plane, rows[k + 1]);
         const double h = file.rows[k + 1].t - file.rows[k].t;
-        if (!(now.rate < 0 && next.rate >= 0 && now.distance < -2 * now.rate * h + 1e-9)) continue;
+        // a fast body that moves on by no more than gravity has made of it since was stopped
+        const double change = std::abs(fall) * h;
+        const bool is_stopped = now.rate < -4 * change && next.rate >= -1.01 * change;
+        if (!(now.rate < 0 && (next.rate >= 0 || is_stopped) && now.distance < -2 * now.rate * h + 1e-9)) continue;
         const bool rotates = length(rows[k].angular_velocity_W) > 0 || length(rows[k + 1].angular_velocity_W) > 0;
         if (rotates && !(is_without_arm(geometry, plane, now.piece, rows[k]) &&
                          is_without_arm(geometry, plane, next.piece, rows[k + 1])))
             return {};
         const bool is_late = now.distance < 0 && approach(geometry, plane, rows[k - 1]).distance >= 0 &&
                              -now.distance < -1.1 * now.rate * h;
-        all.push_back({-now.rate, next.rate, now.distance, next.distance, h, is_late});
+        all.push_back({-now.rate, std::max(0.0, next.rate), now.distance, next.distance, h, is_late});
     }
     return all;
 }
@@ -130,6 +133,21 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
     std::vector<Bounce> fast;
     std::ranges::copy_if(bounces, std::back_inserter(fast),
                          [&](const Bounce& b) { return b.before > 4 * gravity * b.h; });
+    if (gravity > 0 && restitution > 0) {
+        // an engine that leaves the body where the step has brought it, inside the plane, loses what the speed gains
+        const auto by_whole_step = [&](const Bounce& b) {
+            return comes_back_with(b, restitution * (b.before + gravity * b.h)) &&
+                   energy_gained(b, gravity, restitution) > 0.2 * restitution * restitution * gravity * b.h * b.before;
+        };
+        if (fast.size() >= 2 && share(fast, by_whole_step) >= most)
+            return Diagnosis{
+                "bounce_gains_energy",
+                fmt::format("{} bounces on plane {} mirror the velocity after a whole step of gravity: each "
+                            "gains g h = {:.3g} m/s; apply gravity up to the time of contact and from there "
+                            "on, or correct the speed by the depth",
+                            fast.size(), plane, gravity * fast.front().h),
+                "", gravity * fast.front().h / fast.front().before, 0};
+    }
     if (fast.size() >= 2 && share(fast, [](const Bounce& b) { return b.is_late; }) >= 0.9)
         return Diagnosis{
             "bounce_late",
@@ -137,21 +155,6 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
                         "by up to the way of a step; find the time of contact within the step",
                         fast.size(), plane),
             "", 1, 0};
-    if (gravity > 0 && restitution > 0) {
-        // an engine that leaves the body where the step has brought it, inside the plane, loses what the speed gains
-        const auto by_whole_step = [&](const Bounce& b) {
-            return comes_back_with(b, restitution * (b.before + gravity * b.h)) &&
-                   energy_gained(b, gravity, restitution) > 0.2 * restitution * restitution * gravity * b.h * b.before;
-        };
-        if (share(bounces, by_whole_step) >= most)
-            return Diagnosis{
-                "bounce_gains_energy",
-                fmt::format("{} bounces on plane {} mirror the velocity after a whole step of gravity: each "
-                            "gains g h = {:.3g} m/s; apply gravity up to the time of contact and from there "
-                            "on, or correct the speed by the depth",
-                            bounces.size(), plane, gravity * bounces.front().h),
-                "", gravity * bounces.front().h / bounces.front().before, 0};
-    }
     const double usual = returned.empty() ? 0 : median(returned);
     if (restitution > 0.05 && restitution < 0.95 && !returned.empty() &&
         std::abs(usual - restitution * restitution) < 0.05 * restitution && std::abs(usual - restitution) > 0.05)
@@ -363,8 +366,8 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         if (std::optional<Diagnosis> kept = penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
             told.push_back(*std::move(kept));
         if (const std::optional<double> fall = fall_towards(scene, scene.planes[plane].normal_W))
-            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows), returned, *fall,
-                                                              scene.planes[plane].restitution, plane)) {
+            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows, *fall), returned,
+                                                              *fall, scene.planes[plane].restitution, plane)) {
                 told.push_back(*std::move(fault));
                 continue;
             }

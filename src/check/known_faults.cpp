@@ -314,6 +314,17 @@ std::vector<Hypothesis> engine_faults() {
          .what = "the scene's drag is taken for a rate: w dies away by c w, and c is divided by no moment of inertia",
          .remedy = "apply the torque -c w",
          .apply = drag_on_rate},
+        {.fault = "drag_applied_to_w",
+         .subject = S::damping,
+         .what = "the scene's drag is taken for a rate, at the end of each step: w dies away by c w, and c is divided "
+                 "by no "
+                 "moment of inertia",
+         .remedy = "apply the torque -c w",
+         .apply =
+             [](Cause& c, double x) {
+                 c.engine.damped_last = true;
+                 return drag_on_rate(c, x);
+             }},
         engine("inertia_not_rotated", S::inertia,
                "the inertia tensor is not rotated with the body: in world axes it stays what it is in body axes, or "
                "Euler's "

@@ -42,8 +42,6 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
     const auto converged = [&](const Point& point) { return point.second <= std::log(saturation / 10); };
     if (points.size() < 3 || std::ranges::none_of(points, converged)) return {};
 
-    // of slopes that differ by more the mean says nothing
-    constexpr double largest_spread = 0.5;
     std::optional<ObservedOrder> best, steadiest;
     double least_spread = std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0; begin + 3 <= points.size(); ++begin) {
@@ -53,7 +51,7 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
             low = std::min(low, local), high = std::max(high, local);
             const ObservedOrder window{slope(points, begin, end), static_cast<int>(end - begin),
                                        std::exp(points[begin].first), std::exp(points[end - 1].first)};
-            if (high - low < std::min(least_spread, largest_spread)) least_spread = high - low, steadiest = window;
+            if (high - low < least_spread) least_spread = high - low, steadiest = window;
             if (high - low > 0.03 * std::max(1.0, std::abs(high))) break;
             if (!best || rank(window) > rank(*best)) best = window;
         }

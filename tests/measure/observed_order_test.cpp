@@ -82,8 +82,6 @@ TEST(ObservedOrder, LeavesOutStepsLongerThanOneThatLosesTheAttitude) {
     ASSERT_TRUE(longer);
     EXPECT_NEAR(longer->order, 1, 1e-10);
     EXPECT_EQ(longer->points, 4);
-    // slopes that differ by more than 0.5 show no order
-    EXPECT_FALSE(observed_order({0.4, 0.2, 0.1}, {0.02, 0.03, 0.01}));
 }
 
 TEST(ObservedOrder, NeedsThreeUsablePoints) {
@@ -116,7 +114,7 @@ TEST(ObservedOrder, LeavesOutWhatIsNoPoint) {
     EXPECT_EQ(fit->points, 3);
 }
 
-TEST(ObservedOrder, LeavesOutSaturationWhereThreePointsRemain) {
+TEST(ObservedOrder, LeavesOutSaturation) {
     // error 4 h^2; the coarsest lies beyond the saturation of 1, the next upon it
     const auto fit = observed_order({1, 0.5, 0.25, 0.125}, {4, 1, 0.25, 0.0625}, 1);
     ASSERT_TRUE(fit);
@@ -124,8 +122,8 @@ TEST(ObservedOrder, LeavesOutSaturationWhereThreePointsRemain) {
     EXPECT_EQ(fit->points, 3);
     EXPECT_NEAR(fit->from, 0.125, 1e-15);
     EXPECT_NEAR(fit->to, 0.5, 1e-15);
-    // with two left the third is kept all the same
-    EXPECT_EQ(observed_order({1, 0.5, 0.125}, {4, 1, 0.0625}, 1)->points, 3);
+    // two points show no order
+    EXPECT_FALSE(observed_order({1, 0.5, 0.125}, {4, 1, 0.0625}, 1));
 }
 
 TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {

@@ -114,6 +114,7 @@ TEST_F(FolderDocument, MapsAreTheIntervalsOfTheirTable) {
               {{"odeint_rk4", "spin", "1", "0.1", "0.2", "accurate"},
                {"odeint_rk4", "spin", "1", "0.4", "0.8", "diverged"},
                {"odeint_rk4", "spin", "10", "0.1", "0.1", "close"},
+               {"odeint_rk4", "spin", "10", "0.2", "0.2", "tolerance_not_met"},
                {"odeint_rk4", "spin", "10", "0.4", "0.8", "no such outcome"},
                {"odeint_rk4", "stiffness", "1", "0.1", "0.1", "failed"},
                {"unknown", "spin", "1", "0.1", "0.1", "failed"}});
@@ -123,9 +124,13 @@ TEST_F(FolderDocument, MapsAreTheIntervalsOfTheirTable) {
     EXPECT_EQ(spin["x_label"], "spin (rad/s)");
     EXPECT_EQ(spin["x"], Json({1, 10}));
     EXPECT_EQ(spin["y"], Json({0.1, 0.2, 0.4, 0.8}));
-    // by rows of y: accurate 0, close 1, diverged 4; -1 where the table says nothing that is known
-    EXPECT_EQ(spin["outcome"], Json({0, 1, 0, -1, 4, -1, 4, -1}));
+    // by rows of y: accurate 0, close 1, diverged 4, tolerance_not_met 5; -1 where the table says nothing that is known
+    EXPECT_EQ(spin["outcome"], Json({0, 1, 0, 5, 4, -1, 4, -1}));
     EXPECT_EQ(maps[1]["x_label"], "stiffness");
+    EXPECT_EQ(maps[1]["outcome"], Json::array({6}));
+    // every outcome of a run has a name
+    EXPECT_EQ(spin["outcomes"].size(), 9u);
+    EXPECT_EQ(spin["outcomes"][5], "tolerance_not_met");
     folder.tables[0].table.columns[2] = "y";
     EXPECT_TRUE(document()["maps"].empty());
 }

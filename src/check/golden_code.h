@@ -143,7 +143,5 @@ inline std::string replaced(std::string text, const std::string& what, const std
 ordered_json system_surroundings(const Golden& golden, const Numbers& number);
 /// The constants of those parts; bodies and joints by their numbers. `m`: the unit of length.
 std::vector<Field> system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m);
-/// The comparison of one body made that of one of several.
-std::string compare_of_system(std::string text);
 
 }  // namespace polhode::golden_code

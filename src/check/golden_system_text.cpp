@@ -143,30 +143,4 @@ std::vector<Field> system_fields(const Golden& g, const ordered_json& around, co
     return all;
 }
 
-std::string compare_of_system(std::string text) {
-    static constexpr std::pair<const char*, const char*> changes[] = {
-        // C and C++
-        {"How many blocks of the engine's state at sample k are", "How many blocks of a body's state at sample k are"},
-        {"compare(size_t k, const REAL", "compare(size_t k, size_t body, const REAL"},
-        {"NAME_q[k]", "NAME_q[k * NAME_bodies + body]"},
-        {"NAME_w[k]", "NAME_w[k * NAME_bodies + body]"},
-        {"NAME_p[k]", "NAME_p[k * NAME_bodies + body]"},
-        {"NAME_v[k]", "NAME_v[k * NAME_bodies + body]"},
-        {"compare(k, own_q", "compare(k, body, own_q"},
-        // C#
-        {"Which blocks of the engine's state at sample k", "Which blocks of a body's state at sample k"},
-        {"compare(int k, REAL[]", "compare(int k, int body, REAL[]"},
-        {"System.Func<REAL[], REAL[,], double> distance = (own, expected)",
-         "int row = k * bodies + body;\n        System.Func<REAL[], REAL[,], int, double> distance = (own, expected, "
-         "at)"},
-        {"expected[k, i]", "expected[at, i]"},
-        {"q[k, ", "q[row, "},
-        {"distance(own_w, w)", "distance(own_w, w, row)"},
-        {"distance(own_p, p)", "distance(own_p, p, row)"},
-        {"distance(own_v, v)", "distance(own_v, v, row)"},
-        {"distance(own_momentum, momentum)", "distance(own_momentum, momentum, k)"}};
-    for (const auto& [what, by] : changes) text = replaced(std::move(text), what, by);
-    return text;
-}
-
 }  // namespace polhode::golden_code

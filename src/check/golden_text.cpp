@@ -237,19 +237,19 @@ std::vector<std::string> preface(const Golden& g) {
 // The comparison: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
 // are, DATA what makes an array of a row. The names of parameters hide none of the constants'.
 constexpr const char* compare_c = R"(
-/* How many blocks of the engine's state at sample k are beyond their tolerances; a null pointer stands for a block that it
+/* How many blocks of WHOSE state at sample k are beyond their tolerances; a null pointer stands for a block that it
  * has not. The message, where there is room for one, says which, and by how much. */
-static inline int NAME_compare(size_t k, const REAL *own_q, const REAL *own_w, const REAL *own_p, const REAL *own_v,
+static inline int NAME_compare(size_t k, C_PARAMETERconst REAL *own_q, const REAL *own_w, const REAL *own_p, const REAL *own_v,
                                const REAL *own_energy, const REAL *own_momentum, char *message, size_t size) {
     const struct {
         const char *name;
         const REAL *own, *expected;
         int count;
         double allowed, scale;
-    } blocks[6] = {{"attitude", own_q, NAME_q[k]DATA, 4, NAME_tolerance, 1},
-                   {"angular velocity", own_w, NAME_w[k]DATA, 3, NAME_tolerance_angular_velocity, 1},
-                   {"position", own_p, NAME_p[k]DATA, 3, NAME_tolerance_position, 1},
-                   {"velocity", own_v, NAME_v[k]DATA, 3, NAME_tolerance_velocity, 1},
+    } blocks[6] = {{"attitude", own_q, NAME_q[C_ROW]DATA, 4, NAME_tolerance, 1},
+                   {"angular velocity", own_w, NAME_w[C_ROW]DATA, 3, NAME_tolerance_angular_velocity, 1},
+                   {"position", own_p, NAME_p[C_ROW]DATA, 3, NAME_tolerance_position, 1},
+                   {"velocity", own_v, NAME_v[C_ROW]DATA, 3, NAME_tolerance_velocity, 1},
                    {"energy", own_energy, &NAME_energy[k], 1, NAME_tolerance_energy, NAME_energy_scale},
                    {"angular momentum", own_momentum, NAME_momentum[k]DATA, 3, NAME_tolerance_momentum,
                     NAME_momentum_scale}};
@@ -286,25 +286,42 @@ static inline int NAME_compare(size_t k, const REAL *own_q, const REAL *own_w, c
 }
 )";
 
+// What stands for these marks in the code, of one body and of several. One of a longer name stands first.
+struct MarkOfBodies {
+    const char *mark, *of_one, *of_several;
+};
+constexpr MarkOfBodies marks_of_bodies[] = {{"WHOSE", "the engine's", "a body's"},
+                                            {"ARGUMENT", "", "body, "},
+                                            {"C_PARAMETER", "", "size_t body, "},
+                                            {"C_ROW", "k", "k * NAME_bodies + body"},
+                                            {"CS_PARAMETER", "", "int body, "},
+                                            {"CS_ROW", "k", "row"},
+                                            {"ROW_LINE", "", "int row = k * bodies + body;\n        "},
+                                            {"AT_TYPE", "", ", int"},
+                                            {"AT_PARAMETER", "", ", at"},
+                                            {"[AT,", "[k,", "[at,"},
+                                            {"OF_ROW", "", ", row"},
+                                            {"OF_SAMPLE", "", ", k"}};
+
 // ahead of the same function, and behind it
 constexpr const char* names_of_cpp = R"(
 using std::atan2, std::fabs, std::size_t, std::snprintf, std::sqrt, std::strlen;
 )";
 constexpr const char* compare_cpp = R"(
 /// The message of the above: empty where nothing is beyond its tolerance.
-inline std::string compare(size_t k, const REAL* own_q, const REAL* own_w = nullptr, const REAL* own_p = nullptr,
+inline std::string compare(size_t k, C_PARAMETERconst REAL* own_q, const REAL* own_w = nullptr, const REAL* own_p = nullptr,
                            const REAL* own_v = nullptr, const REAL* own_energy = nullptr,
                            const REAL* own_momentum = nullptr) {
     char message[1000];
-    compare(k, own_q, own_w, own_p, own_v, own_energy, own_momentum, message, sizeof message);
+    compare(k, ARGUMENTown_q, own_w, own_p, own_v, own_energy, own_momentum, message, sizeof message);
     return message;
 }
 )";
 
 constexpr const char* compare_csharp = R"(
-    /// Which blocks of the engine's state at sample k are beyond their tolerances, and by how much; empty where none is.
+    /// Which blocks of WHOSE state at sample k are beyond their tolerances, and by how much; empty where none is.
     /// null stands for a block that it has not.
-    public static string compare(int k, REAL[] own_q, REAL[] own_w = null, REAL[] own_p = null, REAL[] own_v = null,
+    public static string compare(int k, CS_PARAMETERREAL[] own_q, REAL[] own_w = null, REAL[] own_p = null, REAL[] own_v = null,
                                  REAL? own_energy = null, REAL[] own_momentum = null) {
         var failed = new System.Collections.Generic.List<string>();
         System.Action<string, double, double> judge = (name, off, allowed) => {
@@ -313,27 +330,27 @@ constexpr const char* compare_csharp = R"(
             failed.Add(string.Format(System.Globalization.CultureInfo.InvariantCulture,
                                      "{0} off by {1:G6} at t = {2:G6} s, {3:G6} allowed", name, off, t[k], allowed));
         };
-        System.Func<REAL[], REAL[,], double> distance = (own, expected) => {
+        ROW_LINESystem.Func<REAL[], REAL[,]AT_TYPE, double> distance = (own, expectedAT_PARAMETER) => {
             double off = 0;
-            for (int i = 0; i < 3; ++i) off += ((double)own[i] - expected[k, i]) * ((double)own[i] - expected[k, i]);
+            for (int i = 0; i < 3; ++i) off += ((double)own[i] - expected[AT, i]) * ((double)own[i] - expected[AT, i]);
             return System.Math.Sqrt(off);
         };
         if (own_q != null) {
             // the rotation between the two: 2 atan2(|vec|, |scal|) of conj(x) y
-            double s = q[k, SCALAR], a = q[k, VECTOR], b = q[k, VECTOR + 1], c = q[k, VECTOR + 2];
+            double s = q[CS_ROW, SCALAR], a = q[CS_ROW, VECTOR], b = q[CS_ROW, VECTOR + 1], c = q[CS_ROW, VECTOR + 2];
             double e = own_q[SCALAR], f = own_q[VECTOR], g = own_q[VECTOR + 1], h = own_q[VECTOR + 2];
             double x = s * f - e * a - (b * h - c * g), y = s * g - e * b - (c * f - a * h);
             double z = s * h - e * c - (a * g - b * f);
             judge("attitude", 2 * System.Math.Atan2(System.Math.Sqrt(x * x + y * y + z * z),
                                                     System.Math.Abs(s * e + a * f + b * g + c * h)), tolerance);
         }
-        if (own_w != null) judge("angular velocity", distance(own_w, w), tolerance_angular_velocity);
-        if (own_p != null) judge("position", distance(own_p, p), tolerance_position);
-        if (own_v != null) judge("velocity", distance(own_v, v), tolerance_velocity);
+        if (own_w != null) judge("angular velocity", distance(own_w, wOF_ROW), tolerance_angular_velocity);
+        if (own_p != null) judge("position", distance(own_p, pOF_ROW), tolerance_position);
+        if (own_v != null) judge("velocity", distance(own_v, vOF_ROW), tolerance_velocity);
         if (own_energy != null)
             judge("energy", System.Math.Abs((double)own_energy - energy[k]) / energy_scale, tolerance_energy);
         if (own_momentum != null)
-            judge("angular momentum", distance(own_momentum, momentum) / momentum_scale, tolerance_momentum);
+            judge("angular momentum", distance(own_momentum, momentumOF_SAMPLE) / momentum_scale, tolerance_momentum);
         return string.Join("; ", failed);
     }
 )";
@@ -359,7 +376,8 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
     std::string compare = csharp ? compare_csharp : compare_c;
     if (format == GoldenFormat::cpp)
         compare = names_of_cpp + replaced(compare, "static inline", "inline") + compare_cpp;
-    if (is_mechanism(g.scene)) compare = compare_of_system(std::move(compare));
+    for (const auto& [what, of_one, of_several] : marks_of_bodies)
+        compare = replaced(std::move(compare), what, is_mechanism(g.scene) ? of_several : of_one);
     // the name last: it may hold any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},

@@ -54,14 +54,25 @@ install_missing() {
         --no-remove --no-install-recommends "${missing[@]}" </dev/null >&2
 }
 
+# preset NAME [CMAKE OPTION..]: configures it. What was compiled once, here or in another checkout, is not compiled again
+# where ccache is installed.
+preset() {
+    local name=$1 launchers=() launcher="env;CCACHE_BASEDIR=$top;CCACHE_NOHASHDIR=1"
+    launcher+=";CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime;ccache"
+    shift
+    ! command -v ccache >/dev/null ||
+        launchers=("-DCMAKE_C_COMPILER_LAUNCHER=$launcher" "-DCMAKE_CXX_COMPILER_LAUNCHER=$launcher")
+    (cd "$top" && cmake --preset "$name" "${launchers[@]}" "$@")
+}
+
 # configure PRESET [CMAKE OPTION..]: where the mirror has no sources of SUNDIALS, the packaged library stands in
 configure() {
     local log=$top/build/configure.log
     mkdir -p "$top/build"
-    if ! (cd "$top" && cmake --preset "$@") 2>&1 | tee "$log"; then
+    if ! preset "$@" 2>&1 | tee "$log"; then
         grep -q 'no SUNDIALS: its source package cannot be had' "$log" || return 1
         install_missing libsundials-dev
-        (cd "$top" && cmake --preset "$@")
+        preset "$@"
     fi
 }
 

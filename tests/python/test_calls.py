@@ -1,5 +1,6 @@
 """Threads, Ctrl-C, and what is told of the module."""
 
+import ast
 import doctest
 import importlib
 import inspect
@@ -139,3 +140,21 @@ def test_types_are_strict(tmp_path):
         [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path / "cache"), str(example), str(package)],
         capture_output=True, text=True, cwd=tmp_path, env={"MYPYPATH": str(package.parent), "PATH": ""})
     assert said.returncode == 0, said.stdout
+
+
+def test_modules_import_one_another_in_one_direction() -> None:
+    """No module of the package needs itself by way of others, not even for its types."""
+    imports: dict[str, set[str]] = {}
+    for path in Path(polhode.__file__).parent.glob("*.py"):
+        found = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module is not None and node.module.startswith("polhode."):
+                found.add(node.module.removeprefix("polhode."))
+        imports[path.stem] = found
+    assert len(imports) > 8
+    left = dict(imports)
+    while left:
+        lowest = [name for name, others in left.items() if not others & left.keys()]
+        assert lowest, f"these need one another: {sorted(left)}"
+        for name in lowest:
+            del left[name]

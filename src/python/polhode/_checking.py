@@ -6,16 +6,16 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Union, cast
+from typing import Any, Union
 
 import numpy as np
 
 from polhode import _polhode
 from polhode._scenes import SceneLike, scene as make_scene
-from polhode._solving import Trajectory
+from polhode._types import Solved
 
 #: A trajectory, a file's path, or columns by the names of trajectory files (a dict of arrays, a pandas DataFrame).
-TrajectoryLike = Union[Trajectory, str, "os.PathLike[str]", Mapping[str, Any]]
+TrajectoryLike = Union[Solved, str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Report:
@@ -52,7 +52,7 @@ class Report:
 
 
 def _named_text(given: TrajectoryLike, number: int) -> tuple[str, str]:
-    if isinstance(given, Trajectory):
+    if isinstance(given, Solved):
         return f"trajectory {number} ({given.method})", given.csv()
     if isinstance(given, (str, os.PathLike)):
         path = os.fspath(given)
@@ -60,8 +60,7 @@ def _named_text(given: TrajectoryLike, number: int) -> tuple[str, str]:
             return path, Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as fault:
             raise _polhode.InputError(f"{path}: cannot be read ({fault}); give a readable CSV file") from None
-    table = cast(Mapping[str, Any], given)  # a DataFrame is like one
-    columns = {str(name): table[name] for name in table}
+    columns = {str(name): given[name] for name in given}  # a DataFrame is like a mapping
     lines = [",".join(columns)]
     rows = zip(*(np.asarray(column).tolist() for column in columns.values()))
     lines += [",".join(str(value) for value in row) for row in rows]
@@ -109,7 +108,7 @@ def check(
     all_given = trajectory if isinstance(trajectory, list) else [trajectory]
     if scene is None:
         first = all_given[0]
-        if not isinstance(first, Trajectory):
+        if not isinstance(first, Solved):
             raise _polhode.InputError("no scene; say what it is a trajectory of: check(trajectory, scene)")
         scene = first.scene
     texts = [_named_text(one, i + 1) for i, one in enumerate(all_given)]

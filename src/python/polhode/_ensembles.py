@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +12,7 @@ import numpy.typing as npt
 from polhode import _polhode
 from polhode._html import pairs_html
 from polhode._scenes import SceneLike, scene as make_scene
-
-if TYPE_CHECKING:
-    from polhode._solving import Array
+from polhode._types import Array
 
 _WIDTHS = {"q": 4, "w": 3, "p": 3, "v": 3, "inertia": 3, "mass": 1}
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from polhode import _polhode
 from polhode._html import table_html
+from polhode._plot import plot_errors
 from polhode._truth import Truth
+from polhode._types import Array, Sampled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from polhode._solving import Array, Trajectory
 
 _MEASURES: list[dict[str, str]] = _polhode.measures()
 
@@ -32,7 +32,7 @@ class Errors:
         How far the truth itself may be off.
     """
 
-    def __init__(self, trajectory: Trajectory, found: dict[str, Any]) -> None:
+    def __init__(self, trajectory: Sampled, found: dict[str, Any]) -> None:
         self.trajectory = trajectory
         self.t: Array = found["t"]
         self.series: dict[str, Array] = found["series"]
@@ -55,8 +55,6 @@ class Errors:
         -------
         matplotlib.figure.Figure
         """
-        from polhode._plot import plot_errors
-
         return plot_errors(self, **options)
 
     def _rows(self) -> list[list[str]]:
@@ -73,7 +71,7 @@ class Errors:
         return table_html(["error", "largest", "at the end", "unit"], self._rows(), caption=self.trajectory.method)
 
 
-def errors(trajectory: Trajectory, truth: Truth | None = None, *, digits: int = 25) -> Errors:
+def errors(trajectory: Sampled, truth: Truth | None = None, *, digits: int = 25) -> Errors:
     """The errors of a trajectory against the truth of its scene.
 
     Parameters

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
 from polhode import _polhode
+from polhode._methods import methods
+from polhode._plot import plot_table
 from polhode._scenes import Scene, _plain, scene as make_scene
 
 if TYPE_CHECKING:
@@ -68,12 +70,10 @@ class Results:
         -------
         matplotlib.figure.Figure
         """
-        from polhode._plot import plot_table
-
         for name in (x, y):
             if name not in self.table:
                 raise _polhode.InputError(f"there is no column {name}; there are {', '.join(self.table)}")
-        return plot_table(self.table, x, y, **options)
+        return plot_table(self.table, x, y, {one.name: one for one in methods()}, **options)
 
     def __repr__(self) -> str:
         return f"<polhode.Results of {self.name}: {len(self.table)} rows, in {self.directory}>"

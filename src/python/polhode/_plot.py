@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from polhode import _polhode
-from polhode._methods import methods
+from polhode._types import Sampled, SeriesOfErrors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from polhode._errors import Errors
-    from polhode._solving import Trajectory
+
+class MethodStyle(Protocol):
+    """How a method is drawn."""
+
+    @property
+    def color(self) -> str: ...
+    @property
+    def mark(self) -> str: ...
+
 
 #: Of what is no method: those of the program's own pictures, in the order in which they take them. Told apart by those
 #: who see no red or green.
@@ -60,7 +68,7 @@ def _frames(count: int, options: dict[str, Any]) -> tuple[Figure, list[Axes]]:
     return figure, frames[:count]
 
 
-def plot_trajectory(trajectory: Trajectory, **options: Any) -> Figure:
+def plot_trajectory(trajectory: Sampled, **options: Any) -> Figure:
     """Attitude, angular velocity and, where it moves, the centre of mass over time."""
     several = trajectory.q.ndim == 3
     blocks = [("q", "attitude q", "wxyz"), ("w_B", "angular velocity, body axes (rad/s)", "xyz")]
@@ -84,7 +92,7 @@ def plot_trajectory(trajectory: Trajectory, **options: Any) -> Figure:
     return figure
 
 
-def plot_errors(errors: Errors, **options: Any) -> Figure:
+def plot_errors(errors: SeriesOfErrors, **options: Any) -> Figure:
     """Errors over time."""
     options.setdefault("figsize", (8.0, 4.6))
     figure, (frame,) = _frames(1, options)
@@ -103,14 +111,13 @@ def plot_errors(errors: Errors, **options: Any) -> Figure:
     return figure
 
 
-def plot_table(table: DataFrame, x: str, y: str, **options: Any) -> Figure:
-    """A curve for each method and kind of setting, a frame for each scene."""
+def plot_table(table: DataFrame, x: str, y: str, known: Mapping[str, MethodStyle], **options: Any) -> Figure:
+    """A curve for each method and kind of setting, a frame for each scene; `known`: how methods are drawn."""
     scenes = list(dict.fromkeys(table["scene"]))
     options.setdefault("figsize", (8.6, 5.0) if len(scenes) == 1 else (13.0, 4.4 * -(-len(scenes) // 2)))
     figure, frames = _frames(len(scenes), options)
     curves = list(dict.fromkeys(zip(table["method"], table["setting_kind"])))
     both = {method for method, _ in curves if sum(one == method for one, _ in curves) > 1}
-    known = {one.name: one for one in methods()}
     entries: dict[str, Any] = {}
     for frame, scene in zip(frames, scenes):
         for i, (method, kind) in enumerate(curves):

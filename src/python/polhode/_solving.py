@@ -11,17 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode import _polhode
+from polhode._checking import Report, check
+from polhode._errors import Errors, errors
 from polhode._html import pairs_html
+from polhode._plot import plot_trajectory
 from polhode._scenes import Scene, SceneLike, scene as make_scene
+from polhode._truth import Truth
+from polhode._types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from polhode._checking import Report
-    from polhode._errors import Errors
-    from polhode._truth import Truth
-
-Array = npt.NDArray[np.float64]
 
 #: Runs beyond these limits end as ``failed``.
 _NO_TIMES = np.empty(0)
@@ -168,14 +167,10 @@ class Trajectory:
 
     def errors(self, truth: Truth | None = None, *, digits: int = 25) -> Errors:
         """The errors of this trajectory against the truth; see `polhode.errors`."""
-        from polhode._errors import errors
-
         return errors(self, truth, digits=digits)
 
     def check(self, **options: Any) -> Report:
         """The judgement of ``polhode check``; see `polhode.check`."""
-        from polhode._checking import check
-
         return check(self, **options)
 
     def csv(self) -> str:
@@ -198,8 +193,6 @@ class Trajectory:
         -------
         matplotlib.figure.Figure
         """
-        from polhode._plot import plot_trajectory
-
         return plot_trajectory(self, **options)
 
     def __len__(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,9 +11,7 @@ import numpy.typing as npt
 from polhode import _polhode
 from polhode._html import pairs_html
 from polhode._scenes import Scene, SceneLike, scene as make_scene
-
-if TYPE_CHECKING:
-    from polhode._solving import Array
+from polhode._types import Array
 
 _COLUMNS = ("qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz")
 _BLOCKS = {"q": slice(0, 4), "w": slice(4, 7), "p": slice(7, 10), "v": slice(10, 13)}

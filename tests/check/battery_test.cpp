@@ -356,7 +356,7 @@ TEST(BatteryTable, IsWritten) {
     text += table_by_fault(by_pair, "By pair, over all of these files:", true);
     text += fmt::format(
         "\n## Impacts\n\n"
-        "Balls that do not rotate and tumbling boxes on a plane, by a small engine with {} faults of impacts\n"
+        "Balls and tumbling boxes on a plane, by a small engine with {} faults of impacts\n"
         "(tests/check/plane_battery.h).\n\n"
         "| files | right | wrong | silent | of | right, % | wrong, % | sound files | of them accused |\n"
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",

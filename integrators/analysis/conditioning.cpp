@@ -157,7 +157,7 @@ Peak Conditioning::floor_peak(double roundoff) const {
 Conditioning conditioning(const Problem& problem, const std::vector<double>& times,
                           const ConditioningSettings& settings) {
     demand_times(times);
-    if (problem.formulation != Formulation::reduced && !problem.own)
+    if (problem.formulation != Formulation::reduced && !problem.model())
         return conditioning(problem.scene, times, settings);
     if (!problem.scene.planes.empty()) {
         Conditioning none;
@@ -165,13 +165,13 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         return none;
     }
     if (times.back() > problem.scene.duration) throw std::invalid_argument("a time beyond the duration");
-    if (problem.needs.system == SystemKind::own) {
+    if (std::holds_alternative<UserSystem>(problem.system)) {
         Conditioning none;
         none.message = "nothing is known of a system of the user's own";
         return none;
     }
-    Conditioning result = is_mechanism(problem.scene) ? conditioning_of_mechanism(problem, times, settings)
-                                                      : run(problem, times, settings);
+    Conditioning result =
+        problem.model() ? conditioning_of_mechanism(problem, times, settings) : run(problem, times, settings);
     if (const double reach = 1 / float64_roundoff; result.state_peak().value > reach) {
         std::size_t k = 0;
         while (!(result.state[k] > reach)) ++k;

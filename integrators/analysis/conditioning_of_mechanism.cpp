@@ -33,7 +33,7 @@ constexpr double most_prompt_steps = 20'000;
 class Variation {
   public:
     Variation(const Problem& problem)
-        : links_(mechanism_of(problem).tree().links()), scales_(problem.own->scales()), model_(problem.own) {
+        : links_(mechanism_of(problem).tree().links()), scales_(problem.model()->scales()), model_(problem.model()) {
         y_.resize(size());
         units_ = scales_;
         for (const Link<double>& link : links_.links)

@@ -30,7 +30,7 @@ struct EngineEntry {
 };
 
 std::string why_unrepresentable(const Problem& problem) {
-    if (problem.own && !is_mechanism(problem.scene)) return "an engine has to know the body";
+    if (std::holds_alternative<UserSystem>(problem.system)) return "an engine has to know the body";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
         if (is_mechanism(problem.scene))

@@ -5,7 +5,7 @@
 namespace polhode::multibody {
 
 JointState::JointState(const Problem& problem)
-    : posed_(std::shared_ptr<const MechanismModel>(problem.own, &mechanism_of(problem))),
+    : posed_(std::shared_ptr<const MechanismModel>(problem.model(), &mechanism_of(problem))),
       y_(static_cast<std::size_t>(posed_->dimension())),
       dy_(y_.size()) {
     JointState::restart();

@@ -10,9 +10,10 @@
 namespace polhode::multibody {
 
 std::string needs_a_mechanism(const Problem& problem) {
-    if (is_mechanism(problem.scene)) return "";
-    return problem.own ? "solves scenes of several bodies, no systems of the user's own"
-                       : "solves scenes of several bodies, by their joints";
+    if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
+    return std::holds_alternative<UserSystem>(problem.system)
+               ? "solves scenes of several bodies, no systems of the user's own"
+               : "solves scenes of several bodies, by their joints";
 }
 
 std::string needs_inertia_of_each_body(const Problem& problem) {
@@ -21,7 +22,7 @@ std::string needs_inertia_of_each_body(const Problem& problem) {
 }
 
 std::string beyond_binary32(const Problem& problem) {
-    if (!is_mechanism(problem.scene)) return "";
+    if (!std::holds_alternative<MechanismSystem>(problem.system)) return "";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();
     const auto holds = [&](double x) { return std::abs(x) <= largest; };

@@ -22,13 +22,13 @@ bool is_long(const Problem& problem, double tolerance) {
     constexpr std::ptrdiff_t long_for_most = 100, long_for_all = 300, quotient = 25;
     constexpr double tight = 3e-12,
                      least = 1e-14;  // below it rounding is what is left, and series sum it with more care
-    if (!problem.own || tolerance < least) return false;
+    if (std::holds_alternative<OneBody>(problem.system) || tolerance < least) return false;
     OwnSystem system(problem);
     Numbers<run_time> y(system.size());
     system.initial(y.data());
     if (!problem.segments.empty()) system.enter(problem.segments.front(), y.data());
     const auto nodes = recorded<double>(system).tape.nodes;
-    using Node = truth::Node<double>;
+    using Node = TapeNode<double>;
     const auto quotients =
         std::ranges::count_if(nodes, [](const Node& node) { return node.kind == Node::Kind::quotient; });
     return std::ssize(nodes) + (quotient - 1) * quotients >= (tolerance < tight ? long_for_all : long_for_most);

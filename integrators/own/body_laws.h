@@ -11,7 +11,7 @@
 
 namespace polhode {
 
-using TracedNumber = truth::Traced<double>;
+using TracedNumber = Traced<double>;
 
 /// What acts and what resists it, in principal axes.
 template <class P>

@@ -341,10 +341,10 @@ class Block {
         if (s >= 0) units = {0, 0, 2, 2, 2, 2};
         if (queue.law.moves) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
         for (int i = static_cast<int>(units.size()); i < n; ++i) units.push_back(i);
-        const auto recording = s < 0 ? truth::record<double>(AnyBody{queue.law}, n)
-                                     : truth::record<double>(SymmetricBody{{present[(s + 1) % 3], present[(s + 2) % 3],
-                                                                            present[static_cast<std::size_t>(s)]}},
-                                                             n);
+        const auto recording = s < 0 ? record<double>(AnyBody{queue.law}, n)
+                                     : record<double>(SymmetricBody{{present[(s + 1) % 3], present[(s + 2) % 3],
+                                                                     present[static_cast<std::size_t>(s)]}},
+                                                      n);
         ExtrapolatedLanes lanes(recording, std::move(units), std::max(settings_.tolerance, least_tolerance),
                                 settings_.max_steps, {.instructions = settings_.instructions});
         std::vector<LaneMotion> motions(queue.travellers.size());

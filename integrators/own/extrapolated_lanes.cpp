@@ -151,8 +151,8 @@ LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps) {
     return {Status::diverged, "the motion is not finite after t = " + at};
 }
 
-ExtrapolatedLanes::ExtrapolatedLanes(const truth::Recording<double>& recording, std::vector<int> units,
-                                     double tolerance, long max_steps, const TapeOptions& options)
+ExtrapolatedLanes::ExtrapolatedLanes(const Recording<double>& recording, std::vector<int> units, double tolerance,
+                                     long max_steps, const TapeOptions& options)
     : size_(static_cast<int>(recording.rates.size())),
       tolerance_(tolerance),
       max_steps_(max_steps),

@@ -36,8 +36,8 @@ class ExtrapolatedLanes {
   public:
     /// `units`: by variable, the first of those that are measured by their largest together. A step's error, that of
     /// the result less well extrapolated, is held to `tolerance` of each size.
-    ExtrapolatedLanes(const truth::Recording<double>& recording, std::vector<int> units, double tolerance,
-                      long max_steps, const TapeOptions& options = {});
+    ExtrapolatedLanes(const Recording<double>& recording, std::vector<int> units, double tolerance, long max_steps,
+                      const TapeOptions& options = {});
 
     /// Moves each over the span, s > 0. A lane is given to the next motion as soon as its own has arrived.
     void advance(std::vector<LaneMotion>& motions, double span);

@@ -33,7 +33,7 @@ POLHODE_TARGET_AVX512 void work_avx512(const CarefulSubstep& s) { work(s); }
 
 }  // namespace
 
-LaneColumns::LaneColumns(const truth::Recording<double>& recording)
+LaneColumns::LaneColumns(const Recording<double>& recording)
     : size_(static_cast<int>(recording.rates.size())), rates_(recording) {
     for (Lanes* const list : {&start_, &before_, &now_, &lost_before_, &lost_, &y_, &rate_, &found_, &found_lost_})
         list->assign(place(size_, 0), 0);

@@ -13,7 +13,7 @@ namespace polhode {
 /// step side by side; with care, also what was rounded away. The same bits by all instructions.
 class LaneColumns {
   public:
-    explicit LaneColumns(const truth::Recording<double>& recording);
+    explicit LaneColumns(const Recording<double>& recording);
 
     /// From y over the step H.
     void step(const double* y, double H, const ExtrapolationRow& row, bool careful);

@@ -87,11 +87,9 @@ class RowsInLanes {
         for (LaneMotion& motion : motions_) model_.tree().strike(scene_, leg.begin, motion.y), motion.step = 0;
         struct Form {
             const MechanismModel* model;
-            void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
-                model->derivative(y, dy);
-            }
+            void derivative(const Traced<double>* y, Traced<double>* dy) const { model->derivative(y, dy); }
         };
-        lanes_.emplace(truth::record<double>(Form{&model_}, static_cast<int>(n_)), units_, settings_.tolerance,
+        lanes_.emplace(record<double>(Form{&model_}, static_cast<int>(n_)), units_, settings_.tolerance,
                        settings_.max_steps, TapeOptions{.instructions = settings_.instructions});
         now_ = leg.begin;
         return true;

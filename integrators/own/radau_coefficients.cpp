@@ -82,7 +82,7 @@ std::vector<Real> inverse_of(std::vector<Real> m, std::size_t n) {
 }
 
 RadauCoefficients made(int stages) {
-    const truth::RadauNodes<Real> radau(stages);
+    const RadauNodes<Real> radau(stages);
     const auto s = static_cast<std::size_t>(stages);
     RadauCoefficients result;
     result.stages = stages;

@@ -7,12 +7,12 @@ namespace polhode {
 
 /// With the loads of the segment that it has entered. T: what constants are kept in.
 template <class T, class SystemType>
-truth::Recording<T> recorded(const SystemType& system) {
+Recording<T> recorded(const SystemType& system) {
     struct Form {
         const SystemType* system;
-        void derivative(const truth::Traced<T>* y, truth::Traced<T>* dy) const { system->derivative(0, y, dy); }
+        void derivative(const Traced<T>* y, Traced<T>* dy) const { system->derivative(0, y, dy); }
     };
-    return truth::record<T>(Form{&system}, system.size());
+    return record<T>(Form{&system}, system.size());
 }
 
 }  // namespace polhode

@@ -196,7 +196,7 @@ class ExtendedSeries {
     ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double)
         : coefficients_(problem, segment, system, careful_tolerance),
           first_(recorded<Extended>(system), extended),
-          longest_(problem.own ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
+          longest_(problem.model() ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
           state_(system.size()) {}
     void start(const double* y) { std::copy_n(y, size(), state_.begin()); }
     void expand() {
@@ -233,7 +233,7 @@ class ExtendedSeries {
     }
 
     RecordedCoefficients<SystemType, true> coefficients_;
-    truth::Series<Extended> first_;
+    Series<Extended> first_;
     // near equilibrium the rounded state's coefficients can vanish where those of the state do not: beyond some 4/rate
     // what is left of it would then grow
     double longest_;
@@ -243,7 +243,7 @@ class ExtendedSeries {
 /// The exponent k of the unit of time 2^-k s in which a motion's fastest rate is near one. Zero where no coefficient
 /// leaves the range of binary64 without it.
 int exponent_of_rate(const Problem& problem) {
-    if (problem.own) return 0;
+    if (problem.model()) return 0;
     double rate = problem.scales.angular_velocity;
     for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(problem.body.initial_angular_velocity[i]));
     for (const Segment& segment : problem.segments) {

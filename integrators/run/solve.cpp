@@ -68,9 +68,9 @@ std::shared_ptr<const Method> make_method(const Method& description,
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} knows no impacts on planes", method.name);
-    if (problem.own && !method.own_systems && is_mechanism(problem.scene))
+    if (!method.own_systems && std::holds_alternative<MechanismSystem>(problem.system))
         return fmt::format("{} takes one body; this scene is of several with joints", method.name);
-    if (problem.own && !method.own_systems)
+    if (!method.own_systems && std::holds_alternative<UserSystem>(problem.system))
         return fmt::format("{} needs to know the body: it takes no system of the user's own", method.name);
     return method.refuses ? method.refuses(problem) : "";
 }

@@ -57,8 +57,8 @@ Stiffness stiffness_at_start(const Problem& problem) {
 
 Stiffness stiffness(const Problem& problem) {
     const Method* method = find_method("radau");
-    if (method && problem.needs.system == SystemKind::mechanism) return stiffness_at_start(problem);
-    if (!method || problem.own || !damps(problem) || problem.needs.user_torque || !problem.scene.planes.empty())
+    if (method && std::holds_alternative<MechanismSystem>(problem.system)) return stiffness_at_start(problem);
+    if (!method || problem.model() || !damps(problem) || problem.needs.user_torque || !problem.scene.planes.empty())
         return {};
     Settings settings;
     settings.tolerance = 1e-3, settings.samples = 50, settings.max_steps = 5000;

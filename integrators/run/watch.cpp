@@ -70,15 +70,16 @@ bool Budget::in_time() {
 std::string moment(double t) { return fmt::format("t = {:.9g} s", t); }
 
 std::string divergence(const Problem& problem, const Bodies& bodies, double bound) {
-    double kinetic = problem.own ? problem.own->kinetic_energy(bodies) : 0;
+    const auto model = problem.model();
+    double kinetic = model ? model->kinetic_energy(bodies) : 0;
     bool finite = true;
     for (const Sample& sample : bodies) {
         const Vector3<double>& w = sample.angular_velocity_B;
-        if (!problem.own) kinetic += dot(w, problem.body.inertia_B * w) / 2;
-        if (!problem.own && !problem.body.pivoted)
+        if (!model) kinetic += dot(w, problem.body.inertia_B * w) / 2;
+        if (!model && !problem.body.pivoted)
             kinetic += problem.body.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
         const double norm = squared_norm(sample.q), place = dot(sample.position_W, sample.position_W);
-        if (problem.own) finite = finite && std::isfinite(dot(w, w) + dot(sample.velocity_W, sample.velocity_W));
+        if (model) finite = finite && std::isfinite(dot(w, w) + dot(sample.velocity_W, sample.velocity_W));
         finite = finite && std::isfinite(kinetic) && std::isfinite(norm) && std::isfinite(place) && norm > 0;
     }
     const double t = bodies.front().t;

@@ -16,7 +16,7 @@
 #include "integrators/series/real.h"
 #include "motion/traced.h"
 
-namespace polhode::truth {
+namespace polhode {
 
 /// A number with at least the precision of Real<decimals>:
 ///
@@ -272,20 +272,17 @@ struct SeriesScalar<Real<decimals>> {
 template <class T, class P>
 Recording<T> cast_recording(const Recording<P>& recording) {
     Recording<T> result;
-    for (const Node<P>& node : recording.tape.nodes)
+    for (const TapeNode<P>& node : recording.tape.nodes)
         result.tape.nodes.push_back(
-            {static_cast<typename Node<T>::Kind>(node.kind), node.a, node.b, T(node.factor_a), T(node.factor_b)});
+            {static_cast<typename TapeNode<T>::Kind>(node.kind), node.a, node.b, T(node.factor_a), T(node.factor_b)});
     for (const Traced<P>& rate : recording.rates) result.rates.emplace_back(T(rate.factor), rate.node, nullptr);
     return result;
 }
 
-}  // namespace polhode::truth
-
-namespace polhode {
 /// @cond specialisations
 template <unsigned decimals>
-struct Elementary<truth::LimbReal<decimals>> {
-    using S = truth::LimbReal<decimals>;
+struct Elementary<LimbReal<decimals>> {
+    using S = LimbReal<decimals>;
     static void sine_cosine(const S& x, S& sine, S& cosine) { S::sine_cosine(x, sine, cosine); }
 };
 /// @endcond

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-namespace polhode::truth {
+namespace polhode {
 
 /// P_k(x) for k = 0..n, by Bonnet's recurrence.
 template <class P>
@@ -91,4 +91,4 @@ RadauNodes<P>::RadauNodes(int s) : stages(s), a(static_cast<std::size_t>(s) * s)
     for (int j = 0; j < s; ++j) last_but_one.push_back(P(2 * s - 1) * b[j] * legendre(P(P(2) * c[j] - P(1)), s)[s - 1]);
 }
 
-}  // namespace polhode::truth
+}  // namespace polhode

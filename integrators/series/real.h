@@ -11,7 +11,7 @@
 
 #include "motion/trajectory.h"
 
-namespace polhode::truth {
+namespace polhode {
 
 template <unsigned digits>
 using Real = boost::multiprecision::number<
@@ -77,4 +77,4 @@ std::string decimal_of(const Real<digits>& x, int significant) {
     return x == 0 ? "0" : x.str(significant - 1, std::ios_base::scientific);
 }
 
-}  // namespace polhode::truth
+}  // namespace polhode

@@ -18,7 +18,7 @@
 #include "integrators/series/real.h"
 #include "motion/traced.h"
 
-namespace polhode::truth {
+namespace polhode {
 
 /// result = the sum of a[j] b[k - j] for j = 0..k.
 template <class T>
@@ -80,7 +80,7 @@ class Series {
     /// Expands the solution that starts at y, whose scalar may be another.
     template <class P>
     void expand(const P* y) {
-        const std::vector<Node<T>>& nodes = recording_.tape.nodes;
+        const std::vector<TapeNode<T>>& nodes = recording_.tape.nodes;
         const int n = dimension();
         for (int i = 0; i < n; ++i) row(i)[0] = T(y[i]);
         for (int k = 0; k < order_; ++k) {
@@ -114,7 +114,7 @@ class Series {
     }
 
   private:
-    using Kind = typename Node<T>::Kind;
+    using Kind = typename TapeNode<T>::Kind;
 
     Recording<T> recording_;
     int order_;
@@ -126,7 +126,7 @@ class Series {
     T* row(int node) { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
     const T* row(int node) const { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
 
-    void expand_node(const Node<T>& node, int index, int k) {
+    void expand_node(const TapeNode<T>& node, int index, int k) {
         T& result = row(index)[k];
         switch (node.kind) {
             case Kind::state:
@@ -162,7 +162,7 @@ class Series {
                 break;
         }
     }
-    void expand_quotient(const Node<T>& node, T* q, int k) {
+    void expand_quotient(const TapeNode<T>& node, T* q, int k) {
         const T* b = row(node.b);
         T above = node.a >= 0 ? row(node.a)[k] : T(k == 0 ? 1 : 0);
         if (k > 0) {
@@ -185,4 +185,4 @@ class Series {
     }
 };
 
-}  // namespace polhode::truth
+}  // namespace polhode

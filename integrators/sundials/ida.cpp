@@ -11,7 +11,8 @@ Trajectory solve_by_ida(const Problem& problem, const Settings& settings, maxima
 }
 
 std::string no_mechanism(const Problem& problem) {
-    if (!is_mechanism(problem.scene)) return "it solves scenes of several bodies, written with multipliers";
+    if (!std::holds_alternative<MechanismSystem>(problem.system))
+        return "it solves scenes of several bodies, written with multipliers";
     for (const Load& load : problem.scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "a torque of the user's own has no Jacobian";
     return "";

@@ -42,20 +42,12 @@ N_Vector made(SUNContext context, int size) {
         return Vector::make(context);
 }
 
-/// A square matrix that goes with the vector y of N components, and its solver; nullptr where there is no memory.
+/// A square matrix that goes with the vector y of N components, and its solver; nullptr where there is no memory. N is
+/// 3, 7, 13 or run_time: linear_solvers.cpp compiles these, for Eigen's factorisations of a fixed size take long to
+/// compile.
 template <int N>
-SUNMatrix matrix_for(N_Vector y, SUNContext context) {
-    if constexpr (N == run_time)
-        return SUNDenseMatrix(N_VGetLength(y), N_VGetLength(y), context);
-    else
-        return (void)y, FixedMatrix<N>::make(context);
-}
+SUNMatrix matrix_for(N_Vector y, SUNContext context);
 template <int N>
-SUNLinearSolver solver_for(N_Vector y, SUNMatrix matrix, SUNContext context) {
-    if constexpr (N == run_time)
-        return SUNLinSol_Dense(y, matrix, context);
-    else
-        return (void)y, (void)matrix, FixedDenseSolver<N>::make(context);
-}
+SUNLinearSolver solver_for(N_Vector y, SUNMatrix matrix, SUNContext context);
 
 }  // namespace polhode

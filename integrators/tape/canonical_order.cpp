@@ -11,9 +11,9 @@
 namespace polhode {
 namespace {
 
-using Node = truth::Node<double>;
+using Node = TapeNode<double>;
 using Kind = Node::Kind;
-constexpr int constant = truth::Traced<double>::constant;
+constexpr int constant = Traced<double>::constant;
 
 bool is_symmetric(const Node& node) { return node.kind == Kind::combination || node.kind == Kind::product; }
 
@@ -54,12 +54,12 @@ std::vector<int> ranks(const std::vector<Node>& nodes) {
 
 }  // namespace
 
-truth::Recording<double> in_canonical_order(const truth::Recording<double>& recording) {
+Recording<double> in_canonical_order(const Recording<double>& recording) {
     const std::vector<Node>& nodes = recording.tape.nodes;
     const std::vector<int> rank = ranks(nodes);
     std::vector<int> order(nodes.size()), renamed(nodes.size(), constant);
     for (std::size_t i = 0; i < nodes.size(); ++i) order[rank[i]] = static_cast<int>(i);
-    truth::Recording<double> result;
+    Recording<double> result;
     std::vector<Node>& ordered = result.tape.nodes;
     ordered.reserve(nodes.size());
     for (const int i : order) {
@@ -80,7 +80,7 @@ truth::Recording<double> in_canonical_order(const truth::Recording<double>& reco
         if (is_symmetric(node) && node.a < node.b) std::swap(node.a, node.b), std::swap(node.factor_a, node.factor_b);
         ordered.push_back(node);
     }
-    for (const truth::Traced<double>& rate : recording.rates)
+    for (const Traced<double>& rate : recording.rates)
         result.rates.emplace_back(rate.factor, rate.node >= 0 ? renamed[rate.node] : constant, nullptr);
     return result;
 }

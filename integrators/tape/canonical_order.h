@@ -9,6 +9,6 @@ namespace polhode {
 /// are alone. C++ leaves it to the compiler which operand of an operator is computed first, and so which is recorded
 /// first: of products that are added by fused operations, which are rounded differently, each compiler would have its
 /// own first one.
-truth::Recording<double> in_canonical_order(const truth::Recording<double>& recording);
+Recording<double> in_canonical_order(const Recording<double>& recording);
 
 }  // namespace polhode

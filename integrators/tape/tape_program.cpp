@@ -12,13 +12,13 @@
 namespace polhode {
 namespace {
 
-using Node = truth::Node<double>;
+using Node = TapeNode<double>;
 using Kind = TapeProgram::Kind;
 constexpr int none = TapeProgram::none;
 
 class TapeProgrammer {
   public:
-    TapeProgrammer(TapeProgram& program, const truth::Recording<double>& recording, bool is_series)
+    TapeProgrammer(TapeProgram& program, const Recording<double>& recording, bool is_series)
         : program_(program),
           is_series_(is_series),
           nodes_(recording.tape.nodes),
@@ -40,7 +40,7 @@ class TapeProgrammer {
                 begin_sum(i);
             else
                 begin(i);
-        for (const truth::Traced<double>& rate : rates_) {
+        for (const Traced<double>& rate : rates_) {
             const double scale = rate.node < 0 ? 1 : rate.factor * scale_of_[rate.node];
             const bool is_parameter = !is_series_ && rate.node < 0 && rate.factor == 0;
             program_.first_rates.push_back({rate.node >= 0 ? value_of_[rate.node]
@@ -81,7 +81,7 @@ class TapeProgrammer {
     TapeProgram& program_;
     bool is_series_;
     const std::vector<Node>& nodes_;
-    const std::vector<truth::Traced<double>>& rates_;
+    const std::vector<Traced<double>>& rates_;
     std::vector<int> row_of_, inner_row_of_;  // by node
     std::vector<int> value_of_;               // by node: the slot of coefficient 0
     std::vector<int> now_of_;  // by node: the slot of the coefficient of the order at hand; none: dissolved
@@ -120,7 +120,7 @@ class TapeProgrammer {
             for (const int operand : {node.a, node.b})
                 if (operand >= 0) uses_[operand] += node.kind == Node::Kind::combination ? 1 : 2;
         }
-        for (const truth::Traced<double>& rate : rates_)
+        for (const Traced<double>& rate : rates_)
             if (rate.node >= 0) uses_[rate.node] += 2;
         for (int i = 0; i < count(); ++i) {
             now_of_.push_back(i < program_.states ? i : is_sum(i) && uses_[i] <= 1 ? none : 0);
@@ -401,7 +401,7 @@ class TapeProgrammer {
 
 }  // namespace
 
-TapeProgram::TapeProgram(const truth::Recording<double>& recording, Purpose purpose) : states(0), slots(0) {
+TapeProgram::TapeProgram(const Recording<double>& recording, Purpose purpose) : states(0), slots(0) {
     TapeProgrammer(*this, in_canonical_order(recording), purpose == Purpose::series).write();
 }
 

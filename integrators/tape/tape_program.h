@@ -93,7 +93,7 @@ struct TapeProgram {
     /// What a program is for: the coefficients of any order; or rates alone, which are its first_rates, not divided.
     enum class Purpose { series, rates };
 
-    explicit TapeProgram(const truth::Recording<double>& recording, Purpose purpose = Purpose::series);
+    explicit TapeProgram(const Recording<double>& recording, Purpose purpose = Purpose::series);
 };
 
 }  // namespace polhode

@@ -18,27 +18,27 @@ std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) {
 }
 
 struct Key {
-    truth::Recording<double> recording;
+    Recording<double> recording;
     TapeOptions options;
 
-    bool is(const truth::Recording<double>& r, const TapeOptions& options_) const {
-        const auto equal = [](const truth::Traced<double>& a, const truth::Traced<double>& b) {
+    bool is(const Recording<double>& r, const TapeOptions& options_) const {
+        const auto equal = [](const Traced<double>& a, const Traced<double>& b) {
             return a.node == b.node && a.factor == b.factor;
         };
         return options == options_ && recording.tape.nodes == r.tape.nodes &&
                std::equal(recording.rates.begin(), recording.rates.end(), r.rates.begin(), r.rates.end(), equal);
     }
 };
-std::uint64_t hash_of(const truth::Recording<double>& recording) {
+std::uint64_t hash_of(const Recording<double>& recording) {
     std::uint64_t hash = 0;
-    for (const truth::Node<double>& node : recording.tape.nodes) {
+    for (const TapeNode<double>& node : recording.tape.nodes) {
         hash = mixed(hash, (static_cast<std::uint64_t>(node.kind) << 60U) ^
                                (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a)) << 28U) ^
                                static_cast<std::uint32_t>(node.b));
         hash =
             mixed(hash, std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
     }
-    for (const truth::Traced<double>& rate : recording.rates)
+    for (const Traced<double>& rate : recording.rates)
         hash = mixed(hash, std::bit_cast<std::uint64_t>(rate.factor) + static_cast<std::uint64_t>(rate.node));
     return hash;
 }
@@ -46,7 +46,7 @@ std::uint64_t hash_of(const truth::Recording<double>& recording) {
 /// Of the tapes of a process: forgotten all at once where they grow beyond what is kept.
 class Shelf {
   public:
-    std::shared_ptr<const PreparedTape> find(std::uint64_t hash, const truth::Recording<double>& recording,
+    std::shared_ptr<const PreparedTape> find(std::uint64_t hash, const Recording<double>& recording,
                                              const TapeOptions& options) {
         const std::lock_guard lock(mutex_);
         const auto [first, last] = tapes_.equal_range(hash);
@@ -80,7 +80,7 @@ const TapeInterpreter& tape_interpreter(InstructionSet set) {
     return *all[static_cast<std::size_t>(set)];
 }
 
-PreparedTape::PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_)
+PreparedTape::PreparedTape(const Recording<double>& recording, const TapeOptions& options_)
     : program(recording, options_.purpose),
       layout(program, options_.purpose == TapeProgram::Purpose::rates ? 2
                       : options_.order > 0                            ? options_.order
@@ -92,7 +92,7 @@ PreparedTape::PreparedTape(const truth::Recording<double>& recording, const Tape
                : compiled(program, layout, options.careful, options.instructions);
 }
 
-std::shared_ptr<const PreparedTape> prepared(const truth::Recording<double>& recording, const TapeOptions& options) {
+std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording, const TapeOptions& options) {
     static Shelf shelf;
     const std::uint64_t hash = hash_of(recording);
     if (std::shared_ptr<const PreparedTape> kept = shelf.find(hash, recording, options)) return kept;
@@ -122,14 +122,14 @@ int best_order(const TapeProgram& program, double tolerance) {
     return best;
 }
 
-TapeSeries::TapeSeries(const truth::Recording<double>& recording, const TapeOptions& options)
+TapeSeries::TapeSeries(const Recording<double>& recording, const TapeOptions& options)
     : tape_(prepared(recording, options)),
       interpreter_(&tape_interpreter(options.instructions)),
       memory_(tape_->layout.end, 0.0) {
     for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
 }
 
-TapeRates::TapeRates(const truth::Recording<double>& recording, TapeOptions options)
+TapeRates::TapeRates(const Recording<double>& recording, TapeOptions options)
     : interpreter_(&tape_interpreter(options.instructions)) {
     options.purpose = TapeProgram::Purpose::rates;
     tape_ = prepared(recording, options);

@@ -31,11 +31,11 @@ struct PreparedTape {
     TapeOptions options;
     std::shared_ptr<const TapeCode> code;  ///< none: interpreted
 
-    PreparedTape(const truth::Recording<double>& recording, const TapeOptions& options_);
+    PreparedTape(const Recording<double>& recording, const TapeOptions& options_);
 };
 
 /// The one of this process for an equal recording and options, made at the first call. By any number of threads.
-std::shared_ptr<const PreparedTape> prepared(const truth::Recording<double>& recording, const TapeOptions& options);
+std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording, const TapeOptions& options);
 
 /// The order of least work for a time, with steps as long as the tolerance admits (Jorba & Zou 2005, 3.1: where a
 /// step's work is as the order squared, this is 1 - log(tolerance) / 2).
@@ -44,7 +44,7 @@ int best_order(const TapeProgram& program, double tolerance);
 /// The coefficients of a recorded system's solution up to an order.
 class TapeSeries {
   public:
-    explicit TapeSeries(const truth::Recording<double>& recording, const TapeOptions& options = {});
+    explicit TapeSeries(const Recording<double>& recording, const TapeOptions& options = {});
 
     int order() const { return tape_->layout.order; }
     int dimension() const { return tape_->program.states; }
@@ -83,7 +83,7 @@ class TapeRates {
   public:
     static constexpr int lanes = TapeLayout::line;
 
-    explicit TapeRates(const truth::Recording<double>& recording, TapeOptions options = {});
+    explicit TapeRates(const Recording<double>& recording, TapeOptions options = {});
 
     void operator()(const TapeSubstep& substep) {
         if (tape_->code)

@@ -53,8 +53,9 @@ struct Piece {
 KeptConstants::~KeptConstants() { mpfr_free_cache(); }
 
 bool closed_form_serves(const Problem& problem) {
-    return problem.segments.size() == 1 && problem.needs.translation != Translation::integrated &&
-           !problem.needs.user_torque && Piece(problem.scene).form.has_value();
+    return std::holds_alternative<OneBody>(problem.system) && problem.segments.size() == 1 &&
+           problem.needs.translation != Translation::integrated && !problem.needs.user_torque &&
+           Piece(problem.scene).form.has_value();
 }
 
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {

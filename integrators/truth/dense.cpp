@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-using P = truth::Real<50>;
+using P = Real<50>;
 
 // what is below 2^-60 of a block's scale is nothing beside the rounding to binary64
 constexpr double negligible = 0x1p-60;
@@ -87,7 +87,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     // scaled(i, k): the coefficient of ((t - begin) / h)^k in the i-th variable
     const auto keep = [&](const P& t, const P& h, int order, const auto& scaled) {
         DenseTruth::Piece piece;
-        piece.begin = truth::pair_of(t), piece.per_length = P(1 / h).convert_to<double>();
+        piece.begin = pair_of(t), piece.per_length = P(1 / h).convert_to<double>();
         piece.offset = dense.coefficients_.size();
         dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(order + 2) * width);
         double* row = dense.coefficients_.data() + piece.offset;
@@ -107,7 +107,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         piece.degree = degree;
         double* low = row + static_cast<std::size_t>(degree + 1) * width;
         std::fill_n(low, width, 0.0);
-        for (int i = 0; i < n; ++i) low[i] = truth::pair_of(scaled(i, 0)).low;
+        for (int i = 0; i < n; ++i) low[i] = pair_of(scaled(i, 0)).low;
         dense.coefficients_.resize(piece.offset + static_cast<std::size_t>(degree + 2) * width);
         dense.pieces_.push_back(piece);
     };

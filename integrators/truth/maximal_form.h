@@ -83,7 +83,7 @@ class MaximalForm : public maximal::System<P> {
             Tape<P> tape;
             std::vector<Traced<P>> state, rates(n);
             for (int i = 0; i < n; ++i) {
-                tape.nodes.push_back({Node<P>::Kind::state, i, 0, P(0), P(0)});
+                tape.nodes.push_back({TapeNode<P>::Kind::state, i, 0, P(0), P(0)});
                 state.emplace_back(P(1), i, &tape);
             }
             derivative(state.data(), rates.data());

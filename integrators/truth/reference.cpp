@@ -40,8 +40,7 @@ constexpr int guard_digits = 2;
 // the series is the truth, so that no closed form is judged by itself.
 constexpr double most_radians_by_series = 2e5;
 bool is_long(const Problem& problem) {
-    return !is_mechanism(problem.scene) &&
-           problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
+    return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
            truth::closed_form_serves(problem);
 }
 
@@ -49,15 +48,28 @@ bool is_long(const Problem& problem) {
 bool is_narrow(double local_digits) { return local_digits <= 44; }
 constexpr double least_broad_digits = 45;
 
+/// By what the motion is followed.
+enum class Way { closed_form, series_in_joint_coordinates, collocation, series };
+
+Way way_of(const Problem& problem) {
+    if (std::holds_alternative<MechanismSystem>(problem.system)) return Way::series_in_joint_coordinates;
+    return is_long(problem) ? Way::closed_form : is_strongly_damped(problem) ? Way::collocation : Way::series;
+}
+
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
-    if (is_long(problem)) return truth::attempt_by_closed_form(problem, times, local_digits);
     const bool narrow = is_narrow(local_digits);
-    if (is_mechanism(problem.scene))
-        return narrow ? truth::attempt_at_mechanism<50>(problem, times, local_digits)
-                      : truth::attempt_at_mechanism<100>(problem, times, local_digits);
-    if (is_strongly_damped(problem))
-        return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
-                      : truth::attempt_by_collocation<100>(problem, times, local_digits);
+    switch (way_of(problem)) {
+        case Way::closed_form:
+            return truth::attempt_by_closed_form(problem, times, local_digits);
+        case Way::series_in_joint_coordinates:
+            return narrow ? truth::attempt_at_mechanism<50>(problem, times, local_digits)
+                          : truth::attempt_at_mechanism<100>(problem, times, local_digits);
+        case Way::collocation:
+            return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
+                          : truth::attempt_by_collocation<100>(problem, times, local_digits);
+        case Way::series:
+            break;
+    }
     return narrow ? truth::attempt_by_taylor<50>(problem, times, local_digits)
                   : truth::attempt_by_taylor<100>(problem, times, local_digits);
 }
@@ -94,7 +106,7 @@ class SharedData {
 
 // How many digits of momenta the rate about the axis of the least moment takes, beside those of the rates.
 double digits_of_momenta(const Problem& problem) {
-    if (is_mechanism(problem.scene)) return 0;
+    if (!std::holds_alternative<OneBody>(problem.system)) return 0;
     const Vector3<double>& I = problem.body.principal.moments;
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
@@ -126,7 +138,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         if (!fault.empty()) break;
         shared.count(made, local);
         // no digit agrees: what the motion hangs on may be lost in one of the two formulations
-        if (made.agreed_digits < 1 && attempts == 0 && !is_mechanism(scene) && truth::closed_form_serves(problem)) {
+        if (made.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
             if (other.fault.empty()) shared.count(other, std::max(local, least_broad_digits));
             if (other.fault.empty() && other.agreed_digits > made.agreed_digits) made = std::move(other);
@@ -236,8 +248,8 @@ Truth truth::find_truth(const Scene& scene, const std::vector<double>& times, in
 
 std::string_view truth_method(const Problem& problem) {
     if (problem.needs.user_torque) return "none";
-    if (is_mechanism(problem.scene)) return "Taylor series";
-    return is_long(problem) ? "closed form" : is_strongly_damped(problem) ? "collocation" : "Taylor series";
+    const Way way = way_of(problem);
+    return way == Way::closed_form ? "closed form" : way == Way::collocation ? "collocation" : "Taylor series";
 }
 
 Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {

@@ -109,7 +109,7 @@ Polyline simplified(const Polyline& line, const Vector3<double>& scale, double t
 
 PolhodeCurve polhode_curve(const Problem& problem) {
     PolhodeCurve polhode;
-    if (problem.own) {
+    if (!std::holds_alternative<OneBody>(problem.system)) {
         polhode.fault = "a polhode is one body's";
         return polhode;
     }

@@ -161,12 +161,12 @@ Problem pose_mechanism(const Scene& scene) {
     problem.needs.time_dependent = problem.segments.size() > 1;
     problem.body.geometry = std::make_shared<const ContactGeometry<double>>();
     problem.scales = model->model().body_scales();
-    problem.own = model;
+    problem.system = MechanismSystem{model};
     return problem;
 }
 
 const MechanismModel& mechanism_of(const Problem& problem) {
-    return static_cast<const Erased<MechanismModel>&>(*problem.own).model();
+    return static_cast<const Erased<MechanismModel>&>(*std::get<MechanismSystem>(problem.system).model).model();
 }
 
 }  // namespace polhode

@@ -54,7 +54,7 @@ class MechanismModel {
     void scout();
 };
 
-/// Poses a scene of several bodies. `problem.own` holds a MechanismModel.
+/// Poses a scene of several bodies. `problem.system` is a MechanismSystem.
 Problem pose_mechanism(const Scene& scene);
 
 /// The model of a problem whose scene is one of several bodies.

@@ -41,7 +41,7 @@ Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration) {
     }
     problem.needs.time_dependent = problem.segments.size() > 1;
     problem.body.geometry = std::make_shared<const ContactGeometry<double>>();
-    problem.own = std::move(model);
+    problem.system = UserSystem{std::move(model)};
     return problem;
 }
 

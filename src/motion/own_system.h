@@ -80,8 +80,8 @@ class ErasedModel {
     virtual void initial(double* y) const = 0;
     virtual void derivative(const double* y, double* dy) const = 0;
     virtual void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const = 0;
-    virtual void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const = 0;
-    virtual void derivative(const truth::Traced<long double>* y, truth::Traced<long double>* dy) const = 0;
+    virtual void derivative(const Traced<double>* y, Traced<double>* dy) const = 0;
+    virtual void derivative(const Traced<long double>* y, Traced<long double>* dy) const = 0;
     virtual std::vector<double> scales() const = 0;
     virtual std::vector<Sample> motion(const double* y) const = 0;
     virtual std::vector<Reaction<double>> reactions(const double* y) const = 0;
@@ -105,12 +105,8 @@ class Erased : public ErasedModel {
     void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const override {
         model_.derivative(y, dy);
     }
-    void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const override {
-        model_.derivative(y, dy);
-    }
-    void derivative(const truth::Traced<long double>* y, truth::Traced<long double>* dy) const override {
-        model_.derivative(y, dy);
-    }
+    void derivative(const Traced<double>* y, Traced<double>* dy) const override { model_.derivative(y, dy); }
+    void derivative(const Traced<long double>* y, Traced<long double>* dy) const override { model_.derivative(y, dy); }
     std::vector<double> scales() const override { return model_.scales(); }
     std::vector<Sample> motion(const double* y) const override { return model_.motion(y); }
     std::vector<Reaction<double>> reactions([[maybe_unused]] const double* y) const override {
@@ -176,7 +172,7 @@ class OwnSystem {
     static constexpr bool about_axis = false, has_translation = false;
 
     explicit OwnSystem(const Problem& problem)
-        : model_(problem.own), size_(model_->dimension()), reactions_(problem.reactions) {}
+        : model_(problem.model()), size_(model_->dimension()), reactions_(problem.reactions) {}
 
     int size() const { return size_; }
     void initial(double* y) const { model_->initial(y); }

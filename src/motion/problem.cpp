@@ -182,7 +182,7 @@ const char* name_of(SystemKind system) {
 }
 
 double energy_bound(const Problem& problem) {
-    if (problem.own) return problem.own->energy_bound();
+    if (const auto model = problem.model()) return model->energy_bound();
     const Vector3<double>& moments = problem.body.principal.moments;
     const double largest = std::max({moments[0], moments[1], moments[2]});
     const Scales& s = problem.scales;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "motion/body_equations.h"
@@ -102,6 +103,17 @@ struct PosedBody : ExactBody<double> {
     Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal, rad/s
 };
 
+/// The equations of one body, of motion/systems.h, by `Needs::system`.
+struct OneBody {};
+/// A system of the user's own, which has no body and no scene.
+struct UserSystem {
+    std::shared_ptr<const ErasedModel> model;  ///< never null
+};
+/// A scene of several bodies in joint coordinates (mechanism_of()).
+struct MechanismSystem {
+    std::shared_ptr<const ErasedModel> model;  ///< never null
+};
+
 /// A posed scene: what every method is given.
 struct Problem {
     Scene scene;                                     ///< as it was posed
@@ -111,9 +123,15 @@ struct Problem {
     Scales scales;                                   ///< how large the motion gets
     bool reactions = false;                          ///< samples of several bodies carry the reactions of their joints
 
-    PosedBody body;  ///< what the system is made of: rounded once from 128 bits
-    /// The same for a system of the user's own, which has no body and no scene, and for a scene of several bodies.
-    std::shared_ptr<const ErasedModel> own;
+    PosedBody body;  ///< what the system of one body is made of: rounded once from 128 bits
+    std::variant<OneBody, UserSystem, MechanismSystem> system;
+
+    /// The equations of a user's system or of several bodies behind one interface; null for one body.
+    std::shared_ptr<const ErasedModel> model() const {
+        if (const auto* user = std::get_if<UserSystem>(&system)) return user->model;
+        if (const auto* several = std::get_if<MechanismSystem>(&system)) return several->model;
+        return nullptr;
+    }
 };
 
 /// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's. Throws

@@ -233,7 +233,7 @@ auto with_one_body(const Problem& problem, Visitor&& visit) {
 /// The same for any problem: with OwnSystem where it is a system of the user's own.
 template <class Visitor>
 auto with_system(const Problem& problem, Visitor&& visit) {
-    if (problem.own) return visit.template operator()<OwnSystem>();
+    if (!std::holds_alternative<OneBody>(problem.system)) return visit.template operator()<OwnSystem>();
     return with_one_body(problem, std::forward<Visitor>(visit));
 }
 

@@ -14,7 +14,7 @@
 
 #include "body/elementary.h"
 
-namespace polhode::truth {
+namespace polhode {
 
 /// A node of the tape. Its operands come before it; only a sine's partner, its cosine, comes right after it.
 ///
@@ -25,34 +25,34 @@ namespace polhode::truth {
 ///  * sine, cosine: of a, and b is the other one; always both
 ///  * root: the square root of a; b < 0
 template <class T>
-struct Node {
+struct TapeNode {
     enum class Kind { state, combination, product, quotient, sine, cosine, root } kind;
     int a, b;
     T factor_a, factor_b;
 
-    bool operator==(const Node&) const = default;
+    bool operator==(const TapeNode&) const = default;
 };
 
 /// The operations in the order in which they were recorded; the first nodes are the state variables.
 template <class T>
 struct Tape {
-    std::vector<Node<T>> nodes;
+    std::vector<TapeNode<T>> nodes;
 
     /// The place of the node: of an equal one, or of itself at the end.
-    int add(const Node<T>& node) {
-        const int found = find(node, [&](const Node<T>& other) { return other == node; });
+    int add(const TapeNode<T>& node) {
+        const int found = find(node, [&](const TapeNode<T>& other) { return other == node; });
         if (found == none) nodes.push_back(node);
         return found == none ? static_cast<int>(nodes.size()) - 1 : found;
     }
     /// The place of the sine of a node; its cosine's is the next.
     int add_sine(int argument) {
         const int place = static_cast<int>(nodes.size());
-        const Node<T> sine{Node<T>::Kind::sine, argument, place + 1, T(0), T(0)};
+        const TapeNode<T> sine{TapeNode<T>::Kind::sine, argument, place + 1, T(0), T(0)};
         const int found =
-            find(sine, [&](const Node<T>& other) { return other.kind == sine.kind && other.a == argument; });
+            find(sine, [&](const TapeNode<T>& other) { return other.kind == sine.kind && other.a == argument; });
         if (found != none) return found;
         nodes.push_back(sine);
-        nodes.push_back({Node<T>::Kind::cosine, argument, place, T(0), T(0)});
+        nodes.push_back({TapeNode<T>::Kind::cosine, argument, place, T(0), T(0)});
         return place;
     }
 
@@ -63,16 +63,16 @@ struct Tape {
     std::size_t noted_ = 0;
 
     template <class Equal>
-    int find(const Node<T>& node, Equal&& equal) {
+    int find(const TapeNode<T>& node, Equal&& equal) {
         for (; noted_ < nodes.size(); ++noted_) note(noted_);
         std::size_t i = first_slot(node);
         while (slots_[i] != none && !equal(nodes[slots_[i]])) i = next(i);
         return slots_[i];
     }
     std::size_t next(std::size_t slot) const { return (slot + 1) & (slots_.size() - 1); }
-    std::size_t first_slot(const Node<T>& node) const {
+    std::size_t first_slot(const TapeNode<T>& node) const {
         // a sine's partner says nothing of it
-        const bool has_partner = node.kind == Node<T>::Kind::sine || node.kind == Node<T>::Kind::cosine;
+        const bool has_partner = node.kind == TapeNode<T>::Kind::sine || node.kind == TapeNode<T>::Kind::cosine;
         const std::uint64_t key = (static_cast<std::uint64_t>(node.kind) << 60U) ^
                                   (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a + 1)) << 30U) ^
                                   static_cast<std::uint32_t>(has_partner ? 0 : node.b + 1);
@@ -116,7 +116,7 @@ class Traced {
         if (b.is_zero()) return a;
         // the lower node last, a constant last of all: one form for a + b and b + a
         if (a.node < b.node) return b + a;
-        using Kind = typename Node<T>::Kind;
+        using Kind = typename TapeNode<T>::Kind;
         return {T(1), a.tape->add({Kind::combination, a.node, b.node, a.factor, b.factor}), a.tape};
     }
     friend Traced operator*(const Traced& a, const Traced& b) {
@@ -124,14 +124,14 @@ class Traced {
         if (a.node == constant) return {a.factor * b.factor, b.node, b.tape};
         if (b.node == constant) return {a.factor * b.factor, a.node, a.tape};
         if (a.node < b.node) return b * a;
-        using Kind = typename Node<T>::Kind;
+        using Kind = typename TapeNode<T>::Kind;
         return {a.factor * b.factor, a.tape->add({Kind::product, a.node, b.node, T(0), T(0)}), a.tape};
     }
     friend Traced operator/(const Traced& a, const Traced& b) {
         if (b.node == constant || a.node == b.node)
             return {a.factor / b.factor, b.node == constant ? a.node : constant, a.tape};
         if (a.is_zero()) return Traced();
-        using Kind = typename Node<T>::Kind;
+        using Kind = typename TapeNode<T>::Kind;
         return {a.factor / b.factor, b.tape->add({Kind::quotient, a.node, b.node, T(0), T(0)}), b.tape};
     }
     friend Traced operator-(const Traced& a) { return {-a.factor, a.node, a.tape}; }
@@ -151,7 +151,7 @@ class Traced {
     /// What square_root() calls.
     friend Traced sqrt(const Traced& x) {
         if (x.node == constant) return Traced(T(square_root(x.factor)));
-        using Kind = typename Node<T>::Kind;
+        using Kind = typename TapeNode<T>::Kind;
         return {T(1), x.tape->add({Kind::root, x.scaled(x.factor), constant, T(0), T(0)}), x.tape};
     }
     /// What polhode::sine_cosine() calls. The sign stays outside: the sine is odd, the cosine even.
@@ -172,7 +172,7 @@ class Traced {
   private:
     /// A node that is factor_ * node.
     int scaled(const T& factor_) const {
-        using Kind = typename Node<T>::Kind;
+        using Kind = typename TapeNode<T>::Kind;
         return factor_ == 1 ? node : tape->add({Kind::combination, node, constant, factor_, T(0)});
     }
     bool is_below_zero() const {
@@ -194,7 +194,7 @@ struct Recording {
 /// Records form.derivative(y, dy) on `dimension` variables, and drops what no rate depends on.
 template <class T, class Form>
 Recording<T> record(const Form& form, int dimension) {
-    using Kind = typename Node<T>::Kind;
+    using Kind = typename TapeNode<T>::Kind;
     Tape<T> tape;
     tape.nodes.reserve(512);
     std::vector<Traced<T>> state, rates(dimension);
@@ -217,7 +217,7 @@ Recording<T> record(const Form& form, int dimension) {
     std::vector<int> renamed(tape.nodes.size(), Traced<T>::constant);
     for (std::size_t i = 0; i < tape.nodes.size(); ++i) {
         if (!needed[i]) continue;
-        Node<T> node = tape.nodes[i];
+        TapeNode<T> node = tape.nodes[i];
         renamed[i] = static_cast<int>(result.tape.nodes.size());
         if (node.kind != Kind::state) {
             if (node.a >= 0) node.a = renamed[node.a];
@@ -234,19 +234,16 @@ Recording<T> record(const Form& form, int dimension) {
 /// Whether there are only sums and products: what proofs and kernels for polynomials take.
 template <class T>
 bool is_polynomial(const Recording<T>& recording) {
-    using Kind = typename Node<T>::Kind;
-    return std::all_of(recording.tape.nodes.begin(), recording.tape.nodes.end(), [](const Node<T>& node) {
+    using Kind = typename TapeNode<T>::Kind;
+    return std::all_of(recording.tape.nodes.begin(), recording.tape.nodes.end(), [](const TapeNode<T>& node) {
         return node.kind == Kind::state || node.kind == Kind::combination || node.kind == Kind::product;
     });
 }
 
-}  // namespace polhode::truth
-
-namespace polhode {
 /// @cond specialisations
 template <class T>
-struct Elementary<truth::Traced<T>> {
-    using S = truth::Traced<T>;
+struct Elementary<Traced<T>> {
+    using S = Traced<T>;
     static void sine_cosine(const S& x, S& sine, S& cosine) { S::sine_cosine(x, sine, cosine); }
 };
 /// @endcond

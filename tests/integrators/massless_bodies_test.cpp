@@ -18,7 +18,7 @@ namespace polhode {
 namespace {
 
 using massless::body_of, massless::joint_of, massless::scene_of;
-using Many = truth::Real<50>;
+using Many = Real<50>;
 
 // theta1, theta2, their rates: the double pendulum of point masses, angles from the vertical.
 using Angles = std::array<Many, 4>;

@@ -13,7 +13,7 @@
 
 namespace polhode {
 
-using Real100 = truth::Real<100>;
+using Real100 = Real<100>;
 
 inline Real100 value(const Pair& pair) { return Real100(pair.high) + Real100(pair.low); }
 inline Vector3<Real100> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }

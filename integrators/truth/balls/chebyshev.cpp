@@ -93,9 +93,9 @@ Bound slope_of(const ChebyshevSeries& a) {
 }
 
 std::vector<ChebyshevSeries> rates_along(const Recording<Ball>& recording, const std::vector<ChebyshevSeries>& states) {
-    using Kind = Node<Ball>::Kind;
+    using Kind = TapeNode<Ball>::Kind;
     std::vector<ChebyshevSeries> node;
-    for (const Node<Ball>& n : recording.tape.nodes) {
+    for (const TapeNode<Ball>& n : recording.tape.nodes) {
         if (n.kind == Kind::state) {
             node.push_back(states[node.size()]);
         } else if (n.kind == Kind::product) {

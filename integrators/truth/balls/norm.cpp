@@ -179,7 +179,7 @@ Ball WeightedNorm::logarithmic_norm(const Recording<Ball>& recording, const std:
 Recording<Ball> rounded(const Recording<Ball>& recording) {
     Recording<Ball> result = recording;
     const auto round = [](Ball& x) { arb_set_round(x.raw(), x.raw(), Ball::precision()); };
-    for (Node<Ball>& node : result.tape.nodes) round(node.factor_a), round(node.factor_b);
+    for (TapeNode<Ball>& node : result.tape.nodes) round(node.factor_a), round(node.factor_b);
     for (Traced<Ball>& rate : result.rates) round(rate.factor);
     return result;
 }

@@ -20,8 +20,8 @@ namespace polhode::truth {
 
 /// The value and the gradient of a quotient or a root from those of its operands.
 template <class T>
-void divided(const Node<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i, std::size_t n) {
-    const bool is_root = node.kind == Node<T>::Kind::root;
+void divided(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i, std::size_t n) {
+    const bool is_root = node.kind == TapeNode<T>::Kind::root;
     const std::size_t above = static_cast<std::size_t>(node.a), below = static_cast<std::size_t>(node.b);
     value[i] = is_root ? square_root(value[above]) : (node.a >= 0 ? value[above] : T(1)) / value[below];
     const T factor = T(1) / (is_root ? T(value[i] + value[i]) : value[below]);
@@ -37,12 +37,12 @@ void divided(const Node<T>& node, std::vector<T>& value, std::vector<T>& slope, 
 /// set of states, whose Jacobians then all lie in J.
 template <class T>
 std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
-    using Kind = typename Node<T>::Kind;
-    const std::vector<Node<T>>& nodes = recording.tape.nodes;
+    using Kind = typename TapeNode<T>::Kind;
+    const std::vector<TapeNode<T>>& nodes = recording.tape.nodes;
     const std::size_t n = recording.rates.size();
     std::vector<T> value(nodes.size(), T(0)), slope(nodes.size() * n, T(0)), J(n * n, T(0));
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Node<T>& node = nodes[i];
+        const TapeNode<T>& node = nodes[i];
         T* own = &slope[i * n];
         if (node.kind == Kind::state) {
             value[i] = y[i], own[i] = T(1);

@@ -86,8 +86,8 @@ TermBounds term_bounds(const Series<Ball>& series, const Bound& h) {
 }
 
 Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
-    using Kind = Node<Ball>::Kind;
-    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
+    using Kind = TapeNode<Ball>::Kind;
+    const std::vector<TapeNode<Ball>>& nodes = recording.tape.nodes;
     const int N = terms.order;
     const auto term = [&](std::size_t i) { return &terms.node[i * N]; };
     std::vector<Bound> remainder(nodes.size());
@@ -100,7 +100,7 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
         for (int m = N; m-- > 0;) tail[i][m] = term(i)[m] + tail[i][m + 1];
     }
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Node<Ball>& node = nodes[i];
+        const TapeNode<Ball>& node = nodes[i];
         const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
         Bound own;
         switch (node.kind) {
@@ -152,11 +152,11 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
 
 std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const Defect& along,
                                    const std::vector<Bound>& moved) {
-    using Kind = Node<Ball>::Kind;
-    const std::vector<Node<Ball>>& nodes = recording.tape.nodes;
+    using Kind = TapeNode<Ball>::Kind;
+    const std::vector<TapeNode<Ball>>& nodes = recording.tape.nodes;
     std::vector<Bound> change(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Node<Ball>& node = nodes[i];
+        const TapeNode<Ball>& node = nodes[i];
         const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
         switch (node.kind) {
             case Kind::state:

@@ -17,13 +17,13 @@ struct TransitionForm {
 
     template <class S>
     void derivative(const S* y, S* dy) const {
-        using Kind = Node<Ball>::Kind;
-        const std::vector<Node<Ball>>& nodes = equations.tape.nodes;
+        using Kind = TapeNode<Ball>::Kind;
+        const std::vector<TapeNode<Ball>>& nodes = equations.tape.nodes;
         const std::size_t n = equations.rates.size();
         std::vector<S> value(nodes.size()), slope(nodes.size() * n);
         for (std::size_t k = 0; k < entries.size(); ++k) slope[entries[k].row * n + entries[k].column] = y[n + k];
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            const Node<Ball>& node = nodes[i];
+            const TapeNode<Ball>& node = nodes[i];
             S* const own = &slope[i * n];
             const S *const a = &slope[static_cast<std::size_t>(std::max(node.a, 0)) * n],
                            *const b = &slope[static_cast<std::size_t>(std::max(node.b, 0)) * n];
@@ -86,7 +86,7 @@ struct TransitionForm {
 
 // W(i, j) is zero throughout unless j reaches i along the arrows "the rate of .. depends on ..".
 std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
-    const std::vector<Node<Ball>>& nodes = equations.tape.nodes;
+    const std::vector<TapeNode<Ball>>& nodes = equations.tape.nodes;
     const std::size_t n = equations.rates.size();
     const auto unite = [n](char* own, const char* other) {
         for (std::size_t j = 0; j < n; ++j)
@@ -95,7 +95,7 @@ std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
     std::vector<char> depends(nodes.size() * n), reached(n * n);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         char* const own = &depends[i * n];
-        if (nodes[i].kind == Node<Ball>::Kind::state) {
+        if (nodes[i].kind == TapeNode<Ball>::Kind::state) {
             own[i] = 1;
             continue;
         }

@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-using Real50 = truth::Real<50>;
+using Real50 = Real<50>;
 
 double near(const Real50& a, const Real50& b) { return Real50(abs(Real50(a - b)) / (1 + abs(b))).convert_to<double>(); }
 

@@ -131,18 +131,18 @@ TEST(FreeAsymmetricBody, IsTheSameInEveryScalar) {
     const Vector3<double> moments(1.25, 2.5, 3.125), w(0.75, -0.5, 1.5);
     const FreeAsymmetricBody<double> narrow(moments, w, {});
     const FreeAsymmetricBody<Wide> wide(cast<Wide>(moments), cast<Wide>(w), {});
-    const FreeAsymmetricBody<truth::Real<50>> many(cast<truth::Real<50>>(moments), cast<truth::Real<50>>(w), {});
+    const FreeAsymmetricBody<Real<50>> many(cast<Real<50>>(moments), cast<Real<50>>(w), {});
     for (const double t : {-17.0, 0.1, 5.0, 60.0}) {
         const Rotation<double> a = narrow.at(t);
         const Rotation<Wide> b = wide.at(t);
-        const Rotation<truth::Real<50>> c = many.at(t);
+        const Rotation<Real<50>> c = many.at(t);
         const auto digits = [](const Wide& x) {
             const double high = static_cast<double>(x), low = static_cast<double>(x - high);
             const double rest = static_cast<double>(x - high - low);
-            return truth::Real<50>(high) + truth::Real<50>(low) + truth::Real<50>(rest);
+            return Real<50>(high) + Real<50>(low) + Real<50>(rest);
         };
-        EXPECT_LT(abs(truth::Real<50>(digits(b.q.w) - c.q.w)).convert_to<double>(), 1e-31 * (1 + std::abs(t)));
-        EXPECT_LT(abs(truth::Real<50>(digits(b.w[1]) - c.w[1])).convert_to<double>(), 1e-31 * (1 + std::abs(t)));
+        EXPECT_LT(abs(Real<50>(digits(b.q.w) - c.q.w)).convert_to<double>(), 1e-31 * (1 + std::abs(t)));
+        EXPECT_LT(abs(Real<50>(digits(b.w[1]) - c.w[1])).convert_to<double>(), 1e-31 * (1 + std::abs(t)));
         EXPECT_NEAR(a.q.x, c.q.x.convert_to<double>(), 8 * ulp * (1 + std::abs(t)));
         EXPECT_NEAR(a.w[2], c.w[2].convert_to<double>(), 8 * ulp * (1 + std::abs(t)));
     }

@@ -68,7 +68,7 @@ struct FreeEquations {
 template <class Equations>
 std::array<double, 7> by_taylor(const Equations& equations, const FreeMotion& m, int& steps) {
     constexpr int order = 24;
-    truth::Series<double> series(truth::record<double>(equations, 7), order);
+    Series<double> series(record<double>(equations, 7), order);
     std::array<double, 7> y{m.w[0], m.w[1], m.w[2], m.q.w, m.q.x, m.q.y, m.q.z};
     double left = std::abs(m.t);
     for (steps = 0; left > 0; ++steps) {

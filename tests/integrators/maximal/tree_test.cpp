@@ -181,7 +181,7 @@ TEST(Tree, TapeIsLinearInTheBodies) {
         }
         Tree<double> tree(scene, bodies_mass_properties<double>(scene));
         tree.set_loads(scene, 0);
-        return truth::record<double>(tree, tree.dimension()).tape.nodes.size();
+        return record<double>(tree, tree.dimension()).tape.nodes.size();
     };
     const std::size_t ten = nodes(10), twenty = nodes(20), forty = nodes(40);
     EXPECT_EQ(forty - twenty, 2 * (twenty - ten));

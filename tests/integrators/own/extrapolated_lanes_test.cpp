@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-using Traced = truth::Traced<double>;
+using Traced = Traced<double>;
 
 // x' = v, v' = -k x with a k of each one's own
 struct Oscillator {
@@ -38,7 +38,7 @@ TEST(ExtrapolatedLanes, OscillatorsGoTheirOwnWays) {
             y.insert(y.end(), {1, 0, w * w});
         }
         Many many(y, 3);
-        ExtrapolatedLanes lanes(truth::record<double>(Oscillator{}, 3), {0, 1, 2}, tolerance, 100'000);
+        ExtrapolatedLanes lanes(record<double>(Oscillator{}, 3), {0, 1, 2}, tolerance, 100'000);
         lanes.advance(many.motions, 2), lanes.advance(many.motions, 1);
         for (std::size_t i = 0; i < count; ++i) {
             const double w = 0.25 * static_cast<double>(i);
@@ -52,7 +52,7 @@ TEST(ExtrapolatedLanes, OscillatorsGoTheirOwnWays) {
 
 TEST(ExtrapolatedLanes, SayWhereTheyEnd) {
     Many many({1, 0.5, 1, 2, 0, 1, 1, std::numeric_limits<double>::quiet_NaN()}, 2);
-    ExtrapolatedLanes lanes(truth::record<double>(Pole{}, 2), {0, 1}, 1e-9, 10'000);
+    ExtrapolatedLanes lanes(record<double>(Pole{}, 2), {0, 1}, 1e-9, 10'000);
     lanes.advance(many.motions, 1);
     EXPECT_EQ(many.motions[0].end, LaneMotion::End::reached);
     EXPECT_NEAR(many.y[0], 2, 1e-7);
@@ -63,7 +63,7 @@ TEST(ExtrapolatedLanes, SayWhereTheyEnd) {
     EXPECT_EQ(many.motions[3].end, LaneMotion::End::not_finite);
     EXPECT_EQ(many.motions[3].reached, 0);
     Many slow({1, 0, 1e6}, 3);
-    ExtrapolatedLanes few(truth::record<double>(Oscillator{}, 3), {0, 1, 2}, 1e-9, 20);
+    ExtrapolatedLanes few(record<double>(Oscillator{}, 3), {0, 1, 2}, 1e-9, 20);
     few.advance(slow.motions, 1);
     EXPECT_EQ(slow.motions[0].end, LaneMotion::End::too_many_steps);
     EXPECT_GT(slow.motions[0].reached, 0);

@@ -38,8 +38,8 @@ struct EitherOrder {
 
 TEST(CanonicalOrder, IsThatOfNoCompiler) {
     const std::vector<double> start{0.7, -0.3, 1.1, 0.4};
-    const truth::Recording<double> one = truth::record<double>(EitherOrder{false}, 4);
-    const truth::Recording<double> other = truth::record<double>(EitherOrder{true}, 4);
+    const Recording<double> one = record<double>(EitherOrder{false}, 4);
+    const Recording<double> other = record<double>(EitherOrder{true}, 4);
     ASSERT_NE(one.tape.nodes, other.tape.nodes);
     EXPECT_EQ(in_canonical_order(one).tape.nodes, in_canonical_order(other).tape.nodes);
     TapeSeries first(one, {.order = 12}), second(other, {.order = 12});
@@ -50,8 +50,8 @@ TEST(CanonicalOrder, IsThatOfNoCompiler) {
 
 RC_GTEST_PROP(CanonicalOrder, IsItsOwn, ()) {
     const testing::RandomSystem system = testing::random_system(60);
-    const truth::Recording<double> recording = truth::record<double>(system, static_cast<int>(system.variables));
-    const truth::Recording<double> once = in_canonical_order(recording), twice = in_canonical_order(once);
+    const Recording<double> recording = record<double>(system, static_cast<int>(system.variables));
+    const Recording<double> once = in_canonical_order(recording), twice = in_canonical_order(once);
     RC_ASSERT(once.tape.nodes.size() == recording.tape.nodes.size());
     RC_ASSERT(twice.tape.nodes == once.tape.nodes);
     for (std::size_t i = 0; i < once.rates.size(); ++i) RC_ASSERT(once.rates[i].node == twice.rates[i].node);
@@ -72,7 +72,7 @@ struct ManyAngles {
 TEST(TapeRates, OfManyAnglesAreTheSameInEveryWay) {
     std::vector<double> start(ManyAngles::angles);
     for (int i = 0; i < ManyAngles::angles; ++i) start[i] = 0.05 * i;
-    testing::compare_ways_of_rates(truth::record<double>(ManyAngles{}, ManyAngles::angles), start);
+    testing::compare_ways_of_rates(record<double>(ManyAngles{}, ManyAngles::angles), start);
 }
 
 }  // namespace

@@ -19,8 +19,7 @@ inline bool same_bits(double a, double b) {
 
 /// Throws std::logic_error where one of the ways gives other bits than the plain interpreter. Returns how many ways
 /// there were.
-inline int compare_ways(const truth::Recording<double>& recording, int order, bool careful,
-                        const std::vector<double>& start) {
+inline int compare_ways(const Recording<double>& recording, int order, bool careful, const std::vector<double>& start) {
     const auto made = [&](InstructionSet set, bool compiled) {
         return TapeSeries(recording, {.instructions = set, .compiled = compiled, .careful = careful, .order = order});
     };
@@ -55,7 +54,7 @@ inline LaneNumbers rates_of(TapeRates& tape, const LaneNumbers& y) {
 }
 
 /// Likewise of substeps of eight states side by side: `start` and what is near it.
-inline int compare_ways_of_rates(const truth::Recording<double>& recording, const std::vector<double>& start) {
+inline int compare_ways_of_rates(const Recording<double>& recording, const std::vector<double>& start) {
     constexpr int lanes = TapeRates::lanes;
     LaneNumbers y(start.size() * lanes), now(y.size()), change(y.size()), scale(lanes);
     for (std::size_t i = 0; i < y.size(); ++i) {
@@ -90,11 +89,11 @@ inline int compare_ways_of_rates(const truth::Recording<double>& recording, cons
 class TapeOfBytes {
   public:
     TapeOfBytes(const std::uint8_t* data, std::size_t size) : data_(data), end_(data + size) {
-        using Kind = truth::Node<double>::Kind;
+        using Kind = TapeNode<double>::Kind;
         const int states = 1 + next() % 20;
         order = 2 + next() % (TapeLayout::most_order - 1);
         careful = next() % 4 == 0;
-        truth::Tape<double>& tape = recording.tape;
+        Tape<double>& tape = recording.tape;
         for (int i = 0; i < states; ++i) {
             tape.nodes.push_back({Kind::state, i, 0, 0, 0});
             start.push_back(number());
@@ -129,7 +128,7 @@ class TapeOfBytes {
         }
     }
 
-    truth::Recording<double> recording;
+    Recording<double> recording;
     std::vector<double> start;
     int order = 0;
     bool careful = false;

@@ -17,11 +17,11 @@ namespace polhode {
 namespace {
 
 void check_tape(const testing::RandomSystem& system, int order) {
-    using R = truth::Real<50>;
+    using R = Real<50>;
     const int n = static_cast<int>(system.variables);
-    const truth::Recording<double> recording = truth::record<double>(system, n);
+    const Recording<double> recording = record<double>(system, n);
     TapeSeries series(recording, {.order = order});
-    truth::Series<R> exact(truth::record<R>(system, n), order);
+    Series<R> exact(record<R>(system, n), order);
     const std::vector<R> start(system.start.begin(), system.start.end());
     series.expand(system.start.data());
     exact.expand(start.data());
@@ -38,7 +38,7 @@ void check_tape(const testing::RandomSystem& system, int order) {
 
 RC_GTEST_PROP(TapeSeries, HasTheCoefficientsOfPlainSeriesInEveryWay, ()) {
     const testing::RandomSystem system = testing::random_system(60);
-    const truth::Recording<double> recording = truth::record<double>(system, static_cast<int>(system.variables));
+    const Recording<double> recording = record<double>(system, static_cast<int>(system.variables));
     for (const int order : {2, 3, 12, 17, 20, TapeLayout::most_order}) {
         check_tape(system, order);
         testing::compare_ways(recording, order, order % 2 == 0, system.start);
@@ -57,7 +57,7 @@ RC_GTEST_PROP(TapeRates, AreTheRightHandSideInEveryLane, ()) {
     const testing::RandomSystem system = testing::random_system(60);
     const int n = static_cast<int>(system.variables);
     constexpr int lanes = TapeRates::lanes;
-    TapeRates rates(truth::record<double>(system, n));
+    TapeRates rates(record<double>(system, n));
     testing::LaneNumbers y(system.variables * lanes);
     for (int i = 0; i < n * lanes; ++i) y[i] = system.start[i / lanes] + 0.125 * (i % lanes);
     const testing::LaneNumbers f = testing::rates_of(rates, y);
@@ -68,18 +68,18 @@ RC_GTEST_PROP(TapeRates, AreTheRightHandSideInEveryLane, ()) {
         for (int i = 0; i < n; ++i)
             RC_ASSERT(std::abs(f[i * lanes + lane] - exact[i]) <= 1e-13 * (1 + std::abs(exact[i])));
     }
-    testing::compare_ways_of_rates(truth::record<double>(system, n), system.start);
+    testing::compare_ways_of_rates(record<double>(system, n), system.start);
 }
 
 // beyond what lanes take, and what is no angle at all
 TEST(TapeRates, TakeAnyAngle) {
     struct Wave {
-        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
-            truth::Traced<double> c;
+        void derivative(const Traced<double>* y, Traced<double>* dy) const {
+            Traced<double> c;
             sine_cosine(y[0], dy[0], c);
         }
     };
-    TapeRates rates(truth::record<double>(Wave{}, 1));
+    TapeRates rates(record<double>(Wave{}, 1));
     const testing::LaneNumbers y{0, 1, -1e5, 1e5 + 1, 1e300, -1e22, 1e-300, HUGE_VAL};
     const testing::LaneNumbers f = testing::rates_of(rates, y);
     for (int i = 0; i < 7; ++i) EXPECT_NEAR(f[i], std::sin(y[i]), 2.3e-16) << y[i];
@@ -89,13 +89,13 @@ TEST(TapeRates, TakeAnyAngle) {
 // (k + 1) y_{k+1} = [k = 0]: a tape without an operation
 TEST(TapeSeries, OfConstantRatesIsALine) {
     struct Line {
-        void derivative(const truth::Traced<double>*, truth::Traced<double>* dy) const {
-            dy[0] = truth::Traced<double>(3), dy[1] = truth::Traced<double>();
+        void derivative(const Traced<double>*, Traced<double>* dy) const {
+            dy[0] = Traced<double>(3), dy[1] = Traced<double>();
         }
     };
     const double start[2] = {1, 2};
     for (const bool compiled : {false, true}) {
-        TapeSeries series(truth::record<double>(Line{}, 2), {.compiled = compiled, .order = 12});
+        TapeSeries series(record<double>(Line{}, 2), {.compiled = compiled, .order = 12});
         series.expand(start);
         EXPECT_EQ(series.coefficient(0, 0), 1);
         EXPECT_EQ(series.coefficient(0, 1), 3);
@@ -108,13 +108,11 @@ TEST(TapeSeries, OfConstantRatesIsALine) {
 // y'' = -y: the rates are states, each read after the other has changed
 TEST(TapeSeries, OfTwoStatesThatAreEachOthersRates) {
     struct Circle {
-        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
-            dy[0] = y[1], dy[1] = -y[0];
-        }
+        void derivative(const Traced<double>* y, Traced<double>* dy) const { dy[0] = y[1], dy[1] = -y[0]; }
     };
     const double start[2] = {0, 1};
     for (const bool compiled : {false, true}) {
-        TapeSeries series(truth::record<double>(Circle{}, 2), {.compiled = compiled, .careful = true, .order = 20});
+        TapeSeries series(record<double>(Circle{}, 2), {.compiled = compiled, .careful = true, .order = 20});
         series.expand(start);
         double factorial = 1;
         for (int k = 1; k <= 20; ++k) {
@@ -129,15 +127,13 @@ TEST(TapeSeries, OfTwoStatesThatAreEachOthersRates) {
 TEST(TapeSeries, OfEqualTapesSharesWhatIsPrepared) {
     struct Pendulum {
         double g;
-        void derivative(const truth::Traced<double>* y, truth::Traced<double>* dy) const {
-            truth::Traced<double> s, c;
+        void derivative(const Traced<double>* y, Traced<double>* dy) const {
+            Traced<double> s, c;
             sine_cosine(y[0], s, c);
             dy[0] = y[1], dy[1] = -g * s;
         }
     };
-    const auto made = [](double g, int order) {
-        return TapeSeries(truth::record<double>(Pendulum{g}, 2), {.order = order});
-    };
+    const auto made = [](double g, int order) { return TapeSeries(record<double>(Pendulum{g}, 2), {.order = order}); };
     const TapeSeries one = made(9.81, 12), same = made(9.81, 12), other = made(9.8, 12), longer = made(9.81, 14);
     EXPECT_EQ(&one.tape(), &same.tape());
     EXPECT_NE(&one.tape(), &other.tape());
@@ -148,7 +144,7 @@ TEST(TapeSeries, OfEqualTapesSharesWhatIsPrepared) {
 // the tighter the tolerance, the higher the order that costs least
 TEST(TapeSeries, ChoosesHigherOrdersForTighterTolerances) {
     const TapeProgram program(
-        truth::record<double>(testing::RandomSystem{2, {{0, 0, 1, 0.5}, {4, 0, 0, 1.0}}, {0.5, 0.25}}, 2));
+        record<double>(testing::RandomSystem{2, {{0, 0, 1, 0.5}, {4, 0, 0, 1.0}}, {0.5, 0.25}}, 2));
     int before = 0;
     for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15}) {
         const int order = best_order(program, tolerance);
@@ -161,7 +157,7 @@ TEST(TapeSeries, ChoosesHigherOrdersForTighterTolerances) {
 }
 
 TEST(TapeSeries, OfAnOrderThatIsNoneIsRefused) {
-    const auto recording = truth::record<double>(testing::RandomSystem{2, {{0, 0, 1, 0.5}}, {0.5, 0.25}}, 2);
+    const auto recording = record<double>(testing::RandomSystem{2, {{0, 0, 1, 0.5}}, {0.5, 0.25}}, 2);
     EXPECT_THROW(TapeSeries(recording, {.order = 1}), std::invalid_argument);
     EXPECT_THROW(TapeSeries(recording, {.order = TapeLayout::most_order + 1}), std::invalid_argument);
 }

@@ -17,7 +17,7 @@
 namespace polhode::maximal {
 namespace {
 
-using P = truth::Real<50>;
+using P = Real<50>;
 using truth::Motion;
 using V = Vector3<P>;
 

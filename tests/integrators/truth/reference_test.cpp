@@ -20,7 +20,7 @@
 namespace polhode {
 namespace {
 
-using R = truth::Real<100>;
+using R = Real<100>;
 
 R value(const Pair& pair) { return R(pair.high) + R(pair.low); }
 Vector3<R> value(const Vector3<Pair>& v) { return {value(v[0]), value(v[1]), value(v[2])}; }

@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-using P = truth::Real<50>;
+using P = Real<50>;
 using Form = truth::EulerForm<P>;
 
 /// Bodies that know nothing of each other, one state behind the other.
@@ -120,7 +120,7 @@ struct Decay {
 };
 
 TEST(TruthTaylor, NoBlockIsLongerWithinAStepThanItsBound) {
-    truth::Series<P> series(truth::record<P>(Decay{}, 4), 40);
+    Series<P> series(record<P>(Decay{}, 4), 40);
     const P start[] = {P(100), P(3), P(-4), P(12)};
     series.expand(start);
     for (const double length : {1e-3, 0.5, 2.0}) {

@@ -21,7 +21,7 @@
 namespace polhode {
 namespace {
 
-using R = truth::Real<100>;
+using R = Real<100>;
 using Table = std::vector<std::array<R, 13>>;
 
 // The motion by the momentum form, with a local error of 10^-65.
@@ -182,8 +182,7 @@ TEST(Certified, EverySceneOfTheCatalogue) {
             double largest = 1;  // of each block: what the truth's digits are relative to
             for (const std::string& x : truth.columns[k]) largest = std::max(largest, std::abs(std::stod(x)));
             for (std::size_t c = 0; c < truth.columns[k].size(); ++c) {
-                const truth::Real<50> apart =
-                    truth::Real<50>(truth.columns[k][c]) - truth::Real<50>(certified.columns[k][c].value);
+                const Real<50> apart = Real<50>(truth.columns[k][c]) - Real<50>(certified.columns[k][c].value);
                 EXPECT_LE(abs(apart).convert_to<double>(),
                           std::stod(certified.columns[k][c].radius) + truth.bound * largest)
                     << k << ' ' << c;

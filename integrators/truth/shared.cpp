@@ -112,10 +112,7 @@ void note_bodies(const Scene& scene, Worst& worst) {
     const Motions<Many> rightly = start(TreeForm<Many>(scene));
     // as motions are compared: lengths relative to the largest of all bodies
     Difference<Many> difference(natural_sizes<Many>(scene));
-    for (std::size_t i = 0; i < begun.size(); ++i)
-        difference.note({cast<Many>(begun[i].q), cast<Many>(begun[i].angular_velocity_B),
-                         cast<Many>(begun[i].position_W), cast<Many>(begun[i].velocity_W)},
-                        rightly[i]);
+    for (std::size_t i = 0; i < begun.size(); ++i) difference.note(cast<Many>(begun[i]), rightly[i]);
     worst.note(Many(difference.worst()));
 }
 

@@ -93,7 +93,7 @@ Vector EngineModel::damped(const Vector& w, double t, double h) const {
 
 ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
-    ModelState s{b.q, b.angular_velocity_B, b.position_W, b.velocity_W, {}};
+    ModelState s{{b.q, b.angular_velocity_B, b.position_W, b.velocity_W}, {}};
     strike(s, problem_.segments.front());
     place_at_pivot(s);
     return s;

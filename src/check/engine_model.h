@@ -35,12 +35,8 @@ struct UpdateRule {
 std::span<const UpdateRule> update_rules();
 
 /// The state of a modelled engine.
-struct ModelState {
-    Quaternion<double> q;                ///< body to world, of unit length
-    Vector3<double> angular_velocity_B;  ///< rad/s
-    Vector3<double> position_W;          ///< of the centre of mass, m
-    Vector3<double> velocity_W;          ///< of the centre of mass, m/s
-    Vector3<double> row_rate_W;          ///< angular velocity at the start of the row, rad/s; set by advance()
+struct ModelState : BodyMotion<double> {
+    Vector3<double> row_rate_W;  ///< angular velocity at the start of the row, rad/s; set by advance()
 };
 
 /// An engine that was given a cause's scene and has its faults.

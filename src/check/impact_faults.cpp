@@ -231,7 +231,7 @@ class Impacts {
         return cause;
     }
     static ModelState state_of(const Placement<double>& at) {
-        return {at.q, rotate_back(at.q, at.angular_velocity_W), at.position_W, at.velocity_W, {}};
+        return {{at.q, rotate_back(at.q, at.angular_velocity_W), at.position_W, at.velocity_W}, {}};
     }
     static Placement<double> placed(const ModelState& s) {
         return {s.q, s.position_W, s.velocity_W, rotate(s.q, s.angular_velocity_B)};

@@ -110,8 +110,7 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
             throw std::invalid_argument("trajectory and truth are sampled at different times");
         for (std::size_t b = 0; b < n; ++b) {
             ComparedBody<Wide>& body = c.bodies[b];
-            body.own = {cast<Wide>(samples[b].q), cast<Wide>(samples[b].angular_velocity_B),
-                        cast<Wide>(samples[b].position_W), cast<Wide>(samples[b].velocity_W)};
+            body.own = cast<Wide>(samples[b]);
             if (!trajectory.orthogonality_defect.empty())
                 body.orthogonality_defect = trajectory.orthogonality_defect[k * n + b];
             if (k < compared) body.truth = states[k * n + b];

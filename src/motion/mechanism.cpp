@@ -20,8 +20,7 @@ constexpr long scout_work = 4'000'000, most_scout_steps = 20000, least_scout_ste
 
 std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<double>>& motions) {
     std::vector<Sample> samples;
-    for (const BodyMotion<double>& m : motions)
-        samples.push_back({t, m.q, m.angular_velocity_B, m.position_W, m.velocity_W});
+    for (const BodyMotion<double>& m : motions) samples.emplace_back(t, m);
     return samples;
 }
 
@@ -40,9 +39,7 @@ std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene) {
     std::vector<Wide> y(static_cast<std::size_t>(tree.dimension()));
     tree.initial(y.data());
     std::vector<BodyMotion<double>> all;
-    for (const BodyMotion<Wide>& m : tree.motions(y.data()))
-        all.push_back({cast<double>(m.q), cast<double>(m.angular_velocity_B), cast<double>(m.position_W),
-                       cast<double>(m.velocity_W)});
+    for (const BodyMotion<Wide>& m : tree.motions(y.data())) all.push_back(cast<double>(m));
     return all;
 }
 

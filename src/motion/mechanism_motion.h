@@ -9,20 +9,12 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "body/body_motion.h"
 #include "body/mass_properties.h"
 #include "body/wide.h"
 #include "scene/scene.h"
 
 namespace polhode {
-
-/// The motion of a body at one time.
-template <class P>
-struct BodyMotion {
-    Quaternion<P> q;                ///< body to world, of unit length
-    Vector3<P> angular_velocity_B;  ///< rad/s
-    Vector3<P> position_W;          ///< of the centre of mass, m
-    Vector3<P> velocity_W;          ///< of the centre of mass, m/s
-};
 
 /// The names of a scene's bodies, in its order; empty in a scene of one.
 std::vector<std::string> body_names(const Scene& scene);

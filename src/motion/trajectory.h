@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "body/body_motion.h"
 
 namespace polhode {
 
@@ -21,15 +22,6 @@ enum class Status {
 
 /// The word that stands for a status in the result table: the enumerator's name.
 const char* name_of(Status status);
-
-/// The motion at one time, in the body's own axes and the world's.
-struct Sample {
-    double t = 0;                        ///< s
-    Quaternion<double> q;                ///< body to world, as the method left it (not normalised)
-    Vector3<double> angular_velocity_B;  ///< rad/s
-    Vector3<double> position_W;          ///< of the centre of mass, m
-    Vector3<double> velocity_W;          ///< of the centre of mass, m/s
-};
 
 /// What the parent of a joint exerts on the child through it, or a loop's first body on the second: the whole force and
 /// torque, the joint's own spring, damper and motor included.

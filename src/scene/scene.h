@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "body/body_motion.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -81,14 +82,9 @@ struct Spring {
     std::string body = "";                ///< the name of the body that it acts on, in a scene of several; else empty
 };
 
-/// What a user's own torque is told of the motion.
-struct LoadState {
-    double t = 0;                        ///< s
-    Quaternion<double> q;                ///< body to world, as the method has it (not normalised)
-    Vector3<double> angular_velocity_B;  ///< rad/s
-    Vector3<double> position_W;  ///< of the centre of mass, m; zero where the scene's translation is not integrated
-    Vector3<double> velocity_W;  ///< of the centre of mass, m/s; zero where the scene's translation is not integrated
-};
+/// What a torque of the user's own is given: q is not normalised; position and velocity are zero where the scene's
+/// translation is not integrated.
+using LoadState = Sample;
 
 /// A torque of the user's own (N m, body axes), smooth in its arguments. It has no file form, no derivative and no
 /// truth: methods that need a derivative answer `unsupported`.

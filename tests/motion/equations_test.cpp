@@ -231,7 +231,7 @@ RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
     scene.loads = {UserTorque{"of everything", torque_B, {}}};
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
     const Sample s = moderate_state(full);
-    const Vector3<double> tau = torque_B({0, s.q, s.angular_velocity_B, s.position_W, s.velocity_W});
+    const Vector3<double> tau = torque_B({0, s});
     const Matrix3<double>& I = full.body.inertia_B;
     const Vector3<double>& w = s.angular_velocity_B;
     for (const Rates& rates : {rates_by<LoadedMotion>(reduced, s), rates_by<FullMotion>(full, s)}) {

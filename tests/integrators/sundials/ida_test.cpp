@@ -82,8 +82,7 @@ double distance(const Trajectory& a, const Trajectory& b) {
 JointViolations<double> violations(const Scene& scene, const Trajectory& trajectory) {
     const MechanismMeasure<double> measure(scene);
     std::vector<BodyMotion<double>> motions;
-    for (const Sample& s : trajectory.at(trajectory.moments() - 1))
-        motions.push_back({s.q, s.angular_velocity_B, s.position_W, s.velocity_W});
+    for (const Sample& s : trajectory.at(trajectory.moments() - 1)) motions.push_back(s);
     return measure.violations(motions);
 }
 

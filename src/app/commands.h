@@ -79,6 +79,9 @@ Convention convention_option(const std::string& words);
 /// output.
 void require_joints(const Scene& scene, const std::string& path, const std::string& other);
 
+/// Throws UsageError if the scene has several bodies. `option` needs a scene of one body; `reason` says why.
+void require_one_body(const Scene& scene, const std::string& option, const std::string& reason);
+
 /// As write_output, of a table of trajectories: a file also says in a comment which frames and which point its columns
 /// are of.
 void write_trajectory_output(const std::string& path, std::string text);

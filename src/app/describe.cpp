@@ -126,11 +126,7 @@ int draw(const std::string& name, const std::string& path) {
         throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
     require_output(path);
     const Scene scene = find_scene(name);
-    if (is_mechanism(scene))
-        throw UsageError(
-            fmt::format("--picture: {} is a scene of several bodies, and a polhode is one body's; give a "
-                        "scene of one body",
-                        name));
+    require_one_body(scene, "--picture", "a polhode is drawn for one body");
     const PolhodeCurve polhode = polhode_curve(pose(scene));
     std::string fault = polhode.fault;
     if (fault.empty() && polhode.energy == 0) fault = "the body never turns";

@@ -264,8 +264,7 @@ int plot_command(const PlotOptions& options) {
     const Convention convention = convention_option(options.convention);
     std::optional<Scene> scene;
     if (!options.scene.empty()) scene = find_scene(options.scene);
-    if (scene && options.of == "polhode" && is_mechanism(*scene))
-        throw UsageError("--of polhode: a polhode is one body's; give a scene of one body, or leave --scene out");
+    if (scene && options.of == "polhode") require_one_body(*scene, "--of polhode", "a polhode is drawn for one body");
     const std::vector<PlottedFile> files = read_files(options, scene ? &*scene : nullptr, convention);
     if (scene && options.of == "polhode") return plot_polhode(options, files, *scene);
 

@@ -99,13 +99,15 @@ void require_output(const std::string& path) {
 }
 
 void require_joints(const Scene& scene, const std::string& path, const std::string& other) {
-    if (!is_mechanism(scene))
-        throw UsageError(
-            "--reactions: the scene is of one body and has no joints; leave it out, or give a scene of "
-            "bodies and joints");
     if (scene.joints.empty() && scene.loops.empty())
-        throw UsageError("--reactions: the scene has neither joints nor loops; leave it out");
-    if (path == other) throw UsageError("--reactions and --output name one file; give two");
+        throw UsageError("--reactions: the scene has neither joints nor loops; remove the option");
+    if (path == other) throw UsageError("--reactions and --output name the same file; give two files");
+}
+
+void require_one_body(const Scene& scene, const std::string& option, const std::string& reason) {
+    if (is_mechanism(scene))
+        throw UsageError(fmt::format("{}: {}, and {} has several; remove the option, or give a scene of one body",
+                                     option, reason, one_line(scene.name, 60)));
 }
 
 namespace {

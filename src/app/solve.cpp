@@ -55,14 +55,14 @@ Choice chosen(const SolveOptions& options, const Problem& problem, const Setting
 std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
 // How far the joints of several bodies were from closed, in the trajectory itself.
-std::string joints_told(const Scene& scene, const Trajectory& trajectory) {
+std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
+    if (trajectory.samples.empty() || (scene.joints.empty() && scene.loops.empty())) return "";
     const MechanismMeasure<double> measure(scene);
     const std::vector<std::string> names = joint_names(scene);
     JointViolations<double> most;
     for (std::size_t k = 0; k < trajectory.moments(); ++k) {
         std::vector<BodyMotion<double>> motions;
-        for (const Sample& s : trajectory.at(k))
-            motions.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
+        for (const Sample& s : trajectory.at(k)) motions.push_back(s), motions.back().q = normalized(s.q);
         const JointViolations<double> now = measure.violations(motions);
         if (!(now.gap <= most.gap)) most.gap = now.gap, most.gap_joint = now.gap_joint;
         if (!(now.turn <= most.turn)) most.turn = now.turn, most.turn_joint = now.turn_joint;
@@ -104,8 +104,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
     if (counts.order_reductions.value_or(0) > 0)
         text += fmt::format(", {} for stability", plural(*counts.order_reductions, "order reduction"));
     text += fmt::format(", {:.6f} s\n", trajectory.seconds);
-    if (is_mechanism(problem.scene) && !trajectory.samples.empty()) text += joints_told(problem.scene, trajectory);
-    return text;
+    return text + joint_errors(problem.scene, trajectory);
 }
 
 int solve_command(const SolveOptions& options) {
@@ -122,8 +121,7 @@ int solve_command(const SolveOptions& options) {
     settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
     settings.tolerance = options.tolerance;
     if (settings.step) require_positive("the step", *settings.step);
-    if (options.full && is_mechanism(scene))
-        throw UsageError("--full: a scene of several bodies is posed in joint coordinates alone; leave it out");
+    if (options.full) require_one_body(scene, "--full", "the full formulation is that of one body");
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();

@@ -147,7 +147,7 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
 TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
     for (const char* command : {"solve", "truth"}) {
         expect_refused({command, one, "--reactions", "r.csv"}, "--reactions: the scene is of one body");
-        expect_refused({command, resting, "--reactions", "r.csv", "--output", "r.csv"}, "name one file");
+        expect_refused({command, resting, "--reactions", "r.csv", "--output", "r.csv"}, "name the same file");
         expect_refused({command, resting, "--reactions", "no/such/place.csv"}, "no/such/place.csv");
     }
     const std::string free_body = write(
@@ -188,8 +188,8 @@ TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {
 }
 
 TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
-    expect_refused({"describe", resting, "--picture", "p.svg"}, "is a scene of several bodies");
-    expect_refused({"solve", resting, "--full"}, "--full: a scene of several bodies");
+    expect_refused({"describe", resting, "--picture", "p.svg"}, "a polhode is drawn for one body");
+    expect_refused({"solve", resting, "--full"}, "--full: the full formulation is that of one body");
     expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"}, "--reactions: there are no proven ones");
     const std::string experiment =
         write("e.json", R"({"name": "e", "about": "", "kind": "conservation", "methods": ["taylor"], "scenes": [")" +

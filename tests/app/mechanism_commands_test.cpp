@@ -146,7 +146,7 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
 
 TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
     for (const char* command : {"solve", "truth"}) {
-        expect_refused({command, one, "--reactions", "r.csv"}, "--reactions: the scene is of one body");
+        expect_refused({command, one, "--reactions", "r.csv"}, "--reactions: the scene has neither joints nor loops");
         expect_refused({command, resting, "--reactions", "r.csv", "--output", "r.csv"}, "name the same file");
         expect_refused({command, resting, "--reactions", "no/such/place.csv"}, "no/such/place.csv");
     }

@@ -74,6 +74,7 @@ struct Jacobi {
     S sn, cn, dn;
 };
 
+/// A complex number.
 template <class S>
 struct Complex {
     S re{0}, im{0};

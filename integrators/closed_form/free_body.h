@@ -12,6 +12,7 @@
 
 namespace polhode {
 
+/// Angular velocity and attitude at one time.
 template <class S>
 struct Rotation {
     Vector3<S> w;     ///< rad/s, principal axes

@@ -148,6 +148,7 @@ struct LagrangeStart {
     }
 };
 
+/// The motion of Lagrange's top, see the equations above.
 template <class S>
 class LagrangeTop {
   public:

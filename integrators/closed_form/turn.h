@@ -74,6 +74,7 @@ struct CompensatedSumOf {
 
 using CompensatedSum = CompensatedSumOf<double>;
 
+/// A vector of compensated sums.
 template <class S>
 class CompensatedVectorOf {
   public:

@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+/// See the list in gyroscopic.cpp.
 enum class GyroscopicTerm { none, explicit_euler, one_newton_step, linearly_implicit, midpoint, rescaled_momentum };
 
 /// An inertia tensor in body axes and its inverse.

@@ -6,7 +6,6 @@
 // with tau = tau_0 - D w + quadratic forms in q: fields about a pivot, torques constant in the world, springs.
 //
 // Everything is inlined into functions compiled for one instruction set, see lanes.h.
-// Everything is inlined into functions made for one instruction set: see lanes.h.
 #pragma once
 
 #include <optional>
@@ -173,6 +172,7 @@ POLHODE_INLINE void unrolled(const F& f) {
     unrolled(std::make_integer_sequence<int, count>(), f);
 }
 
+/// Sum of all lanes, in an order that is the same for every instruction set.
 template <class Register>
 POLHODE_INLINE double sum_of(const Register& values) {
     const Register pairs = values + permuted<1, 0, 3, 2, 5, 4, 7, 6>(values);

@@ -21,6 +21,7 @@
 
 namespace polhode::maximal {
 
+/// Index of the differential-algebraic system.
 enum class Index { one, two };
 
 /// Unknowns or equations that are treated together: y and nu of a body, or the multipliers and angles of a link.
@@ -30,6 +31,7 @@ struct Group {
     int color = 0;            ///< no equation contains unknowns of two groups of one colour
 };
 
+/// Evaluates the equations and groups unknowns for a sparse Jacobian.
 template <class P>
 class ConstrainedEquations {
   public:

@@ -24,6 +24,7 @@ namespace polhode::maximal {
 template <class S>
 using Rows = std::vector<std::vector<Row<S>>>;
 
+/// Computes constraint rows, multipliers and constraint errors of a mechanism.
 template <class P>
 class Dynamics {
   public:

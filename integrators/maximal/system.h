@@ -29,6 +29,7 @@ struct JointGap {
     P velocity{0};  ///< m/s and rad/s: constraint velocity
 };
 
+/// The first-order system of a mechanism.
 template <class P>
 class System {
   public:

@@ -17,8 +17,8 @@ namespace {
 // Returns whether the right-hand side is long enough for extrapolation to be faster than Taylor series. The work of a
 // series grows as the square of its order, and its coefficients depend on each other, most of all in quotients. A
 // long right-hand side is faster to evaluate for eight columns side by side. Measured on all trees and loops of the
-// catalogue at errors of 1e-6, 1e-9 and 1e-12: extrapolation is faster from about 100 operations on, a quotient
-// counted as 25, except for the smallest errors, which it does not reach on chaotic motions.
+// catalogue at errors of 1e-6, 1e-9 and 1e-12: extrapolation is faster from about 100 operations on (300 below a
+// tolerance of 3e-12), a quotient counted as 25. It does not reach the smallest errors on chaotic motions.
 bool is_long(const Problem& problem, double tolerance) {
     constexpr std::ptrdiff_t long_for_most = 100, long_for_all = 300, quotient = 25;
     constexpr double tight = 3e-12,

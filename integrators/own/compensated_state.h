@@ -15,8 +15,8 @@ namespace polhode {
 // Floor for squared error scales.
 inline constexpr double least_square = 1e-290;
 
-/// Returns 0.8 / (fastest relative rate of y and of its rate, in units of the scales). The latter comes from a short
-/// Euler step. Costs two evaluations.
+/// Returns a first step, s: 0.8 over the fastest rate of y and of dy/dt in units of the scales, at most `longest`. The
+/// rate of dy/dt comes from a short Euler step. Costs two evaluations.
 template <class SystemType, class Values>
 double first_step_of(const SystemType& system, double t, const double* y, const Values& scales, double longest) {
     const std::size_t N = scales.size();

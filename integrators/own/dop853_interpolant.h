@@ -26,7 +26,7 @@ namespace polhode {
 /// Coefficients of Hairer, Norsett & Wanner's interpolant, from dop853.f. Stage 13 is the rate at the end of the
 /// step. Columns are the 12 stages of the step, stage 13 and the previous additional stages.
 struct Dop853DenseTableau {
-    static constexpr int added = 3;  ///< Stages 14 to 16.
+    static constexpr int added = 3;  ///< stages 14 to 16
     static constexpr int stages = dop853_stages + 1 + added;
     double c[added] = {0.1, 0.2, 7.0 / 9};
     double a[added][stages] = {

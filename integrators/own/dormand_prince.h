@@ -9,6 +9,7 @@ namespace polhode {
 
 inline constexpr int dop853_stages = 12;
 
+/// Coefficients of the 12 stages.
 struct Dop853Tableau {
     double c[dop853_stages] = {0,
                                0.526001519587677318785587544488e-1,

@@ -68,9 +68,9 @@ void advance(const Form& form, double t, double* y) {
 // Outcome of a pass through the pieces of the motion between events.
 enum class Passed {
     all,
-    stopped,     // By the visitor.
-    no_form,     // A piece has no closed form.
-    not_finite,  // An impulse led to a state that is not finite.
+    stopped,     // by the visitor
+    no_form,     // a piece has no closed form
+    not_finite,  // an impulse led to a state that is not finite
 };
 
 // Visits the closed form of each piece, starting from the final state of the previous one. `at`: time reached, s.

@@ -15,13 +15,12 @@ namespace polhode {
 
 /// One motion in progress.
 struct LaneMotion {
-    double* y = nullptr;            ///< Variables of the recorded system, including parameters: initial, then final
-                                    ///< values.
-    const double* sizes = nullptr;  ///< Error scale of each variable, > 0; grows with the variable.
+    double* y = nullptr;            ///< variables of the recorded system, with parameters: initial, then final
+    const double* sizes = nullptr;  ///< error scale of each variable, > 0; grows with the variable
     double step = 0;                ///< s; 0 on the first span, else the step size that the previous span ended with
-    long steps = 0;                 ///< Steps tried, over all spans.
+    long steps = 0;                 ///< steps tried, over all spans
     enum class End { reached, not_finite, too_many_steps, too_short, interrupted } end = End::reached;
-    double reached = 0;  ///< Time reached in the current span, s.
+    double reached = 0;  ///< time reached in the current span, s
 };
 
 /// Status and message of a motion that did not reach the end of a span that started at `begin` (s).
@@ -29,6 +28,7 @@ struct LaneFailure {
     Status status;
     std::string message;
 };
+/// Describes why `motion` ended.
 LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps);
 
 /// Two registers of eight lanes are processed alternately to hide latency. The result of a motion does not depend on
@@ -60,16 +60,16 @@ class ExtrapolatedLanes {
         Numbers8 start, lost, sizes, rate, scratch, next, next_lost, twice_h;
         std::array<Numbers8, most_columns> column;
         Control control;
-        std::array<double*, 2> now{};  ///< Current and previous increments of a column.
+        std::array<double*, 2> now{};  ///< current and previous increments of a column
         std::array<LaneMotion*, lanes> motion{};
         int busy = 0;
-        bool has_new = false;  ///< The first step of some motion is still to be found.
+        bool has_new = false;  ///< the first step of some motion is still to be found
     };
     struct StepEnd;
     struct Kernels;
 
     int size_;
-    int moving_ = 0;  ///< Variables from this index on are all parameters.
+    int moving_ = 0;  ///< variables from this index on are all parameters
     double tolerance_;
     long max_steps_;
     const ExtrapolationRow* row_;

@@ -87,14 +87,15 @@ constexpr auto extrapolation_weights() {
 /// A row of the extrapolation table that is selected at run time: its columns, their weights and the cost of a step.
 struct ExtrapolationRow {
     int columns = 0;
-    int evaluations = 0;       ///< Evaluations of the right-hand side per step.
-    int work = 0;              ///< Cost of a step, in evaluations.
+    int evaluations = 0;       ///< evaluations of the right-hand side per step
+    int work = 0;              ///< cost of a step, in evaluations
     double amplification = 0;  ///< sum |c_j|
-    int odd_multiple = 1;      ///< Least common multiple of the odd parts of n_j.
+    int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
     std::array<int, most_columns> substeps{};
     ExtrapolationWeights<most_columns> weights;
 };
 
+/// The row for given n_j.
 template <auto n>
 constexpr ExtrapolationRow row_of() {
     ExtrapolationRow row;
@@ -164,11 +165,11 @@ inline constexpr ExtrapolationTable rows_in_lanes{ExtrapolationRow{},
 template <int K>
 struct ColumnChains {
     int chains = 0;
-    std::array<int, K> chain{};     ///< Chain of column j.
-    std::array<int, K> first{};     ///< Evaluations in the chain before column j.
-    std::array<int, K> last{};      ///< Evaluations in the chain up to the end of column j.
+    std::array<int, K> chain{};     ///< chain of column j
+    std::array<int, K> first{};     ///< evaluations in the chain before column j
+    std::array<int, K> last{};      ///< evaluations in the chain up to the end of column j
     std::array<int, K + 1> ends{};  ///< 0, then the distinct values of `last`, ascending.
-    int pieces = 0;                 ///< Number of these intervals.
+    int pieces = 0;                 ///< number of these intervals
 };
 
 template <int row>

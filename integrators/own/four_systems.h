@@ -6,6 +6,7 @@
 
 namespace polhode {
 
+/// Four complex numbers side by side.
 struct Complex4 {
     Lanes4 re{}, im{};
 

@@ -76,6 +76,7 @@ POLHODE_INLINE Octet mean_with_one(Octet b) {
     return (a + b) * 0.5;
 }
 
+/// Lattice<double> of closed_form/elliptic.h for eight parameters.
 struct Lattice8 {
     OctetMask hyperbolic;
     bool some_hyperbolic = false, some_trigonometric = false;
@@ -188,6 +189,7 @@ POLHODE_INLINE Point trigonometric_point(const Lattice8& L, const Theta8& theta,
     return p;
 }
 
+/// Hyperbolic harmonics of eight arguments, scaled as in Harmonics.
 struct HyperbolicHarmonics {
     Octet odd_sine[hyperbolic_terms + 1], odd_cosine[hyperbolic_terms + 1], even_cosine[hyperbolic_terms + 1];
 };

@@ -6,6 +6,7 @@
 
 namespace polhode {
 
+/// Values at up to eight stages.
 struct Stages {
     Lanes8 lane{};
 

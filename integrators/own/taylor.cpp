@@ -216,7 +216,7 @@ class ExtendedSeries {
   private:
     using State = Numbers<SystemType::dimension, Extended>;
     using Values = Numbers<SystemType::dimension>;
-    static constexpr int extended = 4;  ///< Highest order in extended precision.
+    static constexpr int extended = 4;  ///< highest order in extended precision
 
     int size() const { return static_cast<int>(state_.size()); }
     State after(double h) const {

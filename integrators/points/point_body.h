@@ -18,11 +18,10 @@ struct PointLink {
 
 /// Arrangement of the points. Let a_k^2 = (I_i + I_j - I_k) / (2m) be the mean square of coordinate k over the body,
 /// in principal axes about the centre of mass.
-///   simplex   four points at (a1, a2, a3), (a1, -a2, -a3), (-a1, a2, -a3), (-a1, -a2, a3) and their 6 distances, the
-///             number of constraints of a free rigid body of 4 points, 12 - 6
-///   box       n^3 points in a box with equal spacings. n = 2: corners (+-a1, +-a2, +-a3), all linked with each other
-///   (28
-///             distances). n > 2: each linked with the neighbours of its cells, along edges and diagonals
+///   simplex   four points at (a1, a2, a3), (a1, -a2, -a3), (-a1, a2, -a3), (-a1, -a2, a3) and their 6 distances, as
+///             many as a free rigid body of 4 points has constraints (12 - 6)
+///   box       n^3 points in a box with equal spacings. n = 2: corners (+-a1, +-a2, +-a3), all linked with each
+///             other (28 distances). n > 2: linked with the neighbours in their cells, along edges and diagonals
 /// A flat body (smallest a_k below 10^-6 of the largest) has no such box: points in a plane do not resist bending to
 /// first order. It becomes three points sqrt(2) (a1 cos, a2 sin)(120 deg n) with their 3 distances.
 struct Arrangement {
@@ -30,6 +29,7 @@ struct Arrangement {
     int n = 2;  ///< points along an edge of the box
 };
 
+/// A body made of points. All points have the same mass.
 struct PointBody {
     double point_mass = 0;                ///< kg, of each
     std::vector<Vector3<double>> rest_B;  ///< from the centre of mass, body axes, m
@@ -43,6 +43,7 @@ struct PointBody {
     int count() const { return static_cast<int>(rest_B.size()); }
 };
 
+/// Builds the points and links for the body of `problem`; sets `refusal` if that is not possible.
 PointBody point_body(const Problem& problem, Arrangement arrangement);
 
 /// Centre of mass of equal masses at the points r (m), and their tensor about it.

@@ -11,6 +11,7 @@
 
 namespace polhode {
 
+/// Rigid-body interface of the points: initial state, events, loads and samples.
 class PointMotion {
   public:
     /// Both arguments must outlive this object.

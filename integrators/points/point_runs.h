@@ -21,6 +21,7 @@ struct PointRun {
     double largest_stretch = 0;  ///< largest | |d| - l | / l over all samples and links
 };
 
+/// The runs. Each returns an `unsupported` trajectory if the body cannot be made of points.
 PointRun point_springs_rk4(const Problem& problem, const Settings& settings, const PointOptions& options);
 PointRun point_springs_verlet(const Problem& problem, const Settings& settings, const PointOptions& options);
 PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& settings, const PointOptions& options);

@@ -1,8 +1,8 @@
 // Bodies made of points at fixed distances, by position-based dynamics as used in games.
 //
 // A step of length h: v += h a; r_old = r, r += h v; then, `iterations` times, each distance in turn (Gauss-Seidel)
-//   dlambda = (l - |d| - alpha/h^2 lambda) / (2/m + alpha/h^2),   alpha = 0: hard,   r_i += dlambda/m d/|d|, r_j the
-//   opposite
+//   dlambda = (l - |d| - alpha/h^2 lambda) / (2/m + alpha/h^2),   alpha = 0: hard,
+//   r_i += dlambda/m d/|d|, and the opposite for r_j
 // and v = (r - r_old) / h. The remainder of a step after an event may be as short as its rounding error, and cannot
 // be divided by. Below 1/64 of a step, the points only drift.
 #include <algorithm>

@@ -8,6 +8,7 @@
 
 namespace polhode {
 
+/// Computes the accelerations of points on springs, and their Jacobians.
 class SpringNetwork {
   public:
     /// Stiffness k (N/m) and damping c (N s/m) of every link, and with a pivot also of the spring and damper that

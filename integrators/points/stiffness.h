@@ -9,6 +9,7 @@ namespace polhode {
 struct SpringFrequencies {
     double slowest = 0, fastest = 0;
 };
+/// Computes these frequencies for springs of this stiffness (N/m), without damping.
 SpringFrequencies spring_frequencies(const PointBody& body, double stiffness);
 
 /// Default stiffness, N/m: the slowest vibration has 100 times the scene's largest angular velocity (or, without

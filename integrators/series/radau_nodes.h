@@ -16,6 +16,7 @@ std::vector<P> legendre(const P& x, int n) {
     return value;
 }
 
+/// The collocation table of `stages` stages.
 template <class P>
 struct RadauNodes {
     int stages;

@@ -14,11 +14,13 @@
 
 namespace polhode {
 
+/// A number of `digits` decimal digits.
 template <unsigned digits>
 using Real = boost::multiprecision::number<
     boost::multiprecision::mpfr_float_backend<digits, boost::multiprecision::allocate_stack>,
     boost::multiprecision::et_off>;
 
+/// The MPFR number inside.
 template <unsigned digits>
 mpfr_ptr raw(Real<digits>& x) {
     return x.backend().data();

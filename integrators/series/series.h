@@ -55,6 +55,7 @@ void combine(T& result, const T& a, const T& b, const T& c, const T& d, T& scrat
     add_product(result, c, d, scratch);
 }
 
+/// The Taylor coefficients of one solution, in the scalar T.
 template <class T>
 class Series {
   public:

@@ -115,26 +115,26 @@ class TapeCompiler {
     const TapeProgram& program_;
     const TapeLayout& layout_;
     bool careful_, wide_;
-    int width_;  ///< Numbers per register.
+    int width_;  ///< numbers per register
     x86::Assembler a_;
-    int most_;  ///< Registers per row.
+    int most_;  ///< registers per row
     int row_count_;
     // Register of each value, or `none`. Ids: the slots, then each row's newest coefficient broadcast to all lanes,
     // then the registers of each row.
     std::vector<Register> place_;
-    std::vector<char> touched_;     // By row: the newest coefficient is in its lane.
-    std::vector<char> persistent_;  // By slot: store the value as soon as it is computed.
+    std::vector<char> touched_;     // by row: the newest coefficient is in its lane
+    std::vector<char> persistent_;  // by slot: store the value as soon as it is computed
     // Registers kept from order to order: coefficients by row, newest coefficient by row, sums.
     std::vector<Register> row_home_, newest_home_, sum_home_;
     bool stores_all_ = false;
     int register_count_;
-    std::array<int, 32> held_{};     // By register: the id of its value.
-    std::array<bool, 32> dirty_{};   // By register: the value is not in memory.
-    std::array<bool, 32> in_use_{};  // By register: used by the current instruction.
+    std::array<int, 32> held_{};     // by register: the id of its value
+    std::array<bool, 32> dirty_{};   // by register: the value is not in memory
+    std::array<bool, 32> in_use_{};  // by register: used by the current instruction
     // Instruction positions of all uses in the current part, grouped by id.
     std::vector<int> first_use_, uses_, next_;
-    int quarters_ = 2;    // Quarter cache lines that products fill in the current part.
-    bool inner_ = false;  // The current products belong to P.
+    int quarters_ = 2;    // quarter cache lines that products fill in the current part
+    bool inner_ = false;  // the current products belong to P
 
     int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
     /// Memory operand of a slot. For states: the coefficient of the current order.

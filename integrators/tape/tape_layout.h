@@ -12,15 +12,15 @@ namespace polhode {
 /// Offsets in units of eight bytes from the start of a cache line: the slots, then the lanes of each row and of each
 /// sum (as many lanes as an order has products), then the coefficients of the states, order by order.
 struct TapeLayout {
-    static constexpr int line = 8;  ///< Numbers per cache line.
+    static constexpr int line = 8;  ///< numbers per cache line
     static constexpr int most_order = 32;
-    static constexpr int most_lanes = 16;  ///< Two lines, at most_order.
+    static constexpr int most_lanes = 16;  ///< two lines, at most_order
 
     int order;
     /// Lanes per row or sum. Lane j of a row holds coefficient j, or j + 1 in a row of P. Lane j of a sum accumulates
     /// the value for j orders later, or j + 1 in a sum of P.
     int lanes;
-    int states;  ///< Stride from one order's coefficients to the next, in numbers.
+    int states;  ///< stride from one order's coefficients to the next, in numbers
     std::size_t rows, sums, coefficients, end;
 
     /// Requires 2 <= order_ <= most_order; throws std::invalid_argument otherwise.

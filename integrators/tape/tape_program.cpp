@@ -87,15 +87,15 @@ class TapeProgrammer {
     bool is_series_;
     const std::vector<Node>& nodes_;
     const std::vector<Traced<double>>& rates_;
-    std::vector<int> row_of_, inner_row_of_;  // By node.
-    std::vector<int> value_of_;               // By node: the slot of coefficient 0.
-    std::vector<int> now_of_;  // By node: the slot of the coefficient of the current order; none: merged into a sum.
+    std::vector<int> row_of_, inner_row_of_;  // by node
+    std::vector<int> value_of_;               // by node: the slot of coefficient 0
+    std::vector<int> now_of_;  // by node: the slot of the coefficient of the current order; none: merged into a sum
     std::vector<int> inverse_of_;
-    std::vector<int> uses_;         // By node: 1 for each use by a sum, 2 for each other use.
-    std::vector<double> scale_of_;  // By node: pending factor of the value, for rates only.
+    std::vector<int> uses_;         // by node: 1 for each use by a sum, 2 for each other use
+    std::vector<double> scale_of_;  // by node: pending factor of the value, for rates only
     std::vector<TapeProgram::Sum> inner_, whole_;
-    std::vector<double> arrival_;               // By slot: estimated cycles from the start of the order.
-    std::map<std::uint64_t, int> constant_of_;  // By bits of the value.
+    std::vector<double> arrival_;               // by slot: estimated cycles from the start of the order
+    std::map<std::uint64_t, int> constant_of_;  // by bits of the value
 
     int count() const { return static_cast<int>(nodes_.size()); }
     int slot() {
@@ -244,7 +244,7 @@ class TapeProgrammer {
     int later_rate(int node) {
         return node < program_.states ? step_with(Kind::add, constant(0), now_of_[node]) : now_of_[node];
     }
-    int slope_ = none;  // Row of the last sine's argument, see decode().
+    int slope_ = none;  // row of the last sine's argument, see decode()
 
     /// weight * x * y for nodes x and y; without y, weight * x; without both, the weight itself.
     struct Part {

@@ -27,6 +27,7 @@
 
 namespace polhode {
 
+/// The operations of a recorded system, by order.
 struct TapeProgram {
     static constexpr int none = -1;
 
@@ -62,7 +63,7 @@ struct TapeProgram {
     /// The coefficients of a slot as factors of products: up to the current order in W, up to the previous one in P.
     struct Row {
         int slot;
-        int value;  ///< Slot of coefficient 0; none: a row of P.
+        int value;  ///< slot of coefficient 0; none: a row of P
 
         bool is_inner() const { return value == none; }
     };
@@ -75,19 +76,19 @@ struct TapeProgram {
         double value;
     };
 
-    int states;                       ///< Slot i < states holds the newest coefficient of state i.
-    int slots;                        ///< Total number.
-    std::vector<Constant> constants;  ///< Initial slot contents; all other slots start at zero.
-    std::vector<int> values;          ///< By state: the slot of y_0.
-    std::vector<Operation> begin;     ///< Order 0, and the factors that later orders multiply by.
-    std::vector<Rate> first_rates;    ///< By state: the rates of order 0.
+    int states;                       ///< slot i < states holds the newest coefficient of state i
+    int slots;                        ///< total number
+    std::vector<Constant> constants;  ///< initial slot contents; all other slots start at zero
+    std::vector<int> values;          ///< by state: the slot of y_0
+    std::vector<Operation> begin;     ///< order 0, and the factors that later orders multiply by
+    std::vector<Rate> first_rates;    ///< by state: the rates of order 0
     // Operations of each later order.
     std::vector<Row> rows;
     std::vector<Pair> pairs;
-    std::vector<Sum> sums;  ///< The sums of P come first, as they are computed first.
-    int inner = 0;          ///< Number of sums of P.
+    std::vector<Sum> sums;  ///< the sums of P come first, as they are computed first
+    int inner = 0;          ///< number of sums of P
     std::vector<Operation> step;
-    std::vector<Rate> rates;  ///< By state.
+    std::vector<Rate> rates;  ///< by state
     // Slots of numbers that depend on the current order k.
     int order = none;                      ///< k, where used.
     int inverse_order = none;              ///< 1/k, where used.

@@ -15,8 +15,8 @@ namespace polhode {
 /// How series are computed. The implementation options do not change the bits.
 struct TapeOptions {
     InstructionSet instructions = instruction_set();
-    bool compiled = may_compile();  ///< Compile to machine code if the processor is supported.
-    bool careful = false;           ///< See TapeInterpreter::expand.
+    bool compiled = may_compile();  ///< compile to machine code if the processor is supported
+    bool careful = false;           ///< see TapeInterpreter::expand
     int order = 0;                  ///< 2 to TapeLayout::most_order; 0: the order of least work at the tolerance.
     double tolerance = 1e-12;
     TapeProgram::Purpose purpose = TapeProgram::Purpose::series;
@@ -29,7 +29,7 @@ struct PreparedTape {
     TapeProgram program;
     TapeLayout layout;
     TapeOptions options;
-    std::shared_ptr<const TapeCode> code;  ///< Null: interpreted.
+    std::shared_ptr<const TapeCode> code;  ///< null: interpreted
 
     PreparedTape(const Recording<double>& recording, const TapeOptions& options_);
 };

@@ -84,7 +84,8 @@ class AxisRotation {
 };
 
 /// Body with two equal moments I1 transverse to `axis` and I3 about it (Landau & Lifshitz 1976, section 33):
-///   q(t) = q0 turn(L_B0, |L| t/I1) turn(axis, (1 - I3/I1) w3 t).
+///   q(t) = q0 turn(L_B0, |L| t/I1) turn(axis, (1 - I3/I1) w3 t),
+/// where turn(v, angle) is the rotation about v.
 template <class S>
 class FreeSymmetricBody {
   public:

@@ -168,7 +168,7 @@ struct ColumnChains {
     std::array<int, K> chain{};     ///< chain of column j
     std::array<int, K> first{};     ///< evaluations in the chain before column j
     std::array<int, K> last{};      ///< evaluations in the chain up to the end of column j
-    std::array<int, K + 1> ends{};  ///< 0, then the distinct values of `last`, ascending.
+    std::array<int, K + 1> ends{};  ///< 0, then the distinct values of `last`, ascending
     int pieces = 0;                 ///< number of these intervals
 };
 

@@ -90,9 +90,9 @@ struct TapeProgram {
     std::vector<Operation> step;
     std::vector<Rate> rates;  ///< by state
     // Slots of numbers that depend on the current order k.
-    int order = none;                      ///< k, where used.
-    int inverse_order = none;              ///< 1/k, where used.
-    int next = none, inverse_next = none;  ///< k + 1 and 1/(k + 1).
+    int order = none;                      ///< k, where used
+    int inverse_order = none;              ///< 1/k, where used
+    int next = none, inverse_next = none;  ///< k + 1 and 1/(k + 1)
 
     /// Purpose of a program: coefficients of any order, or only the rates. The rates are first_rates, not divided by
     /// k + 1.

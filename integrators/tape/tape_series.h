@@ -17,7 +17,7 @@ struct TapeOptions {
     InstructionSet instructions = instruction_set();
     bool compiled = may_compile();  ///< compile to machine code if the processor is supported
     bool careful = false;           ///< see TapeInterpreter::expand
-    int order = 0;                  ///< 2 to TapeLayout::most_order; 0: the order of least work at the tolerance.
+    int order = 0;                  ///< 2 to TapeLayout::most_order; 0: the order of least work at the tolerance
     double tolerance = 1e-12;
     TapeProgram::Purpose purpose = TapeProgram::Purpose::series;
 

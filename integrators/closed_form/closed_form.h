@@ -1,4 +1,4 @@
-// Which closed form a piece of motion has, from its forcing and the state that it starts from.
+// Selects the closed form of a piece of motion from its forcing and initial state.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@
 
 namespace polhode {
 
-/// A rotation in closed form, in principal axes: a free body, Lagrange's top, or a turn about one axis under a constant
-/// torque and linear drag.
+/// A rotation in closed form, in principal axes: a free body, Lagrange's top, or rotation about one axis under a
+/// constant torque and linear drag.
 template <class S>
 class ClosedForm {
   public:
-    /// Nothing where the motion has none. `forcing` in principal axes. `rounding`: what of a sum is taken for the
-    /// rounding of principal axes that had to be computed; 0 where they are exact.
+    /// Returns the closed form, or nullopt if the motion has none. `forcing` is in principal axes. `rounding`:
+    /// relative size below which differences count as rounding of computed principal axes; 0 if these are exact.
     static std::optional<ClosedForm> find(const Vector3<S>& moments, const Forcing<S>& forcing, const Vector3<S>& w,
                                           const Quaternion<S>& q, const S& rounding) {
         if (!forcing.springs.empty() || !forcing.world_points.empty() || !forcing.user_torques.empty()) return {};
@@ -29,12 +29,12 @@ class ClosedForm {
         return about_axis(moments, forcing, w, q, rounding);
     }
 
-    /// Holds the form F made from the arguments, in place: forms are large.
+    /// Constructs the form F in place from the arguments, because forms are large.
     template <class F, class... Arguments>
     explicit ClosedForm(std::in_place_type_t<F> form, Arguments&&... arguments)
         : form_(form, std::forward<Arguments>(arguments)...) {}
 
-    /// t from the start of the piece, of either sign.
+    /// Rotation at time t (s) from the start of the piece; t may be negative.
     Rotation<S> at(const S& t) const {
         return std::visit([&](const auto& form) { return form.at(t); }, form_);
     }
@@ -54,14 +54,14 @@ class ClosedForm {
         e[axis] = S(1);
         return e;
     }
-    // the axis that v is along, or -1; of a zero vector the first
+    // Returns the axis that v is parallel to, or -1; 0 for a zero vector.
     static int axis_of(const Vector3<S>& v, const S& rounding) {
         for (int i = 0; i < 3; ++i)
             if (size(v[(i + 1) % 3]) <= rounding * size(v[i]) && size(v[(i + 2) % 3]) <= rounding * size(v[i]))
                 return i;
         return -1;
     }
-    // the axis of symmetry, or -1
+    // Returns the axis of symmetry, or -1.
     static int symmetry_axis(const Vector3<S>& moments, const S& rounding) {
         for (int i = 2; i >= 0; --i)
             if (size(moments[(i + 1) % 3] - moments[(i + 2) % 3]) <= rounding * moments[(i + 1) % 3]) return i;
@@ -83,7 +83,8 @@ class ClosedForm {
         return made<FreeAsymmetricBody<S>>(moments, w, q);
     }
 
-    // whether squares and fourth powers neither overflow nor vanish in binary64: else 128 bits, of longer exponents
+    // Whether squares and fourth powers neither overflow nor underflow in binary64. If not, Wide is used for its
+    // larger exponent range.
     static bool moderate(const Vector3<double>& moments, const Vector3<double>& w) {
         constexpr double most = 1e60, least = 1e-60;
         double largest = 0;
@@ -96,8 +97,8 @@ class ClosedForm {
         return all;
     }
 
-    // Forces constant in the world at points of the symmetry axis: the torque is e x R^T G with G = sum of (arm along
-    // the axis) F.
+    // World-fixed forces at points of the symmetry axis. The torque is e x R^T G with G = sum of (arm along the axis)
+    // F.
     static std::optional<ClosedForm> top(const Vector3<S>& moments, const Forcing<S>& forcing, const Vector3<S>& w,
                                          const Quaternion<S>& q, const S& rounding) {
         int axis = symmetry_axis(moments, rounding);
@@ -125,7 +126,8 @@ class ClosedForm {
         }
     }
 
-    // w, a torque constant in the body or the world, and the damping of w all along one axis that Iw is along too
+    // Rotation about one axis: w, I w, a torque constant in the body or in the world, and the damping of w are all
+    // parallel to it.
     static std::optional<ClosedForm> about_axis(const Vector3<S>& moments, const Forcing<S>& forcing,
                                                 const Vector3<S>& w, const Quaternion<S>& q, const S& rounding) {
         Vector3<S> torque;

@@ -1,10 +1,14 @@
-// Elliptic integrals and Jacobi's theta functions over any scalar: what the closed forms of a free body and of
-// Lagrange's top are made of.
+// Elliptic integrals and Jacobi's theta functions over any scalar, for the closed forms of a free body and of
+// Lagrange's top.
 //
-// The parameter m = k^2 comes with its complement m1 = 1 - m, each as exact as the caller knows it, so that nothing is
-// lost next to a separatrix (m1 -> 0). Theta series run in the nome of the better of two lattices: trigonometric in
-// q = exp(-pi K'/K) where m <= m1, hyperbolic in q' = exp(-pi K/K') (Jacobi's imaginary transformation) beyond. The
-// nome is then at most exp(-pi) and five terms are enough for binary64; m = 0 and m1 = 0 are no special cases.
+// The parameter m = k^2 is given with its complement m1 = 1 - m, each as accurately as the caller knows it, so that
+// no digits are lost close to a separatrix (m1 -> 0). Theta series use the nome of the better of two lattices:
+// trigonometric in q = exp(-pi K'/K) for m <= m1, otherwise hyperbolic in q' = exp(-pi K/K') (Jacobi's imaginary
+// transformation). The nome is then at most exp(-pi) and five terms suffice for binary64. m = 0 and m1 = 0 need no
+// special treatment.
+//
+// Lattice holds the periods and theta constants, Harmonics the sines and cosines of an argument u, ShiftedTheta a
+// theta function with a complex shift.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +19,11 @@
 
 namespace polhode {
 
-/// The arithmetic-geometric mean of a, b >= 0 (Gauss).
+/// Arithmetic-geometric mean of a, b >= 0 (Gauss).
 template <class S>
 S arithmetic_geometric_mean(S a, S b) {
     if (!(a > 0) || !(b > 0)) return S(0);
-    // quadratic convergence: once the gap is below the root of epsilon, one more mean is exact
+    // Convergence is quadratic: once the gap is below sqrt(epsilon), one more mean is exact.
     const S enough = square_root(Elementary<S>::epsilon());
     for (;;) {
         S mean = (a + b) / S(2);
@@ -30,13 +34,13 @@ S arithmetic_geometric_mean(S a, S b) {
     }
 }
 
-/// Carlson's R_F(x, y, z) = 1/2 int_0^inf dt / sqrt((t+x)(t+y)(t+z)), arguments >= 0, at most one of them zero.
-/// Duplication, then the series to the seventh order (B. C. Carlson 1995, Numer. Algorithms 10, 13; DLMF 19.36.1).
+/// Carlson's R_F(x, y, z) = 1/2 int_0^inf dt / sqrt((t+x)(t+y)(t+z)), arguments >= 0, at most one of them zero. Uses
+/// duplication, then the series to the seventh order (B. C. Carlson 1995, Numer. Algorithms 10, 13; DLMF 19.36.1).
 template <class S>
 S carlson_rf(S x, S y, S z) {
     const S third = S(1) / S(3);
     S mean = (x + y + z) * third;
-    // the series' remainder is of the eighth order: epsilon^(1/8)
+    // The remainder of the series is of eighth order: epsilon^(1/8).
     const S reach = square_root(square_root(square_root(Elementary<S>::epsilon())));
     for (;;) {
         const S spread = std::max({Elementary<S>::magnitude(S(mean - x)), Elementary<S>::magnitude(S(mean - y)),
@@ -55,8 +59,8 @@ S carlson_rf(S x, S y, S z) {
     return series / square_root(mean);
 }
 
-/// The incomplete integral of the first kind at the amplitude of sn, cn >= 0, dn (of any parameter): F = sn
-/// R_F(cn^2, dn^2, 1). Infinite where cn = dn = 0.
+/// Incomplete integral of the first kind at the amplitude with sn, cn >= 0, dn (any parameter): F = sn R_F(cn^2,
+/// dn^2, 1). Infinite where cn = dn = 0.
 template <class S>
 S inverse_jacobi(const S& sn, const S& cn_squared, const S& dn_squared) {
     if (!(cn_squared > 0) && !(dn_squared > 0))
@@ -64,12 +68,13 @@ S inverse_jacobi(const S& sn, const S& cn_squared, const S& dn_squared) {
     return sn * carlson_rf(cn_squared, dn_squared, S(1));
 }
 
-/// sn, cn and dn.
+/// The Jacobi elliptic functions sn, cn and dn.
 template <class S>
 struct Jacobi {
     S sn, cn, dn;
 };
 
+/// A complex number.
 template <class S>
 struct Complex {
     S re{0}, im{0};
@@ -87,8 +92,8 @@ Complex<S> conjugate(const Complex<S>& a) {
     return {a.re, -a.im};
 }
 
-/// How many terms the theta functions' sums need, whose terms fall as q^(n(n-1)) with a nome q <= exp(-pi): in
-/// binary64, in 113 bits, and for 180 digits.
+/// Number of terms in the theta sums, which decrease as q^(n(n-1)) with a nome q <= exp(-pi): for binary64, for 113
+/// bits and for 180 digits.
 template <class S>
 constexpr int most_theta_terms = std::is_same_v<S, double> ? 4
                                  : std::is_same_v<S, Wide> ? 6
@@ -102,18 +107,18 @@ ThetaTerms<To> rounded(const ThetaTerms<From>& terms) {
     return result;
 }
 
-/// sin kz and cos kz for k = 0 .. 2N+1; or q^(n(n+1)) times sinh and cosh of (2n+1) v, q^(n^2) times those of 2n v, all
-/// over exp |v|: nothing overflows.
+/// Trigonometric lattice: sin kz and cos kz for k = 0 .. 2N+1. Hyperbolic lattice: q^(n(n+1)) times sinh and cosh of
+/// (2n+1) v and q^(n^2) times those of 2n v, all divided by exp |v| to avoid overflow.
 template <class S>
 struct Harmonics {
     ThetaTerms<S> odd_sine, odd_cosine, even_sine, even_cosine;
 };
 
-/// Periods and theta constants of one parameter.
+/// Periods and theta constants for one parameter.
 template <class S>
 class Lattice {
   public:
-    /// 0 <= m, m1, m + m1 = 1, each to its own relative accuracy.
+    /// Requires m, m1 >= 0 and m + m1 = 1, each accurate relative to itself.
     Lattice(const S& m, const S& m1) : trigonometric(m <= m1) {
         const S half_pi = Elementary<S>::pi() / S(2);
         quarter = m1 > 0 ? S(half_pi / arithmetic_geometric_mean(S(1), square_root(m1))) : Elementary<S>::infinity();
@@ -127,7 +132,7 @@ class Lattice {
         squares[0] = pronics[0] = S(1);
         S power = S(1);
         for (terms = 0; terms < most_theta_terms<S>; ++terms) {
-            // what term n = terms + 1 may come to: q^(n^2), or q^(n(n-1)) at the hyperbolic lattice's edge |u| = K
+            // Bound of term n = terms + 1: q^(n^2), or q^(n(n-1)) at the edge |u| = K of the hyperbolic lattice.
             const S next = squares[terms] * power * nome * power;
             if (!((trigonometric ? next : pronics[terms]) > Elementary<S>::epsilon())) break;
             power *= nome;
@@ -144,13 +149,13 @@ class Lattice {
             theta3 += squares[n] + squares[n];
             theta4 += n % 2 ? S(-(squares[n] + squares[n])) : S(squares[n] + squares[n]);
         }
-        // DLMF 22.2.4-6, after 20.7.30-33 in the hyperbolic lattice
+        // DLMF 22.2.4-6; with 20.7.30-33 in the hyperbolic lattice.
         sn_factor = trigonometric ? S(theta3 / theta2) : S(theta3 / theta4);
         cn_factor = trigonometric ? S(theta4 / theta2) : S(theta2 / theta4);
         dn_factor = trigonometric ? S(theta4 / theta3) : S(theta2 / theta3);
     }
 
-    /// A lattice that was set up in more digits, rounded in order to be evaluated in fewer.
+    /// Rounds a lattice from higher precision, for evaluation in lower precision.
     template <class From>
     explicit Lattice(const Lattice<From>& b)
         : trigonometric(b.trigonometric),
@@ -170,14 +175,14 @@ class Lattice {
 
     bool trigonometric;
     S quarter, imaginary_quarter;  ///< K, K'
-    S scale;                       ///< pi/2K or pi/2K': arguments u are multiplied by it
+    S scale;                       ///< pi/2K or pi/2K'; multiplies the argument u
     S nome, log_nome;
-    int terms;                                  ///< N: sums run over n = 0..N
+    int terms;                                  ///< N: sums run over n = 0 .. N
     ThetaTerms<S> squares{}, pronics{};         ///< q^(n^2), q^(n(n+1))
-    ThetaTerms<S> odd_weight{}, even_weight{};  ///< of the harmonics in the theta series
+    ThetaTerms<S> odd_weight{}, even_weight{};  ///< weights of the harmonics in the theta series
     S sn_factor, cn_factor, dn_factor;
 
-    /// u = rest + 2 K j, |rest| <= K, returning j; 0 on the separatrix.
+    /// Reduces u = rest + 2 K j to |rest| <= K and returns j. On the separatrix j = 0.
     S reduce(S& u) const {
         if (!(quarter < Elementary<S>::infinity())) return S(0);
         const S period = quarter + quarter;
@@ -186,7 +191,7 @@ class Lattice {
         return j;
     }
 
-    /// For |u| <= K. Of the even sines only with `sines_too`.
+    /// Harmonics of u, |u| <= K. Computes the even sines only with `sines_too`.
     template <bool sines_too>
     void harmonics(const S& u, Harmonics<S>& h) const {
         const S z = scale * u;
@@ -196,10 +201,10 @@ class Lattice {
             hyperbolic<sines_too>(z, h);
     }
 
-    /// theta_4 on the real line (up to a factor that all of these share), what sn, cn, dn are quotients by.
+    /// theta_4 on the real line, up to a factor common to all these sums. It is the denominator of sn, cn and dn.
     S denominator(const Harmonics<S>& h) const { return trigonometric ? alternating_even(h) : plain_odd(h); }
 
-    /// The derivative of denominator() by scale * u. The harmonics must have their even sines.
+    /// Derivative of denominator() with respect to scale * u. The harmonics must include the even sines.
     S denominator_slope(const Harmonics<S>& h) const {
         S sum = trigonometric ? S(0) : h.odd_sine[0];
         for (int n = 1; n <= terms; ++n) {
@@ -256,8 +261,8 @@ class Lattice {
         }
     }
 
-    // with a = |v|: q^(n(n+1)) exp(+-(2n+1)a) exp(-a) = q^(n^2) (q exp(+-2a))^n, the lower one times exp(-2a), and
-    // q^(n^2) exp(+-2na) exp(-a) = q^(n(n-1)) (q exp(+-2a))^n exp(-a)
+    // With a = |v|: q^(n(n+1)) exp(+-(2n+1)a) exp(-a) = q^(n^2) (q exp(+-2a))^n, the lower sign times exp(-2a), and
+    // q^(n^2) exp(+-2na) exp(-a) = q^(n(n-1)) (q exp(+-2a))^n exp(-a).
     template <bool sines_too>
     void hyperbolic(const S& v, Harmonics<S>& h) const {
         const S a = Elementary<S>::magnitude(v), half = S(1) / S(2), sign = v < 0 ? S(-half) : half;
@@ -276,9 +281,9 @@ class Lattice {
     }
 };
 
-/// theta_1(u - i eta) or theta_2(u - i eta) along the real line, up to a constant positive factor, 0 <= eta <= K'.
-/// In the hyperbolic lattice the transformation's Gaussian leaves a phase linear in u: the whole is
-/// exp(i drift u) times sum(). Both change sign as u grows by 2K.
+/// theta_1(u - i eta) or theta_2(u - i eta) along the real line, up to a constant positive factor, 0 <= eta <= K'. In
+/// the hyperbolic lattice the Gaussian factor of the transformation leaves a phase linear in u: the function is exp(i
+/// drift u) times sum(). Both functions change sign when u increases by 2K.
 template <class S>
 class ShiftedTheta {
   public:
@@ -289,12 +294,12 @@ class ShiftedTheta {
         const S shift = eta * lattice.scale;
         hyperbolic_ = !lattice.trigonometric;
         if (lattice.trigonometric) {
-            // sinh and cosh of (2n+1) y over exp(y)/2: 1 -+ exp(-2(2n+1) y), times q^(n(n+1)) exp(2ny)
+            // sinh and cosh of (2n+1) y over exp(y)/2: 1 -+ exp(-2(2n+1) y), times q^(n(n+1)) exp(2ny).
             const bool finite = shift < E::infinity();
             const S twice = shift + shift;
             const S step = finite ? E::exponential(S(-twice)) : S(0), step_squared = step * step;
             S decay = step, growth = S(1);
-            // q exp(2y) <= 1 since eta <= K': its powers first, so that nothing overflows
+            // q exp(2y) <= 1 since eta <= K'. Taking its powers first avoids overflow.
             const S bounded = finite ? E::exponential(S(lattice.log_nome + twice)) : S(0);
             for (int n = 0; n <= terms_; ++n) {
                 const S weight = signed_by(n, S(lattice.squares[n] * growth));
@@ -309,7 +314,7 @@ class ShiftedTheta {
             E::sine_cosine(shift, s, c);
             const S s2 = s * c + s * c, c2 = c * c - s * s;
             const bool first = kind == Kind::theta1;
-            // (2n+1) w for theta_1, 2n w for theta_2, which becomes a theta_4
+            // (2n+1) w for theta_1; 2n w for theta_2, which transforms to a theta_4.
             S sine = first ? s : S(0), cosine = first ? c : S(1);
             for (int n = 0; n <= terms_; ++n) {
                 const S weight = n % 2 ? S(-1) : S(1);
@@ -338,7 +343,7 @@ class ShiftedTheta {
     S drift;  ///< rad per unit of u
     S width;  ///< pi eta / 2K or pi eta / 2K'
 
-    /// The sum; the harmonics need their even sines for theta_2 in the hyperbolic lattice.
+    /// Evaluates the sum. theta_2 in the hyperbolic lattice needs harmonics with even sines.
     Complex<S> sum(const Harmonics<S>& h) const {
         Complex<S> total;
         for (int n = 0; n <= terms_; ++n) {
@@ -356,7 +361,7 @@ class ShiftedTheta {
         return total;
     }
 
-    /// The derivative of the value by scale * u.
+    /// Derivative of sum() with respect to scale * u.
     Complex<S> derivative(const Harmonics<S>& h) const {
         Complex<S> total;
         for (int n = 0; n <= terms_; ++n) {

@@ -1,7 +1,8 @@
-// The torque-free motion of a rigid body in closed form, attitude included, over any scalar: valid for every t at once,
-// without stepping.
+// Torque-free motion of a rigid body in closed form, including attitude, over any scalar. It is evaluated at any t
+// directly, without stepping.
 //
-// Every class here takes w and q in principal axes; q maps these to the world and is continuous in t.
+// AxisRotation, FreeSymmetricBody and FreeAsymmetricBody take w and q in principal axes; q maps these to the world
+// and is continuous in t.
 #pragma once
 
 #include <utility>
@@ -11,13 +12,14 @@
 
 namespace polhode {
 
+/// Angular velocity and attitude at one time.
 template <class S>
 struct Rotation {
     Vector3<S> w;     ///< rad/s, principal axes
     Quaternion<S> q;  ///< principal axes to world
 };
 
-/// The unit quaternion of a turn by 2 * half about a coordinate axis.
+/// Unit quaternion of a rotation by 2 * half (rad) about a coordinate axis.
 template <class S>
 Quaternion<S> turn_about(int axis, const S& half) {
     S s, c;
@@ -27,7 +29,7 @@ Quaternion<S> turn_about(int axis, const S& half) {
     return q;
 }
 
-/// The unit quaternion of a turn by 2 * half about v; 1 for v = 0.
+/// Unit quaternion of a rotation by 2 * half (rad) about v, |v| = length; identity for v = 0.
 template <class S>
 Quaternion<S> turn_about(const Vector3<S>& v, const S& length, const S& half) {
     if (!(length > 0)) return Quaternion<S>{};
@@ -37,13 +39,14 @@ Quaternion<S> turn_about(const Vector3<S>& v, const S& length, const S& half) {
     return {c, s * v[0], s * v[1], s * v[2]};
 }
 
-/// w stays along one axis: a sphere, or a body turning about a principal axis, which a torque along that axis and a
-/// damping -c w of it may drive: dw/dt = a - k w, so that
+/// Rotation with w along a fixed axis: a sphere, or a body rotating about a principal axis. A torque along that axis
+/// and damping -c w may act, dw/dt = a - k w, so that
 ///   w = w0 exp(-kt) + a (1 - exp(-kt))/k,   angle = w0 (1 - exp(-kt))/k + a (t - (1 - exp(-kt))/k)/k.
 template <class S>
 class AxisRotation {
   public:
-    /// `axis`: unit, principal axes; `rate`: w0 along it; `acceleration`, `decay` (a, k): about it.
+    /// `axis`: unit vector, principal axes; `rate`: w0 along it, rad/s; `acceleration`, `decay`: a in rad/s^2, k in
+    /// 1/s.
     AxisRotation(const Vector3<S>& axis, const S& rate, const Quaternion<S>& q, const S& acceleration = S(0),
                  const S& decay = S(0))
         : axis_(axis), rate_(rate), acceleration_(acceleration), decay_(decay), q_(q) {}
@@ -67,7 +70,7 @@ class AxisRotation {
     S rate_, acceleration_, decay_;
     Quaternion<S> q_;
 
-    // x - (1 - exp(-x)) without cancellation: for small x by its series
+    // x - (1 - exp(-x)) without cancellation; for small x from its series.
     static S excess(const S& x, const S& gone) {
         if (Elementary<S>::magnitude(x) > S(1)) return x - gone;
         S term = x * x / S(2), sum = term;
@@ -80,8 +83,9 @@ class AxisRotation {
     }
 };
 
-/// Two equal moments I1 about the axes across `axis`, I3 about it (Landau & Lifshitz 1976, section 33):
-///   q(t) = q0 turn(L_B0, |L| t/I1) turn(axis, (1 - I3/I1) w3 t).
+/// Body with two equal moments I1 transverse to `axis` and I3 about it (Landau & Lifshitz 1976, section 33):
+///   q(t) = q0 turn(L_B0, |L| t/I1) turn(axis, (1 - I3/I1) w3 t),
+/// where turn(v, angle) is the rotation about v.
 template <class S>
 class FreeSymmetricBody {
   public:
@@ -97,7 +101,7 @@ class FreeSymmetricBody {
     Rotation<S> at(const S& t) const {
         const Quaternion<S> spin = turn_about(axis_, S(half_spin_ * t));
         const Quaternion<S> q = (q_ * turn_about(L_B_, L_, S(half_precession_ * t))) * spin;
-        // in the body's axes w turns back about the symmetry axis
+        // In body axes, w rotates about the symmetry axis in the opposite sense.
         const S c = spin.w, s = axis_ == 0 ? spin.x : axis_ == 1 ? spin.y : spin.z;
         const S cosine = c * c - s * s, sine = (c * s) + (c * s);
         const int i = (axis_ + 1) % 3, j = (axis_ + 2) % 3;
@@ -115,29 +119,29 @@ class FreeSymmetricBody {
     S L_, half_precession_, half_spin_;
 };
 
-/// Three different moments: rates by Jacobi's functions, attitude by theta functions (C. G. J. Jacobi 1849; form of
-/// R. van Zon and J. Schofield 2007, J. Comput. Phys. 225, 145, with the nutation told by a swing, not by Euler's
-/// angles, so that no case is singular).
+/// Body with three different moments: rates by Jacobi's elliptic functions, attitude by theta functions (C. G. J.
+/// Jacobi 1849; form of R. van Zon and J. Schofield 2007, J. Comput. Phys. 225, 145). The nutation is described by a
+/// swing instead of Euler angles, which avoids singular cases.
 ///
-/// Axes are relabelled: 2 has the middle moment, w3 never changes sign, and 1, 3 are turned so that w1, w3 > 0 at
-/// first. With s = sign(I3 - I1) and u = lambda t + u0:
+/// Axes are relabelled: 2 has the middle moment, w3 never changes sign, and axes 1, 3 are oriented so that w1, w3 > 0
+/// initially. With s = sign(I3 - I1) and u = lambda t + u0:
 ///   w1 = a1 cn u,  w2 = s a2 sn u,  w3 = a3 dn u
 ///   a1^2 = w1^2 + I2 (I3-I2) / (I1 (I3-I1)) w2^2,  a3^2 = w3^2 + I2 (I2-I1) / (I3 (I3-I1)) w2^2   (sums of squares)
 ///   lambda^2 = (I3-I1)(I3-I2)/(I1 I2) a3^2,   m = I1 (I2-I1) a1^2 / (I3 (I3-I2) a3^2)
 ///   1 - m = (I3 (I3-I2) w3^2 - I1 (I2-I1) w1^2) / (I3 (I3-I2) a3^2)
-/// The numerator of 1 - m is L^2 - 2 E I2 without its cancellations: next to the separatrix nothing is lost but what
-/// the motion itself loses. Attitude: q = Q0 turn_z(psi + phi) swing(l), where swing(l) takes l = L_B/|L| to the third
-/// axis the short way, l2 + i l1 = |.| exp(i phi), and
-///   exp(i psi) ~ exp(i B t) theta_1(u - i s eta),   sn^2(eta | 1-m) = I1 (I3-I2) / (I2 (I3-I1)):
-/// the angle of (l2 + i l1) theta_1 stays within a quarter turn, so that half angles never jump.
+/// The numerator of 1 - m equals L^2 - 2 E I2 without its cancellation, so close to the separatrix only the inherent
+/// sensitivity of the motion costs digits. Attitude: q = Q0 turn_z(psi + phi) swing(l). Here swing(l) rotates l =
+/// L_B/|L| to the third axis by the shortest rotation, l2 + i l1 = |.| exp(i phi), and
+///   exp(i psi) ~ exp(i B t) theta_1(u - i s eta),   sn^2(eta | 1-m) = I1 (I3-I2) / (I2 (I3-I1)).
+/// The angle of (l2 + i l1) theta_1 stays within +-90 degrees, so half angles never jump.
 template <class S>
 class FreeAsymmetricBody {
   public:
-    /// Moments all different; at least two components of w not zero.
+    /// Requires different moments and at least two nonzero components of w.
     FreeAsymmetricBody(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q)
         : FreeAsymmetricBody(Labelled(moments, w), q) {}
 
-    /// A body that was set up in more digits, rounded in order to be evaluated in fewer.
+    /// Rounds a body from higher precision, for evaluation in lower precision.
     template <class From>
     explicit FreeAsymmetricBody(const FreeAsymmetricBody<From>& b)
         : axis_(b.axis_),
@@ -160,7 +164,7 @@ class FreeAsymmetricBody {
         Vector3<S> w, l;
         Complex<S> turned;
         state(u, w, l, turned);
-        // u went through j half periods: w1 and w2 have changed their signs as often
+        // u passed j half periods: w1 and w2 changed sign j times.
         const S half = j / S(2);
         if (Elementary<S>::rounded(half) != half) w[0] = -w[0], w[1] = -w[1], l[0] = -l[0], l[1] = -l[1];
         S sine, cosine;
@@ -175,7 +179,7 @@ class FreeAsymmetricBody {
     template <class>
     friend class FreeAsymmetricBody;
 
-    // axes sorted out, before anything elliptic
+    // Sorts and orients the axes, before any elliptic function.
     struct Labelled {
         std::array<int, 3> axis{};
         std::array<S, 3> sign;
@@ -228,8 +232,8 @@ class FreeAsymmetricBody {
         const S L1 = b.I1 * b.w1, L2 = b.I2 * b.w2, L3 = b.I3 * b.w3, L = square_root(S(L1 * L1 + L2 * L2 + L3 * L3));
         reduced_moments_ = {b.I1 / L, b.I2 / L, b.I3 / L};
 
-        // d psi/dt is L/I1 at u = 0, where w2 = 0, and L/I2 at u = K, where w1 = 0: the larger moment leaves the
-        // smaller quotient, and no cancellation
+        // d psi/dt is L/I1 at u = 0, where w2 = 0, and L/I2 at u = K, where w1 = 0. The larger moment gives the
+        // smaller quotient and avoids cancellation.
         Harmonics<S> h{};
         S slope(0);
         const bool at_quarter = b.I2 > b.I1;
@@ -260,7 +264,7 @@ class FreeAsymmetricBody {
         return {scale * q.w, scale * q.x, scale * q.y, scale * q.z};
     }
 
-    // turn_z * swing(l), not of unit length; its vector part in principal axes
+    // turn_z * swing(l), not normalised, with its vector part in principal axes.
     Quaternion<S> nutation(const Complex<S>& half, const Vector3<S>& l) const {
         const S up = S(1) + l[2];
         const Vector3<S> v(half.re * l[1] + half.im * l[0], half.im * l[1] - half.re * l[0], half.im * up);
@@ -269,7 +273,7 @@ class FreeAsymmetricBody {
         return {half.re * up, principal[0], principal[1], principal[2]};
     }
 
-    // at |u| <= K: w, l = L_B/|L|, and the unit complex number of half the angle of (l2 + i l1) theta_1
+    // At |u| <= K: w, l = L_B/|L|, and the unit complex number with half the angle of (l2 + i l1) theta_1.
     void state(const S& u, Vector3<S>& w, Vector3<S>& l, Complex<S>& turned) const {
         Harmonics<S> h{};
         lattice_.template harmonics<false>(u, h);

@@ -1,29 +1,31 @@
-// Lagrange's top in closed form over any scalar: two equal moments, and a torque e3 x R(q)^T G of a force field
-// constant in the world that acts on the symmetry axis e3 (gravity at a pivot on it, and whatever adds up to such).
-// Valid for every t at once.
+// Lagrange's top in closed form over any scalar: two equal moments, and a torque e3 x R(q)^T G of a world-fixed force
+// field that acts on the symmetry axis e3 (gravity with a pivot on the axis, or any forces that sum to this). It is
+// evaluated at any t directly.
 //
-// With z = -G/|G| ("up"), u = z . R e3 = cos(theta), a = I3 w3/I1, b = L.z/I1, beta = 2 |G|/I1 (Lagrange 1788; Klein &
-// Sommerfeld 1897):
+// With z = -G/|G| ("up"), u = z . R e3 = cos(theta), a = I3 w3/I1, b = L.z/I1, beta = 2 |G|/I1 (Lagrange 1788; Klein
+// & Sommerfeld 1897):
 //
 //   du/dt^2 = beta (u - u1)(u - u2)(u - u3),   u = u1 + (u2 - u1) sn^2 v,   v = lambda t + v0
 //   lambda^2 = beta (u3 - u1)/4,   m = (u2 - u1)/(u3 - u1)
 //
-// and the Cayley-Klein parameters of the attitude, q = x+ (1, k) + x- (i, j), are quotients of theta functions, free of
-// the poles of Euler's angles:
+// The Cayley-Klein parameters of the attitude, q = x+ (1, k) + x- (i, j), are quotients of theta functions and have
+// none of the poles of Euler angles:
 //
 //   x+ = cos(theta/2) exp(i (phi+psi)/2) ~ exp(i A+ t) theta_1(v - i eta+) / theta_4(v)
 //   x- = sin(theta/2) exp(i (phi-psi)/2) ~ exp(i A- t) theta_2(v - i eta-) / theta_4(v)
 //   sn^2(eta+|1-m) = (1+u1)/(1+u2),   sn^2(eta-|1-m) = (1-u2)(u3-u1)/((1-u1)(u3-u2))
 //
-// eta and the sense of turning have the signs of a + b and b - a. The roots are found from u at t = 0 on, u = u(0) + s,
-// since the cubic's coefficients in s are free of cancellation there: a regular precession (u1 = u2) costs no digits.
+// eta+ and eta- and the senses of rotation have the signs of a + b and b - a. The roots are computed relative to u at
+// t = 0, u = u(0) + s, because the coefficients of the cubic in s are free of cancellation: a regular precession (u1
+// = u2) costs no digits. LagrangeStart computes the constants from the initial state, LagrangeTop evaluates the
+// motion.
 #pragma once
 
 #include "integrators/closed_form/free_body.h"
 
 namespace polhode {
 
-/// sn, and the squares of cn and dn, of an argument to be found.
+/// sn and the squares of cn and dn, of an argument to be determined.
 template <class S>
 struct JacobiSquares {
     S sn{0}, cn_squared{1}, dn_squared{1};
@@ -31,10 +33,10 @@ struct JacobiSquares {
     S argument() const { return inverse_jacobi(sn, cn_squared, dn_squared); }
 };
 
-/// What the closed form is made of, found from the motion's start; axes with e3 last.
+/// Constants of the closed form, computed from the initial state, in axes with e3 last.
 ///
-/// Next to sleeping the cubic's upper roots nearly agree, and binary64 coefficients would lose half of their digits:
-/// worked out in 113 bits and then rounded, a top in binary64 loses no more than its motion does.
+/// Close to the sleeping top the upper roots of the cubic nearly coincide, and binary64 coefficients would lose half
+/// of their digits. Computed in 113 bits and then rounded, they lose no more than the motion itself does.
 template <class S>
 struct LagrangeStart {
     int axis = 2;
@@ -43,7 +45,7 @@ struct LagrangeStart {
     S from_bottom, from_top;                      ///< 1 + u2, 1 - u1
     S plus, minus;                                ///< a + b, b - a
     S relative_spin;                              ///< w3 - a = (1 - I3/I1) w3
-    JacobiSquares<S> phase, eta_plus, eta_minus;  ///< v at t = 0; eta of the complementary parameter
+    JacobiSquares<S> phase, eta_plus, eta_minus;  ///< v at t = 0; eta, of the complementary parameter
 
     LagrangeStart(int axis_, const S& I1, const S& I3, const Vector3<S>& field_W, const Vector3<S>& w,
                   const Quaternion<S>& q)
@@ -80,12 +82,12 @@ struct LagrangeStart {
         four_lambda_squared = s3 - beta * s1;
         m = beta * width / four_lambda_squared;
 
-        // f(-1) = -(a+b)^2 and f(1) = -(b-a)^2, as products over the roots
+        // f(-1) = -(a+b)^2 and f(1) = -(b-a)^2, as products over the roots.
         const S below = plus * plus / (from_bottom * (beta * (S(1) + u) + s3));  // 1 + u1
         const S upper_product = minus * minus / from_top;                        // beta (1 - u2)(u3 - 1)
         const S balance = s3 - beta * (S(1) - u) - beta * (S(1) - u - s2);       // beta (u3 - 1) - beta (1 - u2)
         const S sum = square_root(S(balance * balance + S(4) * beta * upper_product));
-        // of the two the larger by addition, the other by their product
+        // Compute the larger of the two by addition, the other from their product.
         const S larger = (sum + Elementary<S>::magnitude(balance)) / S(2);
         const S smaller = larger > 0 ? S(beta * upper_product / larger) : S(0);
         const S above = balance > 0 ? smaller : larger, beyond = balance > 0 ? larger : smaller;
@@ -125,11 +127,12 @@ struct LagrangeStart {
           eta_minus(rounded(b.eta_minus)) {}
 
   private:
-    // of x^3 + c2 x^2 + c1 x + c0, c0 >= 0, by Newton's method from above, where the cubic is convex
+    // Largest root of x^3 + c2 x^2 + c1 x + c0, c0 >= 0, by Newton's method from above, where the cubic is convex.
     static S largest_root(const S& c2, const S& c1, const S& c0) {
         using E = Elementary<S>;
         S x = S(2) * std::max({E::magnitude(c2), square_root(E::magnitude(c1)), E::cube_root(c0)});
-        // next to a double root each iteration halves the distance, and the bits to come are as many as S has
+        // Close to a double root each iteration only halves the distance, so as many iterations as S has bits may be
+        // needed.
         for (int iteration = 0; iteration < 400; ++iteration) {
             const S value = ((x + c2) * x + c1) * x + c0, slope = (S(3) * x + S(2) * c2) * x + c1;
             if (!(slope > 0) || !(value > 0)) break;
@@ -145,15 +148,16 @@ struct LagrangeStart {
     }
 };
 
+/// The motion of Lagrange's top, see the equations above.
 template <class S>
 class LagrangeTop {
   public:
-    /// `axis`: of symmetry, with moment I3; I1 across; `field_W`: G in N m, not zero.
+    /// `axis`: of symmetry, with moment I3; I1: transverse moment; `field_W`: G in N m, not zero.
     LagrangeTop(int axis, const S& I1, const S& I3, const Vector3<S>& field_W, const Vector3<S>& w,
                 const Quaternion<S>& q)
         : LagrangeTop(LagrangeStart<S>(axis, I1, I3, field_W, w, q), q) {}
 
-    /// `q` as the start has it.
+    /// `q`: the attitude that `b` was computed from.
     LagrangeTop(const LagrangeStart<S>& b, const Quaternion<S>& q)
         : axis_(b.axis),
           w3_(b.w3),
@@ -166,8 +170,9 @@ class LagrangeTop {
           phase_(b.phase.argument()),
           size_plus_(square_root(S(b.from_bottom / S(2)))),
           size_minus_(square_root(S(b.from_top / S(2)))) {
-        // Moduli and rates where the moduli are largest: x+ at v = K (u = u2), x- at v = 0 (u = u1). On the separatrix
-        // v = K is reached after all time: |theta_1/theta_4| is 1 there, and turns no more.
+        // Moduli and rates are computed where the moduli are largest: x+ at v = K (u = u2), x- at v = 0 (u = u1). On
+        // the separatrix v = K is reached only as t -> infinity; there |theta_1/theta_4| is 1 and its phase is
+        // constant.
         Harmonics<S> h{};
         S phase_rate(0);
         if (lattice_.quarter < Elementary<S>::infinity()) {
@@ -175,15 +180,15 @@ class LagrangeTop {
             size_plus_ *= lattice_.denominator(h) / magnitude(plus_.sum(h));
             phase_rate = rate_ * (lattice_.scale * angular_rate(plus_, h) + plus_.drift);
         }
-        // (phi+psi)/2 turns at ((w3 - a) + (a+b)/(1+u))/2, (phi-psi)/2 at ((a - w3) + (b-a)/(1-u))/2
+        // d/dt of (phi+psi)/2 is ((w3 - a) + (a+b)/(1+u))/2, that of (phi-psi)/2 is ((a - w3) + (b-a)/(1-u))/2.
         angular_plus_ = (b.relative_spin + b.plus / b.from_bottom) / S(2) - turning_plus_ * phase_rate;
         lattice_.template harmonics<true>(S(0), h);
         size_minus_ *= lattice_.denominator(h) / magnitude(minus_.sum(h));
         phase_rate = rate_ * (lattice_.scale * angular_rate(minus_, h) + minus_.drift);
         angular_minus_ = (b.minus / b.from_top - b.relative_spin) / S(2) - turning_minus_ * phase_rate;
 
-        // The motion so far has a psi of its own: a constant turn about e3 brings it to the body's axes, known by z or
-        // w across e3 at t = 0, whichever is larger in the motion's own units.
+        // The canonical motion has an arbitrary psi. A constant rotation about e3 maps it to the body axes. It
+        // follows from z or from w transverse to e3 at t = 0, whichever is larger in the motion's own units.
         Quaternion<S> top;
         Vector3<S> w_top;
         canonical(S(0), top, w_top);
@@ -194,7 +199,7 @@ class LagrangeTop {
         const S size = magnitude(turn);
         turn = size > 0 ? Complex<S>{turn.re / size, turn.im / size} : Complex<S>{S(1), S(0)};
         spin_ = turn;
-        // half of the turn, by the larger of its sine and cosine
+        // Half of the rotation angle, from the larger of its sine and cosine.
         Complex<S> half;
         if (turn.re > 0) {
             half.re = square_root(S((S(1) + turn.re) / S(2)));
@@ -207,7 +212,7 @@ class LagrangeTop {
         base_ = q * conjugate(relabelled(top * half_spin_));
     }
 
-    /// At any t, before and after the start.
+    /// Rotation at any t (s), before or after the start.
     Rotation<S> at(const S& t) const {
         Quaternion<S> top;
         Vector3<S> w_top;
@@ -239,7 +244,7 @@ class LagrangeTop {
         const Complex<S> value = theta.sum(h), slope = theta.derivative(h);
         return (slope.im * value.re - slope.re * value.im) / squared(value);
     }
-    // from axes with e3 last to the principal ones
+    // From axes with e3 last to the principal axes.
     Quaternion<S> relabelled(const Quaternion<S>& q) const {
         const S v[3] = {q.x, q.y, q.z};
         S p[3];
@@ -247,7 +252,7 @@ class LagrangeTop {
         return {q.w, p[0], p[1], p[2]};
     }
 
-    // The motion up to a turn of the world about z and of the body about e3: q, and w across the axis.
+    // The motion up to rotations of the world about z and of the body about e3: q, and w transverse to the axis.
     void canonical(const S& t, Quaternion<S>& q, Vector3<S>& w) const {
         S v = rate_ * t + phase_;
         const S j = lattice_.reduce(v);
@@ -265,8 +270,9 @@ class LagrangeTop {
         w = {half.x + half.x, half.y + half.y, half.z + half.z};
     }
 
-    // One Cayley-Klein parameter and its derivative by t: size exp(i (A t + s drift v)) theta(v), where the theta
-    // function turns the other way for s = -1; theta_1 and theta_2 change sign with each half period, theta_4 does not.
+    // One Cayley-Klein parameter and its time derivative: size exp(i (A t + s drift v)) theta(v), where the theta
+    // function rotates in the opposite sense for s = -1. theta_1 and theta_2 change sign with each half period,
+    // theta_4 does not.
     void parameter(const S& t, const S& v, const S& j, const Harmonics<S>& h, const ShiftedTheta<S>& theta,
                    const S& turning, const S& angular, const S& size, const S& fast, const S& decay, Complex<S>& x,
                    Complex<S>& dx) const {

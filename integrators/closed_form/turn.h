@@ -1,12 +1,12 @@
-// Attitudes that are turned many times over: small turns as what they differ from the identity by, and sums that keep
-// what rounding takes from them.
+// Attitudes that are updated by many rotations: small rotations stored as their difference from the identity, and
+// compensated sums.
 //
-// A step turns q by a little, q <- q (1 + d). Written so, the product's rounding is relative to d; added with
-// compensation the attitude's error grows as that of the increments does, at random, and a bias of sine and cosine
-// (cos^2 + sin^2 is 1 to rounding only, by the same amount at every step of the same angle) stays one of d. The length
-// of q, which nothing else holds, is led back to 1 with each turn.
+// A step updates q <- q (1 + d) with a small d. In this form the rounding error of the product is relative to d. With
+// compensated addition the attitude error grows only as fast as that of the increments, at random. Biases of sine and
+// cosine (cos^2 + sin^2 is 1 only to rounding, with the same deviation at every step of the same angle) remain
+// relative to d. Each update also corrects |q| towards 1, which nothing else controls.
 //
-// S: double or float. Names without S are those of double.
+// S: double or float. Names without `Of` are for double.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace polhode {
 
-/// The unit quaternion (1 + w, v).
+/// Unit quaternion (1 + w, v).
 template <class S>
 struct TurnOf {
     S w = 0;
@@ -23,20 +23,20 @@ struct TurnOf {
 };
 using Turn = TurnOf<double>;
 
-/// First a, then b, about the axes that a has turned: (1 + a)(1 + b) - 1.
+/// Rotation a, then b about the axes rotated by a: (1 + a)(1 + b) - 1.
 template <class S>
 TurnOf<S> then(const TurnOf<S>& a, const TurnOf<S>& b) {
     return {a.w + b.w + (a.w * b.w - dot(a.v, b.v)), a.v + b.v + (a.w * b.v + b.w * a.v + cross(a.v, b.v))};
 }
 
-/// cos x - 1 and sin x / x, each to a few ulp, as functions of x^2.
+/// cos x - 1 and sin x / x as functions of x^2, each to a few ulp.
 template <class S>
 struct SineCosine {
     S cosine_less_one, sine_by_angle;
 
     explicit SineCosine(S square) {
         if (square < S(0.25)) {
-            // Taylor's series, even and odd powers of the square apart
+            // Taylor series, with even and odd powers of the square separated.
             const S s = square, u = s * s;
             const auto part = [](double divisor) { return S(1 / divisor); };
             cosine_less_one = s * ((part(-2) + u * (part(-720) + u * (part(-3628800) + u * part(-87178291200)))) +
@@ -51,7 +51,7 @@ struct SineCosine {
     }
 };
 
-/// A turn by |v| rad about v.
+/// Rotation by |v| rad about v.
 template <class S>
 TurnOf<S> turn_by(const Vector3<S>& v) {
     const Vector3<S> half = S(0.5) * v;
@@ -59,8 +59,8 @@ TurnOf<S> turn_by(const Vector3<S>& v) {
     return {f.cosine_less_one, f.sine_by_angle * half};
 }
 
-/// A sum of many small terms, with what rounding took from it (W. Kahan 1965, Commun. ACM 8, 40; the rounding error
-/// by D. E. Knuth's branch-free TwoSum).
+/// A sum of many small terms with its rounding error (W. Kahan 1965, Commun. ACM 8, 40; rounding error by D. E.
+/// Knuth's branch-free TwoSum).
 template <class S>
 struct CompensatedSumOf {
     S value = 0, lost = 0;
@@ -74,6 +74,7 @@ struct CompensatedSumOf {
 
 using CompensatedSum = CompensatedSumOf<double>;
 
+/// A vector of compensated sums.
 template <class S>
 class CompensatedVectorOf {
   public:
@@ -90,7 +91,7 @@ class CompensatedVectorOf {
 };
 using CompensatedVector = CompensatedVectorOf<double>;
 
-/// A unit quaternion that is turned many times.
+/// A unit quaternion that is updated by many rotations.
 template <class S>
 class TurnedAttitudeOf {
   public:
@@ -99,7 +100,7 @@ class TurnedAttitudeOf {
 
     Quaternion<S> value() const { return {w_.value, x_.value, y_.value, z_.value}; }
 
-    /// q <- q (1 + d), d about the body's axes; and q <- q (3 - |q|^2) / 2, which leads the length to 1.
+    /// q <- q (1 + d), with d about body axes, and q <- q (3 - |q|^2) / 2, which corrects the norm towards 1.
     void turn(const TurnOf<S>& d) {
         const Quaternion<S> q = value();
         const S w = d.w + (1 - squared_norm(q)) / 2;

@@ -1,12 +1,13 @@
-// The update of the article on rotational dynamics for game programmers, as it is printed and mended.
+// The update of the article on rotational dynamics for game programmers, as printed and corrected.
 //
 // A tick of length h, in the article's order:
 //   1. apply_torque for every load:  r = point - x_com,  w += I_W^-1 (r x F) h;   also v += h F / m
 //   2. update_body_orientation:      w += I_W^-1 (w x I_W w) h   (printed; Euler's equations have the other sign)
 //                                    theta = rotation by |w| h about the new w,  q = theta q,
-//                                    position turned by theta about the centre of mass
+//                                    position rotated by theta about the centre of mass
 //   3. position += h v
-// The article has no step 3, no gravity and no pivot: these are the usual semi-implicit ones. q is not renormalised.
+// The article has no step 3, no gravity and no pivot; these follow the usual semi-implicit update. q is not
+// renormalised. Article is the stepper; Form selects which errors of the printed code it contains.
 #include <cmath>
 #include <span>
 #include <vector>
@@ -19,13 +20,13 @@ namespace {
 
 enum class Form {
     as_written,         ///< x_com = position + center_of_mass, not rotated; the printed sign of w x I w
-    offset_as_written,  ///< the first of these alone
-    sign_as_written,    ///< the second alone
+    offset_as_written,  ///< only the printed x_com
+    sign_as_written,    ///< only the printed sign
     mended,             ///< x_com rotated into the world; I dw/dt = tau - w x I w
-    body_frame,         ///< the mended update with w and the tensor in body axes, q = q theta
+    body_frame,         ///< the corrected update with w and the tensor in body axes, q = q theta
 };
 
-/// Rotation by `angle` (rad) about `axis`, of any length but zero.
+/// Rotation by `angle` (rad) about `axis`, which may have any nonzero length.
 template <class S>
 Quaternion<S> quaternion_angle_axis(S angle, const Vector3<S>& axis) {
     const S scale = std::sin(angle / 2) / std::sqrt(dot(axis, axis));
@@ -42,7 +43,7 @@ class Article {
         inertia_B_ = cast<S>(body.inertia_B);
         inverse_inertia_B_ = cast<S>(inverse(body.inertia_B));
         mass_center_B_ = cast<S>(problem.scene.body.center_of_mass);
-        // a held body turns about its origin, with the inertia shifted there
+        // A held body rotates about its origin, with the inertia shifted there.
         turning_center_B_ = held_ ? Vector3<S>() : mass_center_B_;
         loads_.reserve(problem.scene.loads.size());
         restart();
@@ -53,7 +54,7 @@ class Article {
         orientation_ = cast<S>(body.q);
         angular_velocity_ = cast<S>(in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B));
         linear_velocity_ = held_ ? Vector3<S>() : cast<S>(body.velocity_W);
-        // the article's position is that of the body's origin
+        // The article's position is that of the body's origin.
         position_ =
             held_ ? Vector3<S>() : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
         steps_ = 0;
@@ -105,7 +106,7 @@ class Article {
     static constexpr bool printed_offset = form == Form::as_written || form == Form::offset_as_written;
     static constexpr bool printed_sign = form == Form::as_written || form == Form::sign_as_written;
 
-    // R I R^-1 and its inverse, by the general matrix inverse as in the article
+    // R I R^-1 and its inverse, by the general matrix inverse as in the article.
     void turn_tensor() {
         if constexpr (in_body) return;
         const Matrix3<S> orientation_matrix = rotation_matrix(orientation_);
@@ -127,7 +128,7 @@ class Article {
         return rotate(orientation_, cross(angular_velocity_in_body(), mass_center_B_));
     }
 
-    // J = (I^-1 torque) h
+    // J = (I^-1 torque) h.
     void apply_torque(const Vector3<S>& torque_W, S h) {
         if constexpr (in_body)
             angular_velocity_ = angular_velocity_ + h * (inverse_inertia_B_ * rotate_back(orientation_, torque_W));
@@ -144,7 +145,7 @@ class Article {
     void push(const Vector3<S>& force_W, S h) {
         if (!held_) linear_velocity_ = linear_velocity_ + (h / mass_) * force_W;
     }
-    // a force at the centre of mass turns the body only where it is held elsewhere
+    // A force at the centre of mass rotates the body only if it is held at another point.
     void apply_at_mass_center(const Vector3<S>& force_W, S h) {
         if (held_)
             apply_force(force_W, point_in_world(mass_center_B_, Frame::body), h);
@@ -174,7 +175,7 @@ class Article {
         apply_torque(rotate(orientation_, cast<S>(load.torque_B(state))), h);
     }
     void apply(const Impulse&, double, double) {}
-    // of several bodies
+    // Loads of scenes with several bodies.
     void apply(const Motor&, double, double) {}
     void apply(const PointSpring&, double, double) {}
 
@@ -188,7 +189,7 @@ class Article {
             w = w + h * (inverse_inertia_B_ * cross(inertia_B_ * w, w));
         const Vector3<S> world_com = position_ + rotate(orientation_, turning_center_B_);
         const Vector3<S> com_to_position = position_ - world_com;
-        // without a rate there is no axis
+        // Without rotation there is no axis.
         const S rate = std::sqrt(dot(w, w));
         if (rate == 0) return;
         const Quaternion<S> theta = quaternion_angle_axis(rate * h, w);
@@ -206,7 +207,7 @@ class Article {
     S mass_ = 1;
     Matrix3<S> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
     Vector3<S> mass_center_B_, turning_center_B_;  ///< from the body's origin
-    std::vector<const Load*> loads_;               ///< those that act on this segment, in file order
+    std::vector<const Load*> loads_;               ///< loads that act on this segment, in file order
 
     Quaternion<S> orientation_;
     Vector3<S> angular_velocity_;  ///< world axes; body axes in the body-frame form

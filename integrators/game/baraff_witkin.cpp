@@ -1,8 +1,8 @@
 // The rigid body of A. Witkin & D. Baraff's course: state x, q, P, L in world axes,
 //   dx/dt = P / m,  dq/dt = 1/2 (0, w) q,  dP/dt = F,  dL/dt = tau,  w = I_W^-1 L,  I_W^-1 = R I^-1 R^T.
 //
-// R is taken from the normalised q, the state's own q is not normalised, as in the course's listing. At a pivot L, tau
-// and I are about it, and x, v follow from q, w.
+// As in the course's listing, R is computed from the normalised q, but the q of the state is not normalised. With a
+// pivot, L, tau and I are about the pivot, and x, v follow from q, w.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -56,7 +56,7 @@ class BaraffWitkin {
         s.t = t, s.q = cast<double>(quaternion_at(y_.data(), 3));
         s.angular_velocity_B = cast<double>(transposed(now.R) * now.w);
         s.position_W = cast<double>(now.x), s.velocity_W = cast<double>(now.v);
-        // beyond the scalar's range q / |q| is zero and no attitude
+        // Beyond the scalar's range q / |q| is zero, which is not an attitude.
         if (!has_length()) s.q.w = std::numeric_limits<double>::infinity();
         return s;
     }

@@ -1,9 +1,9 @@
-// The equations of motion with the attitude in three numbers c, a chart of the rotations:
+// The equations of motion with the attitude in three numbers c, a chart of the rotation group:
 //
 //   y = w, c, p, v   (12; w in body axes)
-//   q = chart.quaternion(c),  dc/dt = chart.rate(c, w),  the rest as FullMotion has it
+//   q = chart.quaternion(c),  dc/dt = chart.rate(c, w),  the rest as in FullMotion
 //
-// Chart: { Vector3<S> start(const Quaternion<double>& q);               centres itself; where q stands in it
+// Chart: { Vector3<S> start(const Quaternion<double>& q);               centres the chart; returns the c of q
 //          Quaternion<S> quaternion(const Vector3<S>& c) const;         of unit length
 //          Vector3<S> rate(const Vector3<S>& c, const Vector3<S>& w_B) const; }
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-/// The system of a problem posed with Formulation::full. S: the scalar of its state.
+/// The system of a problem posed with Formulation::full. S: scalar of its state.
 template <class Chart, class S = double>
 class ChartedMotion {
   public:
@@ -49,7 +49,7 @@ class ChartedMotion {
     }
     Sample motion(double t, const S* y) const {
         Sample sample = body_.motion(t, quaternion_state(y).data());
-        // at a pivot the attitude says where the centre of mass is
+        // With a pivot, the attitude determines the position of the centre of mass.
         const ExactBody<double>& body = problem_->body;
         if (body.pivoted)
             pivoted_center(sample.q, sample.angular_velocity_B, body.arm, sample.position_W, sample.velocity_W);

@@ -1,4 +1,4 @@
-// What the updates of game engines keep from step to step: attitude and velocities in world axes, and the loads.
+// State of the game-engine updates: attitude and velocities in world axes, and the loads.
 #pragma once
 
 #include "integrators/game/gyroscopic_term.h"
@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// All of a stepper (integrators/run/march.h) but its step, in the scalar S. At a pivot w, tau and I are about it, and
-/// x, v follow from q, w.
+/// Everything of a stepper (integrators/run/march.h) except its step, in the scalar S. With a pivot, w, tau and I are
+/// about the pivot, and x, v follow from q, w.
 template <class S>
 class EngineState {
   public:
@@ -40,21 +40,21 @@ class EngineState {
     bool finite() const { return all_finite(w_, x_, v_) && all_finite(q_); }
 
   protected:
-    /// The loads' torque, world axes.
+    /// Torque of the loads, world axes, N m.
     Vector3<S> torque_W(double t, const Matrix3<S>& R) const {
         return loads_.torque_W(
             t, R, [&] { return q_; }, w_, x_, v_);
     }
     Vector3<S> acceleration_W(const Matrix3<S>& R) const { return held_ ? Vector3<S>() : loads_.acceleration_W(R, v_); }
-    /// q turned by the rotation vector h w, and normalised.
+    /// Rotates q by the rotation vector h w and normalises it.
     void turn(S h) { q_ = normalized(quaternion_from_rotation_vector(h * w_) * q_); }
-    /// q += (h/2) (0, w) q, and normalised.
+    /// q += (h/2) (0, w) q, then normalises q.
     void turn_in_first_order(S h) {
         const Vector3<S> half = (h / 2) * w_;
         const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q_;
         q_ = normalized(Quaternion<S>{q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z});
     }
-    /// v by the acceleration, x by the new v.
+    /// Updates v by the acceleration, then x by the new v.
     void translate(S h, const Vector3<S>& acceleration) {
         v_ = v_ + h * acceleration;
         x_ = x_ + h * v_;

@@ -1,4 +1,5 @@
-// Further updates of game engines and of texts on them, which the gyroscopic updates are not.
+// Updates of game engines and of texts on them that do not belong to the gyroscopic updates (gyroscopic.cpp):
+// MomentumUpdate, DampedImplicitUpdate, MujocoRungeKutta and the position-based update of position_based.h.
 //
 // Each is a step of length h from q (body to world), w, x and v; R = R(q), I_W = R I R^T, tau and F at the old state.
 #include <span>
@@ -12,7 +13,7 @@
 namespace polhode {
 namespace {
 
-/// L += h tau,  w = I_W^-1 L at the old attitude,  q = exp(h w) q.  w is told by the new attitude.
+/// L += h tau,  w = I_W^-1 L at the old attitude,  q = exp(h w) q.  The reported w uses the new attitude.
 template <class S>
 class MomentumUpdate : public EngineState<S> {
     using Base = EngineState<S>;
@@ -52,7 +53,8 @@ class MomentumUpdate : public EngineState<S> {
     Vector3<S> L_;  ///< world axes
 };
 
-/// Drag and the gyroscopic term in one Newton step, body axes, D the drag's matrix and tau with the drag in it:
+/// Drag and the gyroscopic term in one Newton step in body axes, where D is the drag matrix and tau includes the
+/// drag:
 ///   (I + h D + h (skew(w) I - skew(I w))) (w' - w) = h (tau - w x I w),   v' - v = h a / (1 + h k)
 template <class S>
 class DampedImplicitUpdate : public EngineState<S> {
@@ -86,8 +88,8 @@ class DampedImplicitUpdate : public EngineState<S> {
     long rhs_evaluations() const { return steps_; }
 };
 
-/// The classical Runge-Kutta method for the velocities; the attitudes of its stages, and of the step, each by one
-/// exponential of rates in body axes that are added as if they were vectors:
+/// The classical Runge-Kutta method for the velocities. The attitudes of the stages and of the step each result from
+/// one exponential of body rates, which are added as if they were vectors:
 ///   q_i = q exp(h a_i w_{i-1}),  w_i = w + h a_i f_{i-1},  q' = q exp(h sum b_i w_i),  w' = w + h sum b_i f_i
 template <class S>
 class MujocoRungeKutta : public EngineState<S> {
@@ -101,7 +103,7 @@ class MujocoRungeKutta : public EngineState<S> {
         const Quaternion<S> q = q_;
         const Vector3<S> x = x_, v = v_, w = rotate_back(q_, w_);
         constexpr S along[4] = {0, S(0.5), S(0.5), 1}, weight[4] = {S(1) / 6, S(1) / 3, S(1) / 3, S(1) / 6};
-        Vector3<S> rate, change, speed, acceleration;  // of the stage before
+        Vector3<S> rate, change, speed, acceleration;  // of the previous stage
         Vector3<S> mean_rate, mean_change, mean_speed, mean_acceleration;
         for (int i = 0; i < 4; ++i) {
             const S part = h * along[i];
@@ -121,7 +123,7 @@ class MujocoRungeKutta : public EngineState<S> {
     long rhs_evaluations() const { return 4 * steps_; }
 
   private:
-    // The state a time `part` after (q, w, x, v), at these rates; w in body axes.
+    // Sets the state a time `part` after (q, w, x, v), at these rates; w in body axes.
     void place(const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& x, const Vector3<S>& v, S part,
                const Vector3<S>& rate, const Vector3<S>& change, const Vector3<S>& speed,
                const Vector3<S>& acceleration) {
@@ -137,7 +139,7 @@ Trajectory solve_update(const Problem& problem, const Settings& settings) {
     return march<Update>(problem, settings);
 }
 
-// v+ = v - c v+ - s theta, theta+ = theta + v+
+// v+ = v - c v+ - s theta, theta+ = theta + v+.
 double damped_pendulum_growth(double c, double s) {
     const double kept = 1 / (1 + c);
     return spectral_radius(1 - s * kept, kept, -s * kept, kept);

@@ -1,11 +1,12 @@
-// Roll phi, pitch theta and yaw psi (sequence z-y-x, as D. Fleck's slides have them) as integrated state, with
-// w = (p, q, r) in body axes:
+// Roll phi, pitch theta and yaw psi (sequence z-y-x, as in D. Fleck's slides) as integrated state, with w = (p, q, r)
+// in body axes:
 //   dphi/dt   = p + (q sin phi + r cos phi) tan theta
 //   dtheta/dt = q cos phi - r sin phi
 //   dpsi/dt   = (q sin phi + r cos phi) / cos theta
 //   I dw/dt   = tau - w x I w
-// Near theta = +-90 deg, gimbal lock, roll and yaw turn the faster the nearer the motion passes. The angles are not
-// brought back into their ranges: past a right angle the same equations hold.
+// The closer the motion passes gimbal lock at theta = +-90 deg, the faster roll and yaw change. The angles are not
+// wrapped: beyond a right angle the same equations hold. EulerAnglesStepper takes fixed steps, WatchedSession uses
+// CVODE; Watch records how a run passes gimbal lock.
 #include "integrators/game/euler_angles.h"
 
 #include <fmt/format.h>
@@ -45,14 +46,14 @@ using AngleState = std::array<double, AngleMotion::dimension>;
 
 double pitch_of(const double* y) { return AngleMotion::coordinates(y)[1]; }
 
-constexpr double near = 1e-6;  // rad: nearer to gimbal lock a failure is put down to it
+constexpr double near = 1e-6;  // rad; failures closer to gimbal lock are attributed to it
 
-/// rad, from the next right angle.
+/// Distance of the pitch from the nearest right angle, rad.
 double distance_from_lock(double pitch) { return std::asin(std::min(std::abs(std::cos(pitch)), 1.0)); }
 
 double largest(const Vector3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Notes steps, angle rates and distances.
+/// Records step sizes, angle rates and distances from gimbal lock.
 class Watch {
   public:
     Watch(const Problem& problem, LockPassage* passage) : passage_(passage), from_(problem.scene.duration / 10) {}
@@ -72,7 +73,7 @@ class Watch {
     double from_;
 };
 
-/// A step that would turn an angle by more than half a turn says nothing of where it ends.
+/// Explicit Euler steps. A step that would change an angle by more than half a revolution fails and ends the run.
 class EulerAnglesStepper {
   public:
     EulerAnglesStepper(const Problem& problem, LockPassage* const& passage)
@@ -120,7 +121,7 @@ class EulerAnglesStepper {
     double failed_at_ = 0, turn_ = 0;
 };
 
-// not FixedVector itself: a session on it would want a Jacobian for Newton's method
+// Not FixedVector itself, because a session on that would require a Jacobian for Newton's method.
 struct AngleVector : FixedVector<AngleMotion::dimension> {};
 
 template <class SystemType, class Vector>
@@ -205,7 +206,7 @@ Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& sett
     if (!passage) passage = &own;
     passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, problem.body.q)[1]);
     Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(problem, settings, passage);
-    // the solver knows of the steps that shrink, not of the reason
+    // CVODE reports only that its steps become too small, not why.
     if (trajectory.status != Status::ok && passage->nearest < near)
         trajectory.message =
             fmt::format("the pitch came within {:.3g} rad of gimbal lock; {}", passage->nearest, trajectory.message);

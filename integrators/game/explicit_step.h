@@ -1,4 +1,4 @@
-// Explicit steps on an array, for updates whose state is none of the systems of motion/systems.h.
+// Explicit steps on an array, for updates whose state is not one of the systems in motion/systems.h.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace polhode {
 
-/// y + h f(t, y)
+/// y + h f(t, y).
 struct ExplicitEuler {
     static constexpr int evaluations = 1;
 

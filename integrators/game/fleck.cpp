@@ -1,5 +1,6 @@
-// The update of D. Fleck's slides after C. Hecker: angular momentum in world axes, orientation as a matrix; and its
-// variants.
+// The update of D. Fleck's slides after C. Hecker, with angular momentum in world axes and the orientation as a
+// matrix, and its variants. Fleck is the stepper; its template arguments select the attitude representation and the
+// inertia update.
 //
 // A step of length h, in the slides' order:
 //   forces and torque at the old state,
@@ -8,7 +9,7 @@
 //   3. v += h F / m,  L += h tau
 //   4. A re-orthogonalised by its columns
 //   5. I_W^-1 = A I^-1 A^T,  w = I_W^-1 L
-// The slides hold no body: at a pivot L, tau and I are about it, and x, v follow from A, w.
+// The slides do not treat held bodies: with a pivot, L, tau and I are about the pivot, and x, v follow from A, w.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +30,7 @@ Quaternion<double> no_attitude() {
     return {nan, nan, nan, nan};
 }
 
-/// A += h skew(w) A, and the slide's re-orthogonalisation or none.
+/// A += h skew(w) A, with the slide's re-orthogonalisation or without.
 template <bool mended, class S>
 class TurnedMatrix {
   public:
@@ -51,7 +52,7 @@ class TurnedMatrix {
     Matrix3<S> A_;
 };
 
-/// q += (h/2) (0, w) q, then to length 1.
+/// q += (h/2) (0, w) q, then normalised.
 template <class S>
 class TurnedQuaternion {
   public:
@@ -76,8 +77,8 @@ class TurnedQuaternion {
     Matrix3<S> A_;
 };
 
-/// Three vertices, at unit distance along the body's axes, each turned on from where it is: V = R(h w) V. A is read off
-/// them, re-orthogonalised; the vertices stay as they are.
+/// Three vertices at unit distance along the body axes, each rotated incrementally: V = R(h w) V. A is computed from
+/// them and re-orthogonalised; the vertices are not corrected.
 template <class S>
 class AccumulatedVertices {
   public:
@@ -91,10 +92,10 @@ class AccumulatedVertices {
     double orthogonality_defect() const { return polhode::orthogonality_defect(cast<double>(vertices_)); }
 
   private:
-    Matrix3<S> vertices_, A_;  ///< a vertex a column
+    Matrix3<S> vertices_, A_;  ///< one vertex per column
 };
 
-/// w = A I^-1 A^T L, the inverse in body axes worked out once.
+/// w = A I^-1 A^T L, with the inverse in body axes computed once.
 template <class S>
 class TransformedInertia {
   public:
@@ -107,10 +108,11 @@ class TransformedInertia {
     Matrix3<S> inverse_B_;
 };
 
-/// w = I_W^-1 L with I_W = sum m_i (r_i^2 1 - r_i r_i^T) over the world points r_i = A r_i(0), anew at every step.
+/// w = I_W^-1 L with I_W = sum m_i (r_i^2 1 - r_i r_i^T) over the world points r_i = A r_i(0), recomputed at every
+/// step.
 ///
-/// The points are eight masses m/8 at (+-a, +-b, +-c) in principal axes: I_1 = m (b^2 + c^2) and cyclic, so that
-/// a^2 = (I_2 + I_3 - I_1) / (2 m) and cyclic gives the body's own tensor.
+/// The points are eight masses m/8 at (+-a, +-b, +-c) in principal axes: I_1 = m (b^2 + c^2) and cyclic, so that a^2
+/// = (I_2 + I_3 - I_1) / (2 m) and cyclic gives the body's tensor.
 template <class S>
 class ResummedInertia {
   public:
@@ -119,7 +121,7 @@ class ResummedInertia {
         Vector3<double> half;
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            // a flat body's difference is zero but for rounding
+            // For a flat body this difference is zero up to rounding.
             half[i] = std::sqrt(std::max(I[j] + I[k] - I[i], 0.0) / (2 * problem.body.mass));
         }
         for (std::size_t n = 0; n < points_B_.size(); ++n)

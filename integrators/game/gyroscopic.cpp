@@ -1,18 +1,18 @@
-// The updates of game engines, alike but for what they make of the gyroscopic term w x I w.
+// Updates of game engines that differ only in their treatment of the gyroscopic term w x I w.
 //
 // A step of length h, semi-implicit Euler with q (body to world), w, x and v in world axes:
 //   1. loads at the old state:  w += h I_W^-1 tau,  v += h F / m,  I_W^-1 = R I^-1 R^T
-//   2. gyroscopic term, with w_B = R^T w taken to the body's axes and back:
+//   2. gyroscopic term, with w_B = R^T w transformed to body axes and back:
 //        none                nothing
 //        explicit            w_B -= h I^-1 (w_B x I w_B)
 //        implicit            one Newton step from w_B for  I (w - w_B) + h w x I w = 0:
 //                            J = I + h (skew(w_B) I - skew(I w_B)),  w_B -= J^-1 (h w_B x I w_B)
-//        linearly implicit   (I - h skew(I w0)) w = I w0: the momentum of the step's begin turns by the new w
-//        midpoint            the implicit midpoint rule of the term alone, by Newton's iteration:
+//        linearly implicit   (I - h skew(I w0)) w = I w0: the new w rotates the momentum at the start of the step
+//        midpoint            the implicit midpoint rule of this term alone, by Newton's iteration:
 //                            I (w - w_B) + h m x I m = 0,  m = (w + w_B)/2
 //        rescaled momentum   L = I w_B,  L' = L + h L x w_B,  w_B = I^-1 L' |L| / |L'|
 //   3. attitude by the new w:   q = exp(h w) q,  or  q += (h/2) (0, w) q  normalised;  x += h v
-// At a pivot w, tau and I are about it, and x, v follow from q, w.
+// With a pivot, w, tau and I are about the pivot, and x, v follow from q, w.
 #include <span>
 
 #include "integrators/game/engine_state.h"
@@ -25,7 +25,8 @@ namespace {
 using Term = GyroscopicTerm;
 enum class Turning { exponential, first_order };
 
-/// `parts`: so often the gyroscopic term and the attitude are taken, each time with an equal part of the loads' change.
+/// `parts`: number of substeps of the gyroscopic term and the attitude, each with an equal part of the change due to
+/// loads.
 template <Term term, Turning turning, int parts, class S>
 class GyroscopicUpdate : public EngineState<S> {
     using Base = EngineState<S>;
@@ -59,7 +60,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
     return march<GyroscopicUpdate<term, turning, parts, S>>(problem, settings);
 }
 
-// a = -c v - s theta, v+ = v + a, theta+ = theta + the mean of v + a/4, v + 2a/4, v + 3a/4 and v + a
+// a = -c v - s theta, v+ = v + a, theta+ = theta + the mean of v + a/4, v + 2a/4, v + 3a/4 and v + a.
 double substepped_pendulum_growth(double c, double s) {
     constexpr double share = 0.625;
     return spectral_radius(1 - share * s, 1 - share * c, -s, 1 - c);

@@ -1,4 +1,4 @@
-// What game engines make of the gyroscopic term w x I w within a step.
+// Treatments of the gyroscopic term w x I w within a step of game engines.
 #pragma once
 
 #include <limits>
@@ -9,9 +9,10 @@
 
 namespace polhode {
 
+/// See the list in gyroscopic.cpp.
 enum class GyroscopicTerm { none, explicit_euler, one_newton_step, linearly_implicit, midpoint, rescaled_momentum };
 
-/// A tensor in body axes and its inverse.
+/// An inertia tensor in body axes and its inverse.
 template <class S>
 struct BodyInertia {
     Matrix3<S> tensor, inverse;
@@ -23,7 +24,7 @@ struct BodyInertia {
         const Vector3<S> L = tensor * w;
         if constexpr (term == GyroscopicTerm::explicit_euler) return w + h * (inverse * cross(L, w));
         if constexpr (term == GyroscopicTerm::one_newton_step || term == GyroscopicTerm::linearly_implicit) {
-            // J and the residual times I^-1: numbers near 1 whatever the units
+            // J and the residual times I^-1: numbers near 1 in any units.
             Matrix3<S> J = skew(w) * tensor;
             const Matrix3<S> skew_L = skew(L);
             for (int i = 0; i < 3; ++i)
@@ -33,8 +34,8 @@ struct BodyInertia {
             return w + polhode::inverse(J) * (h * (inverse * cross(L, w)));
         }
         if constexpr (term == GyroscopicTerm::midpoint) {
-            // for the mean m: m - w + (h/2) I^-1 (m x I m) = 0, whose Jacobian is 1 + (h/2) I^-1 (skew(m) I - skew(I
-            // m))
+            // For the mean m: m - w + (h/2) I^-1 (m x I m) = 0, with the Jacobian 1 + (h/2) I^-1 (skew(m) I - skew(I
+            // m)).
             constexpr int most_iterations = 20;
             Vector3<S> mean = w;
             S before = std::numeric_limits<S>::infinity();
@@ -48,7 +49,7 @@ struct BodyInertia {
                 const Vector3<S> residual = mean - w - (h / 2) * (inverse * cross(momentum, mean));
                 const Vector3<S> change = polhode::inverse(J) * residual;
                 mean = mean - change;
-                // until rounding keeps it from getting smaller
+                // Iterate until rounding prevents further decrease.
                 const S size = dot(change, change);
                 if (!(size < before)) break;
                 before = size;

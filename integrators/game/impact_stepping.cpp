@@ -1,4 +1,4 @@
-// Impacts as game engines step over them: a fixed step, and what is found too deep afterwards is sent back.
+// Impacts in fixed steps, as in game engines: a body that penetrates a plane after a step is reflected.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,11 +12,11 @@ namespace {
 
 enum class Detection { after_the_step, by_halving };
 
-/// Halving goes on until the body is no deeper in a plane than this part of its size.
+/// Halving continues until the body's depth in a plane is below this fraction of its size.
 constexpr double allowed_depth = 1e-6;
 
-/// Semi-implicit Euler: w and v by the old state, then q and p by the new w and v.
-///   w += h I^-1 (tau - w x I w),  v += h a,  q += h/2 q (0, w) and |q| = 1 again,  p += h v
+/// Semi-implicit Euler: w and v from the old state, then q and p from the new w and v.
+///   w += h I^-1 (tau - w x I w),  v += h a,  q += h/2 q (0, w), normalised,  p += h v
 template <class SystemType, Detection detection>
 class ImpactStepper {
   public:
@@ -44,7 +44,7 @@ class ImpactStepper {
     }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
-    /// Of the impacts since restart().
+    /// Reports the impacts since restart().
     void report(Trajectory& trajectory) const {
         trajectory.impact_times = times_;
         if (trajectory.status == Status::ok && !times_.empty())
@@ -71,8 +71,8 @@ class ImpactStepper {
     }
     double distance() const { return problem_->body.geometry->distance(placement_of(y_.data())); }
 
-    // A part of the step that ends too deep is taken again at half its length. The parts of one step are bounded: what
-    // is left after so many, as at rest, is taken at once.
+    // A part of the step that ends too deep is repeated with half its length. The number of parts per step is
+    // limited: after that (as for a body at rest), the remainder is taken in one part.
     void halve(double t, double h) {
         constexpr int most_parts = 1000;
         const double deep = -allowed_depth * problem_->body.geometry->reach, shortest = std::ldexp(h, -48);

@@ -10,21 +10,21 @@
 
 namespace polhode {
 
-/// A substep of its algorithm 2: where the body would go, then the constraint (equations 2 to 9, without compliance),
-/// then velocities from where it has gone.
+/// A substep of the paper's algorithm 2: unconstrained update, then the constraint (equations 2 to 9, without
+/// compliance), then velocities from the change of position.
 ///   v += h a,  x += h v,  w += h I_W^-1 (tau - w x I_W w),  q += (h/2) (0, w) q
 ///   pivot:  c = x + r,  r = R arm,  n = c/|c|,  lambda = -|c| / (1/m + (r x n) . I_W^-1 (r x n)),
 ///           x += lambda n / m,  q += (1/2) (0, I_W^-1 (r x lambda n)) q
 ///   v = (x - x_old) / h,  w = +-2 vec(q q_old*) / h
-/// Rounding, and what the pivot was off by before, are divided by h too. The paper's steps are all alike; what an event
-/// cuts off from one may be as short as its rounding, over which a body that has not moved would lose all velocity.
+/// Rounding and previous pivot errors are divided by h too. The paper's steps have equal lengths. Here an event can
+/// leave a remainder of only a rounding error, over which a body that has not moved would lose all its velocity.
 template <class S>
 class PositionBasedUpdate : public EngineState<S> {
     using Base = EngineState<S>;
     using Base::q_, Base::w_, Base::x_, Base::v_, Base::inertia_, Base::problem_, Base::steps_;
 
   public:
-    /// `arm`: of the pivot from the centre of mass, body axes. `step`: s, the length of a step that no event cuts.
+    /// `arm`: pivot relative to the centre of mass, body axes, m. `step`: length of a step without events, s.
     PositionBasedUpdate(const Problem& problem, const std::optional<Vector3<double>>& arm, double step)
         : Base(problem), shortest_(step / 64) {
         if (arm) arm_ = cast<S>(*arm);
@@ -57,15 +57,15 @@ class PositionBasedUpdate : public EngineState<S> {
         const Vector3<S> turned = R * (inertia_.inverse * (transposed(R) * lever));
         const S inverse_mass = S(1 / problem_->body.mass), lambda = -distance / (inverse_mass + dot(lever, turned));
         x_ = x_ + (lambda * inverse_mass) * n;
-        w_ = lambda * turned;  // as a turn in unit time
+        w_ = lambda * turned;  // as a rotation in unit time
         this->turn_in_first_order(1);
     }
 
     std::optional<Vector3<S>> arm_;
-    double shortest_;  ///< s: below it a step keeps the velocities that it goes by, and leaves the pivot to the next
+    double shortest_;  ///< s; shorter steps keep their velocities and leave the pivot to the next step
 };
 
-/// The body has all its coordinates, and the pivot is a constraint.
+/// The body keeps all its coordinates, and the pivot is a constraint.
 template <class S>
 Trajectory solve_position_based(const Problem& problem, const Settings& settings) {
     using Arm = std::optional<Vector3<double>>;

@@ -1,7 +1,7 @@
 // Axis and angle as the integrated state: the rotation vector theta of q = q_c exp(theta/2), and w in body axes, with
-//   dtheta/dt = w + 1/2 theta x w + (1 - (|theta|/2) cot(|theta|/2)) / |theta|^2 theta x (theta x w)
-// which is the inverse of the differential of exp. The chart ends at |theta| = 2 pi; it is centred anew, q_c <- q and
-// theta <- 0, as soon as |theta| > pi/2.
+//   dtheta/dt = w + 1/2 theta x w + (1 - (|theta|/2) cot(|theta|/2)) / |theta|^2 theta x (theta x w),
+// the inverse of the differential of exp. The chart ends at |theta| = 2 pi. It is recentred, q_c <- q and theta <- 0,
+// as soon as |theta| > pi/2.
 #include <cmath>
 #include <numbers>
 #include <span>

@@ -1,10 +1,10 @@
-// The augmented second-order method of S. R. Buss (2000): one turn by
+// The augmented second-order method of S. R. Buss (2000): one rotation by
 //
 //   h (w + h/2 dw/dt + h^2/12 dw/dt x w)
 //
-// the vectors in world axes. A turn by a vector of the world is one by its components in the body's axes of that
-// moment, applied from the other side, so the formula is read there: dw/dt = I^-1 (tau - w x y) are the components of
-// either frame's derivative. (It is the sign of the rates' second derivative that tells the frames apart.)
+// with the vectors in world axes. A rotation by a world vector equals a rotation by its components in the current
+// body axes applied from the other side, so the formula is evaluated in body axes. There dw/dt = I^-1 (tau - w x y)
+// is the derivative in either frame. (Only the sign of the rates' second derivative distinguishes the frames.)
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
@@ -36,7 +36,7 @@ class Buss : public MomentumStateOf<S> {
         ++evaluations_;
         attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
         if (!torque_acts) return;
-        // the mean of both ends' torques; that at the end by the rates of the momentum foreseen
+        // Mean of the torques at both ends. The final torque uses the rates of the predicted momentum.
         const Quaternion<S> q_later = attitude_.value();
         const Matrix3<S> R_later = rotation_matrix(q_later);
         const Vector3<S> w_later = rates(transposed(R_later) * (L + h * torque));
@@ -45,8 +45,8 @@ class Buss : public MomentumStateOf<S> {
     }
 };
 
-// a = -c v - s theta, theta+ = theta + v + a/2, v+ = v + (a - c (v + a) - s theta+) / 2; the cross product is of second
-// order in the angle.
+// a = -c v - s theta, theta+ = theta + v + a/2, v+ = v + (a - c (v + a) - s theta+) / 2. The cross product is of
+// second order in the angle.
 double buss_pendulum_growth(double c, double s) {
     const double theta_of_theta = 1 - s / 2, theta_of_v = 1 - c / 2;
     return spectral_radius(theta_of_theta, theta_of_v, (-s + c * s - s * theta_of_theta) / 2,

@@ -1,9 +1,10 @@
-// The free motion of a rigid body over one step, exactly or nearly, as the turn that it makes:
+// The free motion of a rigid body over one step, exact or approximate, as a rotation:
 //
 //   q(t + h) = q(t) (1 + d),   d a function of the angular momentum y in principal axes and of h
 //
-// A flow has `void prepare(const Vector3<double>& y)`, called whenever the momentum's length or the energy have changed
-// by more than rounding, and `bool turn(const Vector3<double>& y, double h, Turn& d)`: false where it finds none.
+// The flows are ThreeRotations, ExactFreeMotion and DiscreteMoserVeselov. A flow has `void prepare(const
+// Vector3<double>& y)`, called whenever the momentum's length or the energy has changed by more than rounding, and
+// `bool turn(const Vector3<double>& y, double h, Turn& d)`, which returns false if it finds no solution.
 #pragma once
 
 #include <array>
@@ -17,9 +18,9 @@
 
 namespace polhode {
 
-/// The kinetic energy y_1^2/2I_1 + y_2^2/2I_2 + y_3^2/2I_3 split into its three terms: each turns the body about one
-/// principal axis, in the symmetric order 1 2 3 2 1. (S. Reich 1994, Physica D 76, 375; R. I. McLachlan 1993, Phys.
-/// Rev. Lett. 71, 3043.) Order 2.
+/// Splits the kinetic energy y_1^2/2I_1 + y_2^2/2I_2 + y_3^2/2I_3 into its three terms. Each rotates the body about
+/// one principal axis, in the symmetric order 1 2 3 2 1. Order 2. (S. Reich 1994, Physica D 76, 375; R. I. McLachlan
+/// 1993, Phys. Rev. Lett. 71, 3043.)
 template <class S = double>
 class ThreeRotations {
   public:
@@ -41,14 +42,14 @@ class ThreeRotations {
   private:
     Vector3<S> inverse_moments_;
 
-    // by half = h y_i / 2 I_i: d after the turn, and the other two components of y turned back
+    // Rotates by half = h y_i / 2 I_i: updates d, and rotates the other two components of y back.
     template <int i>
     void about(S h, Vector3<S>& y, TurnOf<S>& d) const {
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
         const S half = S(0.5) * h * inverse_moments_[i] * y[i];
         const SineCosine f(half * half);
         const S c = f.cosine_less_one, s = half * f.sine_by_angle;
-        // of the whole angle: cos - 1 = -2 s^2, sin = 2 s cos(half)
+        // For the full angle: cos - 1 = -2 s^2, sin = 2 s cos(half).
         const S sine = 2 * s + 2 * s * c, cosine_less_one = -2 * s * s;
         const S yj = y[j], yk = y[k];
         y[j] = yj + (cosine_less_one * yj + sine * yk);
@@ -62,13 +63,14 @@ class ThreeRotations {
     }
 };
 
-/// The exact motion, to rounding: by turns about the momentum and the axis of symmetry where two moments are equal;
-/// else by the Taylor series of y, as long as it is short, and by Jacobi's functions for steps beyond that.
+/// The exact motion, to rounding. With two equal moments: rotations about the momentum and the axis of symmetry.
+/// Otherwise the Taylor series of y while it is short, and Jacobi's elliptic functions for longer steps.
 ///
-/// As L_W stays, R(1 + d) takes y(h) to y(0). With L = |y|, 1 + d is the shortest turn that does so and then one about
-/// y(0) by phi. The shortest turn's own rate has no part along y(h) + y(0), so that
-///   dphi/dt = L w . (y + y(0)) / (L^2 + y . y(0)) = L (2 E + w . y(0)) / (L^2 + y . y(0)):
-/// beside the three series of y this one takes a single quotient, where those of q would take four products more.
+/// Since L_W is constant, R(1 + d) takes y(h) to y(0). With L = |y|, 1 + d is the shortest rotation that does so,
+/// followed by a rotation about y(0) by phi. The angular velocity of the shortest rotation has no component along
+/// y(h) + y(0), so that
+///   dphi/dt = L w . (y + y(0)) / (L^2 + y . y(0)) = L (2 E + w . y(0)) / (L^2 + y . y(0)).
+/// Besides the three series of y this takes a single quotient; the series of q would take four more products.
 class ExactFreeMotion {
   public:
     explicit ExactFreeMotion(const Problem& problem)
@@ -77,7 +79,7 @@ class ExactFreeMotion {
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             if (moments_[j] == moments_[k]) axis_ = i;
-            // I_i g_i / (I_j I_k) = 1/I_k - 1/I_j without its cancellation
+            // I_i g_i / (I_j I_k) = 1/I_k - 1/I_j without its cancellation.
             coefficient_[i] = g[i] * moments_[i] * inverse_moments_[j] * inverse_moments_[k];
         }
         if (axis_ >= 0) excess_ = inverse_moments_[axis_] - inverse_moments_[(axis_ + 1) % 3];
@@ -86,7 +88,7 @@ class ExactFreeMotion {
     void prepare(const Vector3<double>&) {}
     bool turn(const Vector3<double>& y, double h, Turn& d) const {
         if (axis_ < 0) return series(y, h, d) || closed_form(y, h, d);
-        // w = y / I1 + (1/I3 - 1/I1) y3 e3: a turn about y, which stays where it is in the world, and one about e3
+        // w = y / I1 + (1/I3 - 1/I1) y3 e3: a rotation about y, which is fixed in the world, and one about e3.
         d = turn_by((h * inverse_moments_[(axis_ + 1) % 3]) * y);
         const double half = 0.5 * h * excess_ * y[axis_];
         const SineCosine f(half * half);
@@ -97,13 +99,13 @@ class ExactFreeMotion {
     }
 
   private:
-    static constexpr int most = 20;  ///< terms: beyond them the closed form costs less
+    static constexpr int most = 20;  ///< terms; beyond this number the closed form is cheaper
 
     Vector3<double> moments_, inverse_moments_, coefficient_;
     int axis_ = -1;
     double excess_ = 0;
 
-    // with t in units of h: (k+1) y_i,k+1 = h (1/I_k - 1/I_j) sum of y_j,l y_k,k-l
+    // With t in units of h: (k+1) y_i,k+1 = h (1/I_k - 1/I_j) sum of y_j,l y_k,k-l.
     bool series(const Vector3<double>& start, double h, Turn& d) const {
         d = {};
         const double square = dot(start, start);
@@ -130,7 +132,7 @@ class ExactFreeMotion {
             const double share = reciprocal[n];
             y0[n] = a0 * share * p0, y1[n] = a1 * share * p1, y2[n] = a2 * share * p2;
             if (n > 1) rest = rest + Vector3<double>(y0[n], y1[n], y2[n]);
-            // both in units of D_0 = 2 L^2
+            // Both in units of D_0 = 2 L^2.
             D[n] = 0.5 * inverse_square * (start[0] * y0[n] + start[1] * y1[n] + start[2] * y2[n]);
             double f = 0.5 * inverse_square * (rate[0] * y0[n] + rate[1] * y1[n] + rate[2] * y2[n]);
             for (int l = 1; l <= n; ++l) f -= D[l] * F[n - l];
@@ -138,17 +140,17 @@ class ExactFreeMotion {
             phi += f * reciprocal[n + 1];
             const double last = std::abs(y0[n]) + std::abs(y1[n]) + std::abs(y2[n]);
             if (!(last <= 4 * length)) return false;
-            // two terms in a row, as one may vanish by chance
+            // Two small terms in a row are required, because one may vanish by coincidence.
             in_a_row = last <= small && std::abs(f) <= small_rate ? in_a_row + 1 : 0;
             if (in_a_row < 2) continue;
-            // the largest term last: summed the other way the roundings have a mean, and the energy drifts
+            // Add the largest term last. In the reverse order the rounding errors have a bias, and the energy drifts.
             const Vector3<double> change = Vector3<double>(y0[1], y1[1], y2[1]) + rest;
-            // sin^2 of a quarter of the angle between y(h) and y(0)
+            // sin^2 of a quarter of the angle between y(h) and y(0).
             const double sigma = 0.25 * inverse_square * dot(change, change);
             if (sigma > 0.5) return false;
             const double cosine = std::sqrt(1 - sigma), scale = 2 * square * cosine;
-            // divided, not multiplied by a reciprocal whose rounding is the same at every step: swings that are all too
-            // long by it let the energy drift likewise
+            // Divide instead of multiplying by a reciprocal. The reciprocal's rounding error is the same at every
+            // step; it would scale all swings by the same factor and make the energy drift.
             const Vector3<double> across = cross(change, start);
             const Turn swing{-sigma / (1 + cosine), {across[0] / scale, across[1] / scale, across[2] / scale}};
             d = then(turn_by((h * phi) * start), swing);
@@ -172,12 +174,13 @@ class ExactFreeMotion {
     }
 };
 
-/// The discrete motion of J. Moser & A. P. Veselov 1991, Commun. Math. Phys. 139, 217, in the form of E. Hairer &
-/// G. Vilmart 2006, J. Phys. A 39, 13225, eqs. 16-18: with inverse moments r and e = r m,
+/// Discrete motion of J. Moser & A. P. Veselov 1991, Commun. Math. Phys. 139, 217, in the form of E. Hairer & G.
+/// Vilmart 2006, J. Phys. A 39, 13225, eqs. 16-18: with inverse moments r and e = r m,
 ///
 ///   m = (1 + |e|^2) h y / 2 + m x e,   1 + d = (1, e) / sqrt(1 + |e|^2)
 ///
-/// It keeps y . r y. Order 2 for r = 1/I; `terms` > 1 take r from ModifiedMoments, and the order is 2 `terms`.
+/// It conserves y . r y. Order 2 for r = 1/I; with `terms` > 1, r comes from ModifiedMoments and the order is 2
+/// `terms`.
 template <int terms, class S = double>
 class DiscreteMoserVeselov {
   public:
@@ -202,7 +205,7 @@ class DiscreteMoserVeselov {
             Matrix3<S> M;
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) M[i][j] = S(i == j) - g[i] * pull[j];
-            // d(m x e) = dm x e + m x (r dm)
+            // d(m x e) = dm x e + m x (r dm).
             for (int i = 0; i < 3; ++i) {
                 const int j = (i + 1) % 3, k = (i + 2) % 3;
                 M[i][j] += m[k] * r[j] - e[k];

@@ -1,8 +1,8 @@
 // The implicit midpoint rule on the first-order system: y+ = y + h k, k = f(t + h/2, y + h k/2).
 //
-// Every quadratic form that f keeps is kept, since (y+ - y) . Q (y+ + y) = 2 h k . Q (y + h k/2) = 0 (G. J. Cooper
-// 1987, IMA J. Numer. Anal. 7, 1): |q|^2; |I w|^2 and energy of a free body; energy where gravity acts about a pivot or
-// springs do, as the right-hand side's rotations |q|^2 R(q) make it quadratic in q.
+// It conserves every quadratic form that f conserves, since (y+ - y) . Q (y+ + y) = 2 h k . Q (y + h k/2) = 0 (G. J.
+// Cooper 1987, IMA J. Numer. Anal. 7, 1): |q|^2; |I w|^2 and the energy of a free body; the energy with gravity about
+// a pivot or with springs, because the right-hand side uses |q|^2 R(q), which makes the energy quadratic in q.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -70,10 +70,10 @@ class ImplicitMidpoint {
     alignas(32) Numbers<N, S> y_{system_.size()};
     Numbers<N, S> lost_ = y_;
     Numbers<N> scales_{system_.size()};
-    Column last_ = Column::Zero(system_.size()), before_last_ = last_;  ///< k of the steps before
+    Column last_ = Column::Zero(system_.size()), before_last_ = last_;  ///< k of the previous steps
     S last_h_ = 0;
     int steps_known_ = 0;
-    bool stiff_ = false;  ///< the iteration that needs no Jacobian does not contract
+    bool stiff_ = false;  ///< fixed-point iteration does not contract
     long evaluations_ = 0;
     double failed_at_ = 0;
     bool failed_ = false;
@@ -90,12 +90,12 @@ class ImplicitMidpoint {
         ++evaluations_;
         return Eigen::Map<const Column>(to.data(), system_.size());
     }
-    // what the step before or the two before it let expect
+    // Predicts k from the previous one or two steps.
     Column guess(double t, S h) {
         if (h == last_h_ && steps_known_ > 1) return 2 * last_ - before_last_;
         return slope(t, now());
     }
-    // the change h dk, largest in units of the components' scales
+    // Largest component of the change h dk, in units of the scales.
     double size(S h, const Column& change) const {
         double worst = 0;
         for (int i = 0; i < system_.size(); ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
@@ -103,7 +103,7 @@ class ImplicitMidpoint {
     }
     static constexpr double rounding = std::numeric_limits<S>::epsilon() / 4, near = 256 * rounding;
 
-    // k <- f(y + h k/2), to round-off: false where that does not contract well
+    // Fixed-point iteration k <- f(y + h k/2) to rounding. Returns false if it does not contract well.
     bool iterate(double t, S h, Column& k) {
         constexpr int most = 30;
         const Column y = now();
@@ -118,7 +118,8 @@ class ImplicitMidpoint {
         }
         return false;
     }
-    // Newton's method for k - f(y + h k/2) = 0 with the Jacobian at the guess, formed anew where it contracts slowly
+    // Newton's method for k - f(y + h k/2) = 0, with the Jacobian at the initial guess. The Jacobian is recomputed if
+    // the iteration contracts slowly.
     bool newton(double t, S h, Column& k) {
         constexpr int most = 60;
         const Column y = now();

@@ -1,5 +1,4 @@
-// A body that is slowed by drag and pushed by a constant torque, its attitude held: what a kick does where there is
-// drag.
+// A body slowed by drag and accelerated by a constant torque, at fixed attitude: the flow of a kick with drag.
 //
 //   dy/dt = tau - D I^-1 y,   dv/dt = a - k v
 #pragma once
@@ -11,13 +10,13 @@
 
 namespace polhode {
 
-/// (1 - exp(-x)) / x
+/// (1 - exp(-x)) / x.
 template <class S>
 S mean_decay(S x) {
     return x == 0 ? 1 : -std::expm1(-x) / x;
 }
 
-/// By how much v of dv/dt = a - k v changes in a time h of either sign.
+/// Change of v over a time h of either sign, for dv/dt = a - k v.
 template <class S>
 Vector3<S> damped_change(const Vector3<S>& v, const Vector3<S>& a, S k, S h) {
     return (h * mean_decay(k * h)) * (a - k * v);
@@ -28,7 +27,7 @@ template <class S>
 class RotationalDampingOf {
   public:
     RotationalDampingOf() = default;
-    /// Principal axes.
+    /// Moments and damping matrix in principal axes.
     RotationalDampingOf(const Vector3<double>& moments, const Matrix3<double>& D) {
         double root[3];
         for (int i = 0; i < 3; ++i) root[i] = std::sqrt(moments[i]), root_[i] = S(root[i]);
@@ -42,8 +41,8 @@ class RotationalDampingOf {
         }
     }
 
-    /// By how much y changes in a time h of either sign: that alone goes to the eigenvectors' axes and back, so that
-    /// their rounding is relative to it.
+    /// Change of y over a time h of either sign. Only the change is transformed to the eigenvectors' axes and back,
+    /// so rounding errors of the transformation are relative to it.
     Vector3<S> change(S h, const Vector3<S>& y, const Vector3<S>& tau) const {
         const Vector3<S> u = axes_ * unscaled(y), f = axes_ * unscaled(tau);
         Vector3<S> moved;

@@ -10,9 +10,10 @@
 namespace polhode {
 
 double kicked_pendulum_growth(int order, double damping, double stiffness) {
-    // the stages' factors exp(-c g) multiply to exp(-c), and theta keeps what it has; in binary64 large ones would not
+    // The factors exp(-c g) of the stages multiply to exp(-c), and theta is unchanged. Large factors would lose this
+    // in binary64.
     if (stiffness == 0) return std::max(1.0, std::exp(-damping));
-    // columns: what becomes of (1, 0) and of (0, 1)
+    // Columns: images of (1, 0) and (0, 1).
     double theta[2] = {1, 0}, v[2] = {0, 1};
     const auto kick = [&](double length) {
         const double factor = length * mean_decay(damping * length);

@@ -1,12 +1,12 @@
-// Linear stability of the splittings.
+// Linear stability of the splitting methods.
 #pragma once
 
 namespace polhode {
 
-/// Half a kick, the free motion, half a kick, each stage of a composition of the order; a kick follows
-/// v' = -c v - s theta exactly, theta held. Drag alone leaves v with exp(-c) whatever the order; where stages go
-/// backwards that is what binary64 makes of it: beyond c of some hundred they multiply the rounding of what had
-/// decayed.
+/// Spectral radius of one step on a damped pendulum: half a kick, the free motion, half a kick for each stage of a
+/// composition of this order. A kick follows v' = -c v - s theta exactly at fixed theta. With drag alone, v is
+/// multiplied by exp(-c) at every order. Where stages go backwards, binary64 achieves this only for c up to some
+/// hundred; beyond, backward stages amplify the rounding errors of the decayed velocity.
 double kicked_pendulum_growth(int order, double damping, double stiffness);
 template <int order>
 double kicked_pendulum_growth(double damping, double stiffness) {

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-/// The vectors of the state, and their rates.
+/// The vectors of the state, or their rates.
 struct Vectors {
     Vector3<double> momentum_W, position_W, velocity_W;
 };
@@ -21,8 +21,8 @@ class LieGroupStepper : public MomentumState {
         const Quaternion<double> q = attitude_.value();
         const Vectors start{momentum_.value(), position_.value(), velocity_.value()};
         Vectors k[4];
-        // body rates at time t + c h, where the attitude is q (1 + d) and the vectors have moved by c h times `before`;
-        // the vectors' rates go to `slope`
+        // Body rates at time t + c h, with the attitude q (1 + d) and the vectors advanced by c h times `before`. The
+        // rates of the vectors are stored in `slope`.
         const auto rates_at = [&](double c, const Turn& d, const Vectors& before, Vectors& slope) {
             const Quaternion<double> turned = q * Quaternion<double>{1 + d.w, d.v[0], d.v[1], d.v[2]};
             const Matrix3<double> R = rotation_matrix(turned);
@@ -53,7 +53,7 @@ class LieGroupStepper : public MomentumState {
     }
 };
 
-/// The classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
+/// Classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
 struct MuntheKaas {
     template <class RatesAt>
     static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {
@@ -72,7 +72,7 @@ struct MuntheKaas {
     }
 };
 
-/// Five exponentials, no commutator.
+/// Five exponentials, no commutators.
 struct CommutatorFree {
     template <class RatesAt>
     static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {

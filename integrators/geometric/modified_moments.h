@@ -1,18 +1,18 @@
-// Moments of inertia with which the discrete Moser-Veselov motion comes nearer to the exact one.
+// Modified moments of inertia that raise the order of the discrete Moser-Veselov motion.
 //
-// E. Hairer & G. Vilmart 2006, J. Phys. A 39, 13225: with r_j = 1/I_j replaced by
+// E. Hairer & G. Vilmart 2006, J. Phys. A 39, 13225: replace r_j = 1/I_j by
 //
 //   a r_j + b,   a = 1 + a_1 h^2 + a_2 h^4 + ..,   b = b_1 h^2 + b_2 h^4 + ..,
 //
-// whose coefficients are functions of I, of |y|^2 and of the energy, the discrete motion becomes the exact one up to a
-// power of h. They give a_1 to a_4 and b_1 to b_4 as polynomials. Here the series are computed for the motion at hand,
-// to any number of terms, from what the two motions have to share.
+// whose coefficients are functions of I, |y|^2 and the energy. The discrete motion then agrees with the exact one up
+// to a power of h. The paper gives a_1 to a_4 and b_1 to b_4 as polynomials. Here the series are computed numerically
+// for the current motion, to any number of terms, from the conditions that both motions coincide.
 //
-// Every motion passes through y_2 = 0, if r_1 - r_3 is the largest difference (unless r are all equal): there y_1^2 =
-// z_1^2 = y_1^2 + (1 - l) y_2^2 .. of any other point. Around such a moment, taken as the middle of a step,
+// If r_1 - r_3 is the largest difference (and not all r are equal), every motion passes through y_2 = 0. There y_1^2
+// = z_1^2 = y_1^2 + (1 - l) y_2^2 .. of any other point. About such a time, taken as the middle of a step,
 //   y = (z_1 A, (r_1 - r_3) z_1 z_3 t S, z_3 B),   q = (P_0, z_1 t P_1, z_1 z_3 t^2 P_2, z_3 t P_3)
-// with series A .. P_3 in s = t^2. Both motions turn from t = -h/2 to h/2 by (1, e), e = (z_1 t E_1, 0, z_3 t E_3), and
-// change y by the same, if, at s = h^2/4 and with alpha = 1 + |e|^2,
+// with series A .. P_3 in s = t^2. From t = -h/2 to h/2 both motions rotate by (1, e), e = (z_1 t E_1, 0, z_3 t E_3),
+// and change y equally, if, at s = h^2/4 and with alpha = 1 + |e|^2,
 //   alpha a = S / (A B),   alpha (a r_1 + b) A = E_1,   alpha (a r_3 + b) B = E_3.
 #pragma once
 
@@ -23,15 +23,15 @@
 
 namespace polhode {
 
-/// a and b to `terms` coefficients, a_0 = 1 and b_0 = 0 included.
+/// The first `terms` coefficients of a and b, including a_0 = 1 and b_0 = 0.
 template <int terms>
 class ModifiedMoments {
   public:
     ModifiedMoments() { a_[0] = 1; }
 
-    /// `r`: inverse moments; `y`: the angular momentum in principal axes, anywhere on the motion.
+    /// `r`: inverse moments; `y`: angular momentum in principal axes, at any point of the motion.
     ModifiedMoments(const Vector3<double>& r, const Vector3<double>& y) {
-        int first = 0, middle = 1, last = 2;  // r descending; the sense of the axes does not matter
+        int first = 0, middle = 1, last = 2;  // r descending; the handedness of the axes does not matter
         if (r[first] < r[middle]) std::swap(first, middle);
         if (r[middle] < r[last]) std::swap(middle, last);
         if (r[first] < r[middle]) std::swap(first, middle);
@@ -56,7 +56,7 @@ class ModifiedMoments {
                 -0.25 / (k + 1) *
                 (z11 * r1 * product(P1, A, k) + z33 * r3 * product(P3, B, k) + z11 * z33 * r2 * range * rising(P2, S));
         }
-        // (1, e) = q(-h/2)^-1 q(h/2), where q(-t) = (P_0, -.., +.., -..)
+        // (1, e) = q(-h/2)^-1 q(h/2), where q(-t) = (P_0, -.., +.., -..).
         Series turn0{}, turn1{}, turn3{};
         for (int k = 0; k < terms; ++k) {
             turn0[k] = product(P0, P0, k);
@@ -74,7 +74,7 @@ class ModifiedMoments {
             rest[k] = 0.5 * ((f1[k] - g[k] * r1) + (f3[k] - g[k] * r3));
         }
         a_ = quotient(g, alpha), b_ = quotient(rest, alpha);
-        // in powers of h^2 = 4 s
+        // In powers of h^2 = 4 s.
         double scale = 1;
         for (int k = 0; k < terms; ++k) {
             a_[k] *= scale, b_[k] *= scale;
@@ -87,7 +87,7 @@ class ModifiedMoments {
     double a(int k) const { return a_[k]; }
     double b(int k) const { return b_[k]; }
 
-    /// a r + b at a step h.
+    /// a r + b for a step h.
     Vector3<double> inverse_moments(const Vector3<double>& r, double h) const {
         const double x = h * h;
         double more = 0, shift = 0;

@@ -1,8 +1,8 @@
-// The state that methods on the rotation group share: the angular momentum in world axes and the attitude.
+// State shared by methods on the rotation group: angular momentum in world axes and attitude.
 //
-//   y = L_W, q (and p, v where the forces tie them to the attitude),   w_B = I^-1 R(q)^T L_W   in principal axes
+//   y = L_W, q (and p, v if the forces couple them to the attitude),   w_B = I^-1 R(q)^T L_W   in principal axes
 //
-// L_W changes by the loads alone: without them it is constant to the last bit, whatever the method does to q.
+// L_W changes only by loads: without loads it is constant to the last bit, whatever the method does to q.
 #pragma once
 
 #include "body/orientation.h"
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// The part of a Stepper that does not depend on the method. Of a problem in principal axes. S: the scalar of its
+/// The part of a Stepper that does not depend on the method, for a problem posed in principal axes. S: scalar of the
 /// state.
 template <class S>
 class MomentumStateOf {
@@ -66,7 +66,7 @@ class MomentumStateOf {
     void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
 
   protected:
-    /// Whether anything acts that ties L, p or v to the attitude, the rates or the time.
+    /// Whether any load couples L, p or v to the attitude, the rates or the time.
     bool loaded() const { return translates_ || forcing().any_torque(); }
     const Forcing<S>& forcing() const { return loads_.forcing(); }
 
@@ -74,7 +74,7 @@ class MomentumStateOf {
         const Vector3<S>& r = inverse_moments_;
         return {r[0] * y_B[0], r[1] * y_B[1], r[2] * y_B[2]};
     }
-    /// Torque in world axes at an attitude R = R(q), angular velocity w in principal axes, place and velocity.
+    /// Torque in world axes at the attitude R = R(q), angular velocity w in principal axes, position and velocity.
     Vector3<S> torque_W(double t, const Matrix3<S>& R, const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& p,
                         const Vector3<S>& v) const {
         return loads_.torque_W(
@@ -90,7 +90,7 @@ class MomentumStateOf {
     TurnedAttitudeOf<S> attitude_;
     long evaluations_ = 0;
     bool failed_ = false;
-    double failed_at_ = 0;  ///< s, the step's begin
+    double failed_at_ = 0;  ///< s, start of the failed step
 
   private:
     void set_angular_velocity(const Vector3<double>& w) {
@@ -110,7 +110,7 @@ class MomentumStateOf {
 };
 using MomentumState = MomentumStateOf<double>;
 
-/// march() of a stepper on MomentumState, in principal axes whatever the problem was posed in.
+/// march() of a stepper on MomentumState, in principal axes for any formulation of the problem.
 template <class S, class... Options>
 Trajectory march_momentum(const Problem& problem, const Settings& settings, const Options&... options) {
     if (problem.formulation == Formulation::full)
@@ -118,7 +118,7 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
     return march<S>(problem, settings, options...);
 }
 
-/// The refusal of a stepper that knows the rotation alone.
+/// Returns why a stepper for rotations only refuses the problem, or an empty string.
 inline std::string refused_translation(const Problem& problem) {
     return problem.needs.translation == Translation::integrated && !problem.body.pivoted
                ? "its equations are those of the rotation: where translation is integrated beside it, not"

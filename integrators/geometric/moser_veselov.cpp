@@ -36,7 +36,7 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
             .control = Control::fixed_step,
             .order = order,
             .solve = solve<order>,
-            // to first order in the angle the free motion is theta + h theta'; order 10 takes no loads
+            // To first order in the angle, the free motion is theta + h theta'. Order 10 does not support loads.
             .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>,
             .refuses = refused<order>};
 }

@@ -1,4 +1,4 @@
-// Newton's method for three equations, to round-off.
+// Newton's method for three equations, converged to rounding.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// M^-1 by its cofactors, one division.
+/// M^-1 by cofactors, with one division.
 template <class S>
 class Inverse {
   public:
@@ -25,9 +25,10 @@ class Inverse {
     S inverse_determinant_;
 };
 
-/// Solves residual(x) = 0 from the guess x. `slope(x)` is its derivative, or near it: it is formed at the guess and
-/// again only where the iteration slows down. Ends where x moves by its rounding only, as a residual that is left
-/// unsolved the same way at every step would add up. False where that does not come about; x is then of no use.
+/// Solves residual(x) = 0 from the initial guess x. `slope(x)` is the residual's derivative or close to it. It is
+/// evaluated at the guess and again only if the iteration slows down. Iterates until x changes only by rounding,
+/// because a residual that is left unsolved in the same way at every step would accumulate. Returns false if this
+/// fails; x is then not usable.
 template <class S, class Residual, class Slope>
 bool solve_to_rounding(Vector3<S>& x, const Residual& residual, const Slope& slope) {
     constexpr int most = 60;

@@ -1,4 +1,4 @@
-// Projection of a state onto the manifold of what the motion keeps.
+// Projection of a state onto the manifold of the conserved quantities.
 #pragma once
 
 #include <algorithm>
@@ -12,18 +12,19 @@
 
 namespace polhode {
 
-/// |q| = 1 and, of what motion/conserved.h finds, energy, angular and linear momentum (vectors, or the components that
-/// stay) and the spin about an axis of symmetry, each at its value at t = 0. (The integrals of
-/// special tops are left out: Kovalevskaya's has no gradient at its zero, where the simplest of those motions run, and
-/// Goryachev and Chaplygin's stays on one level of L_z only.) At a pivot p and v are not projected.
+/// Conserved quantities: |q| = 1 and, as found by motion/conserved.h, energy, angular and linear momentum (as
+/// vectors, or the conserved components) and the spin about an axis of symmetry, each with its value at t = 0. (The
+/// integrals of special tops are omitted: Kovalevskaya's has zero gradient at its zero, where the simplest of these
+/// motions run, and that of Goryachev and Chaplygin is conserved only on one level of L_z.) At a pivot p and v are
+/// not projected.
 ///
-/// The nearest point in the norm of |dy_i| / scale_i, by Gauss-Newton: with g the constraints, J their Jacobian by
-/// forward differentiation and D = diag(scale^2),
+/// Computes the nearest point in the norm of |dy_i| / scale_i by Gauss-Newton iterations. With the constraints g,
+/// their Jacobian J by forward differentiation and D = diag(scale^2),
 ///
 ///   y <- y - D J^T (J D J^T)^-1 g                    (Hairer, Lubich & Wanner 2006, IV.4)
 ///
-/// Where constraints depend on each other (energy and momentum of a steady rotation, or of a sphere) the later are left
-/// out: a Cholesky factorisation that takes the largest pivot first and ends below 10^-6.
+/// If constraints depend on each other (energy and momentum of a steady rotation or of a sphere), the later ones are
+/// omitted by a Cholesky factorisation with diagonal pivoting that stops at pivots below 10^-6.
 template <class SystemType>
 class Projection {
   public:
@@ -41,10 +42,10 @@ class Projection {
         target_[0] = 1;
     }
 
-    /// How many constraints there are.
+    /// Number of constraints.
     int count() const { return count_; }
 
-    /// Moves y onto the manifold, to round-off. False, and y as it was, where no point of it was found.
+    /// Moves y onto the manifold, to rounding. Returns false and leaves y unchanged if no such point was found.
     bool project(double* y) {
         constexpr int iterations = 8;
         constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
@@ -71,7 +72,7 @@ class Projection {
             solve(g);
             for (int r = 0; r < rank_; ++r)
                 for (int i = 0; i < N; ++i) moved[i] -= g[r] * weight_[i] * slope_[order_[r]][i];
-            // quadratic: what this iteration leaves is the square of what it found
+            // Convergence is quadratic: the remaining error is the square of this one.
             if (worst <= 1e-9) {
                 std::copy(moved.begin(), moved.end(), y);
                 return true;
@@ -118,7 +119,7 @@ class Projection {
         if constexpr (SystemType::has_translation) count_ += linear_count_;
     }
 
-    // the constraints' left sides; energy last, for it is the one that depends on others
+    // Left sides of the constraints. Energy is last, because it is the one that may depend on others.
     template <class S>
     void evaluate(const S* y, S* values) const {
         int k = 0;
@@ -136,7 +137,7 @@ class Projection {
         if (energy_) values[k++] = system_.energy(y);
     }
 
-    // J D J^T with each constraint divided by the length of its gradient, C = G G^T by rows in the order of the pivots
+    // J D J^T with each constraint divided by the length of its gradient; C = G G^T by rows, in pivot order.
     void factorise(const std::array<Dual<N>, most>& values) {
         constexpr double least_pivot = 1e-6;
         std::array<std::array<double, most>, most> C{};
@@ -153,7 +154,7 @@ class Projection {
                 for (int i = 0; i < N; ++i) C[a][b] += weight_[i] * slope_[a][i] * slope_[b][i];
         for (rank_ = 0; rank_ < count_; ++rank_) {
             int pivot = -1;
-            // a later one is taken before an earlier one only where it is better by more than rounding
+            // Prefer a later constraint to an earlier one only if it is larger by more than rounding.
             for (int c = 0; c < count_; ++c)
                 if (!taken[c] && (pivot < 0 || C[c][c] > C[pivot][pivot] * (1 + 1e-9))) pivot = c;
             if (pivot < 0 || !(C[pivot][pivot] > least_pivot)) break;
@@ -166,7 +167,7 @@ class Projection {
         }
     }
 
-    // g <- C^-1 g, in the order of the pivots
+    // g <- C^-1 g, in pivot order.
     void solve(std::array<double, most>& g) const {
         for (int r = 0; r < rank_; ++r) {
             for (int k = 0; k < r; ++k) g[r] -= column_[k][order_[r]] * g[k];
@@ -187,7 +188,7 @@ class Projection {
     Vector3<double> spin_axis_;
     std::array<double, most> target_{}, length_{};
     std::array<std::array<double, N>, most> slope_{};      // gradients of unit length
-    std::array<std::array<double, most>, most> column_{};  // of the factor, one for each pivot
+    std::array<std::array<double, most>, most> column_{};  // of the factor, one per pivot
     std::array<int, most> order_{};
 };
 

@@ -1,8 +1,9 @@
-// The algorithm of J. C. Simo & K. K. Wong (1991) that keeps energy and momentum, in their trapezoidal form (ALGO_C1):
+// The energy- and momentum-conserving algorithm of J. C. Simo & K. K. Wong (1991), in its trapezoidal form (ALGO_C1):
 //
 //   L+ = L + h (tau + tau+)/2,   q+ = q exp(theta),   theta = h (w + w+)/2,   w+ = I^-1 R(q+)^T L+
 //
-// Free, L is constant and theta . (y+ - y) = 0, since exp(theta) leaves theta as it is: that is the energy's balance.
+// Without loads L is constant. Then theta . (y+ - y) = 0, since exp(theta) leaves theta unchanged, so energy is
+// conserved.
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
@@ -45,7 +46,7 @@ class SimoWong : public MomentumStateOf<S> {
             y_later = transposed(R_later) * L_later;
             return theta - (h / 2) * (w + rates(y_later));
         };
-        // d y+ = y+ x dtheta to the lowest power of theta, and drag by the rates
+        // d y+ = y+ x dtheta to lowest order in theta, and drag through the rates.
         const auto slope = [&](const Vector3<S>&) {
             Matrix3<S> M = skew(y_later);
             if (forcing().has_damping)
@@ -56,9 +57,10 @@ class SimoWong : public MomentumStateOf<S> {
             }
             return M;
         };
-        // what that leaves out, of torques that change fast with the attitude
+        // Finite-difference slope, including the terms omitted above, for torques that change fast with the attitude.
         const auto measured_slope = [&](const Vector3<S>& theta) {
-            // about the cube root of the rounding, where its share and the formula's own are alike
+            // About the cube root of the rounding unit, which balances rounding and truncation errors of the
+            // difference.
             constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
             Matrix3<S> M;
             for (int j = 0; j < 3; ++j) {

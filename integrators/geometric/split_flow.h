@@ -1,10 +1,10 @@
 // A body's motion split into the free motion and kicks by the loads at a fixed attitude.
 //
 //   one stage:  kick(g h/2)  free(g h)  kick(g h/2)      (G. Strang 1968, SIAM J. Numer. Anal. 5, 506)
-//   one step:   stages g_1 .. g_s of a symmetric composition; kicks that meet are one
+//   one step:   stages g_1 .. g_s of a symmetric composition; adjacent kicks are merged
 //
-// A kick takes L_W (and v) along the flow of the torque (and force) at the attitude and place of the moment, exactly,
-// drag included; the free motion turns q and moves p.
+// A kick advances L_W (and v) exactly along the flow of the torque (and force) at the current attitude and position,
+// drag included. The free motion advances q and p.
 #pragma once
 
 #include <span>
@@ -17,8 +17,8 @@
 
 namespace polhode {
 
-/// Flow: see free_flows.h. Where nothing acts, `whole_when_free` takes the step as one stage: of a flow that has the
-/// method's order by itself.
+/// Flow: see free_flows.h. With `whole_when_free`, a step without loads is taken as one stage; for flows that have
+/// the method's order by themselves.
 template <class Flow, bool whole_when_free, class S = double>
 class Splitting : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
@@ -60,10 +60,11 @@ class Splitting : public MomentumStateOf<S> {
     Flow flow_;
     std::span<const double> stages_;
     RotationalDampingOf<S> damping_;
-    Matrix3<S> R_;              ///< of the attitude
-    Vector3<S> torque_, push_;  ///< world axes, at the attitude and place: torque without drag, acceleration
+    Matrix3<S> R_;              ///< at the current attitude
+    Vector3<S> torque_, push_;  ///< world axes, at the current attitude and position: torque without drag,
+                                ///< acceleration
 
-    // the rates enter the torque by drag alone, which a kick follows by itself
+    // The rates enter the torque only through drag, which the kick includes.
     void find_forces() {
         const Vector3<S> p = translates_ ? position_.value() : Vector3<S>();
         torque_ = torque_W(0, R_, attitude_.value(), {}, p, {});
@@ -98,7 +99,7 @@ class Splitting : public MomentumStateOf<S> {
     }
 };
 
-/// What a kick at a fixed attitude cannot follow; empty where it can.
+/// Returns why a kick at a fixed attitude cannot represent the loads, or an empty string if it can.
 inline std::string refused_by_kicks(const Problem& problem) {
     return problem.needs.user_torque
                ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"

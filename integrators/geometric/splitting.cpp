@@ -1,4 +1,4 @@
-// Splitting methods: a body's free motion, by turns about its axes or exactly, and kicks by the loads.
+// Splitting methods: the free motion, by rotations about the principal axes or exactly, and kicks by the loads.
 #include <span>
 
 #include "integrators/geometric/kicked_growth.h"

@@ -1,4 +1,8 @@
-// The GNU Scientific Library's solvers of ordinary differential equations, as peers to be measured beside.
+// The GNU Scientific Library's solvers of ordinary differential equations, for comparison.
+//
+// GslSession drives one solver. The library has no dense output, so samples inside a step are integrated from the
+// start of the step by a second driver. Right-hand sides that are not finite are reported to the library as
+// recoverable errors.
 #include "integrators/gsl/gsl.h"
 
 #include <fmt/format.h>
@@ -23,26 +27,26 @@
 namespace polhode {
 namespace {
 
-/// The library's names are variables that the dynamic linker sets.
+/// The library's names are variables set by the dynamic linker.
 struct Scheme {
     const gsl_odeiv2_step_type* const* type;
-    /// What goes from a step's start to a sample inside it: the library has no dense output.
+    /// Solver from the start of a step to a sample inside it, because the library has no dense output.
     const gsl_odeiv2_step_type* const* sideways;
-    int order;  ///< of its first step
+    int order;  ///< initial order
 };
 
-/// The problem must outlive the session. Not to be moved: the library points into it.
+/// The problem must outlive the session. The session must not be moved: the library holds pointers into it.
 template <class SystemType>
 class GslSession {
   public:
-    /// What a state stands for: a sample, or one of each body.
+    /// Result type of the system's motion(): a sample, or the motion of all bodies.
     using Motion = decltype(std::declval<const SystemType&>().motion(0, nullptr));
 
-    /// Relative tolerance R, absolute tolerance R times each component's scale.
-    /// Throws std::bad_alloc where there is no memory for it.
+    /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc if memory is
+    /// exhausted.
     GslSession(const Problem& problem, const Scheme& scheme, double tolerance)
         : problem_(&problem), system_(problem), order_(scheme.order), tolerance_(tolerance) {
-        // the library's default is to abort the program
+        // By default the library aborts the program on errors.
         [[maybe_unused]] static const auto former = gsl_set_error_handler_off();
         system_.scales(scales_.data());
         driver_ = driver(main_, *scheme.type);
@@ -58,7 +62,8 @@ class GslSession {
         gsl_odeiv2_driver_reset(driver_.get());
     }
 
-    /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
+    /// Handles an event: applies the impulses, then sets the loads of this segment. Clears the history of previous
+    /// steps.
     int enter(const Segment& segment) {
         system_.enter(segment, y_.data());
         t_ = segment.begin, end_ = segment.end;
@@ -69,17 +74,18 @@ class GslSession {
         return GSL_SUCCESS;
     }
 
-    /// One step, tried until its error is tolerated, cut at the segment's end; below zero if that is not reached.
+    /// Takes one step, shortened at the end of the segment, and repeats it until its error is accepted. Returns a
+    /// negative flag on failure.
     int step() {
         const double left = end_ - t_;
         ++steps_;
-        // a remainder of a few rounding errors joins the step; one that is left alone is too short for the library
+        // A remainder of a few rounding errors is merged into the step; on its own it is too short for the library.
         if (left <= 4 * std::numeric_limits<double>::epsilon() * end_) return leap();
         if (h_ >= left * (1 - 1e-14)) h_ = left * (1 + 1e-14);
         begin_ = t_;
         side_t_.reset();
         const int flag = flag_of(advance(*driver_, t_, end_, h_, y_));
-        // those of several steps would begin anew each time
+        // Skipped for multistep methods (initial order 1), whose history would restart each time.
         if (flag >= 0 && order_ > 1 && project_step(system_, y_.data())) {
             rejected_ += static_cast<long>(driver_->e->failed_steps);
             gsl_odeiv2_evolve_reset(driver_->e), gsl_odeiv2_step_reset(driver_->s);
@@ -90,11 +96,11 @@ class GslSession {
     double time() const { return t_; }
     Motion sample() const { return system_.motion(t_, y_.data()); }
 
-    /// The motion at a time within the last step, by steps of their own from the step's start.
+    /// The motion at a time within the last step, integrated separately from the start of that step.
     std::optional<Motion> sample_inside(double at) {
         constexpr int most_steps = 1000;
         if (!side_t_) {
-            // the library keeps the state at the start of the step
+            // The library keeps the state at the start of the step.
             std::copy(driver_->e->y0, driver_->e->y0 + size(), side_y_.begin());
             side_t_ = begin_, side_h_ = at - begin_;
             gsl_odeiv2_driver_reset(sideways_.get());
@@ -109,7 +115,7 @@ class GslSession {
     }
     int inside_flag() const { return flag_of(status_); }
 
-    /// What a flag below zero means.
+    /// Meaning of a negative flag.
     SolverFailure failure(int) const {
         if (main_.not_finite || side_.not_finite)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
@@ -120,7 +126,7 @@ class GslSession {
                     status_ == GSL_FAILURE ? "no step is small enough for the tolerance" : gsl_strerror(status_), t_)};
     }
 
-    /// Since restart().
+    /// Counts since restart().
     long steps() const { return steps_; }
     long rhs_evaluations() const { return main_.evaluations; }
     long sample_evaluations() const { return side_.evaluations; }
@@ -131,12 +137,12 @@ class GslSession {
 
     std::size_t size() const { return static_cast<std::size_t>(system_.size()); }
 
-    /// What the library hands through to the callbacks.
+    /// Context that the library passes to the callbacks.
     struct Context {
         const GslSession* session;
         gsl_odeiv2_system system{};
         long evaluations = 0;
-        bool not_finite = false;  ///< what was asked for last
+        bool not_finite = false;  ///< whether the last evaluation was not finite
         std::exception_ptr thrown{};
     };
     struct Free {
@@ -144,20 +150,20 @@ class GslSession {
     };
     using Driver = std::unique_ptr<gsl_odeiv2_driver, Free>;
 
-    // A status that is not GSL_EBADFUNC makes the library try again with half the step.
+    // Any status except GSL_EBADFUNC makes the library retry with half the step.
     static int right_hand_side(double t, const double* y, double* dy, void* context) {
         Context* self = static_cast<Context*>(context);
         ++self->evaluations;
         try {
             self->session->system_.derivative(t, y, dy);
-        } catch (...) {  // C code lies between here and whoever called
+        } catch (...) {  // exceptions must not cross the C library
             self->thrown = std::current_exception();
             return GSL_EBADFUNC;
         }
         self->not_finite = !all_finite({dy, self->session->size()});
         return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
     }
-    // the right-hand side does not depend on time: every load of a scene file is constant in it between events
+    // The right-hand side does not depend on time: between events every load of a scene file is constant.
     static int fill_jacobian(double t, const double* y, double* J, double* dfdt, void* context) {
         Context* self = static_cast<Context*>(context);
         const std::size_t n = self->session->size();
@@ -176,7 +182,7 @@ class GslSession {
         return made;
     }
 
-    // The driver's own loop, a step at a time.
+    // The driver's own loop, one step at a time.
     int advance(gsl_odeiv2_driver& driver, double& t, double stop, double& h, State& y) {
         status_ = gsl_odeiv2_evolve_apply(driver.e, driver.c, driver.s, driver.sys, &t, stop, &h, y.data());
         for (Context* context : {&main_, &side_})
@@ -185,7 +191,7 @@ class GslSession {
     }
     static int flag_of(int status) { return status == GSL_SUCCESS ? 0 : -1; }
 
-    // one explicit Euler step is exact over a few rounding errors of time
+    // One explicit Euler step is exact over a few rounding errors of time.
     int leap() {
         State rate(system_.size());
         system_.derivative(t_, y_.data(), rate.data());

@@ -1,5 +1,5 @@
-// The GNU Scientific Library's solvers. It is under the GPL: they are built with POLHODE_PEERS_GPL alone, are linked
-// into the programs of the build tree alone, and are never installed. Without them the list is empty.
+// The GNU Scientific Library's solvers. GSL is under the GPL. They are built only with POLHODE_PEERS_GPL, are linked
+// only into the programs of the build tree, and are never installed. Without them the list is empty.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@ namespace polhode {
 
 extern const std::span<const Method> gsl_methods;
 
-/// As the library linked says of itself; empty where it is absent.
+/// Version reported by the linked library; empty if it is absent.
 std::string gsl_library_version();
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// In place of gsl.cpp. What is linked with gsl.cpp's object file never asks the library for this one.
+// Replacement for gsl.cpp. The linker does not use it in programs that link the object file of gsl.cpp.
 #include "integrators/gsl/gsl.h"
 
 namespace polhode {

@@ -1,8 +1,8 @@
-// Arithmetic and elementary functions on eight binary64 numbers side by side, each lane by itself: what a lane holds
-// never depends on its neighbours, nor on the instruction set (see lanes.h).
+// Arithmetic and elementary functions on eight binary64 numbers side by side. The result in a lane does not depend on
+// the other lanes or on the instruction set (see lanes.h).
 //
-// Everything is always inlined and free of branches. Loops that end when all lanes have converged freeze those that
-// have. Sources that use it are compiled with -fno-math-errno (square roots as instructions) and -Wno-psabi.
+// Everything is always inlined and branch-free. Loops that run until all lanes converge freeze the converged lanes.
+// Compile sources that use it with -fno-math-errno (square roots as instructions) and -Wno-psabi.
 #pragma once
 
 #include <cmath>
@@ -15,11 +15,12 @@ namespace polhode {
 
 using Integers8 = std::int64_t __attribute__((vector_size(64)));
 
-/// In a struct: a bare vector has no calling convention where there are no such registers, nor the same alignment.
+/// A struct, because a bare vector has neither a calling convention nor the same alignment without such registers.
 struct alignas(64) Octet {
     Lanes8 v{};
 };
-/// All bits of a lane set, or none. Masks are combined as sums of 0 and 1: GCC 12 takes their logic lane by lane.
+/// All bits of a lane are set, or none. Masks are combined as sums of 0 and 1, because GCC 12 splits vector logic
+/// into lanes.
 struct alignas(64) OctetMask {
     Integers8 m{};
 };
@@ -83,21 +84,21 @@ POLHODE_INLINE Octet square_root(const Octet& x) {
     return r;
 }
 
-/// To the nearest whole number, ties to even; |x| < 2^51.
+/// Rounds to the nearest integer, ties to even; |x| < 2^51.
 POLHODE_INLINE Octet rounded(const Octet& x) { return (x + 0x1.8p52) - 0x1.8p52; }
 
-/// x where `even` is even, -x where it is odd; |even| < 2^51, whole.
+/// Returns x where `even` is an even integer, -x where it is odd; |even| < 2^51.
 POLHODE_INLINE Octet signed_by_parity(const Octet& x, const Octet& even) {
     return from_bits(bits(x) ^ (bits(even + 0x1.8p52) << 63));
 }
 
-/// sin x and cos x, each within 1.5e-16 for |x| <= largest_angle: Cody and Waite's reduction by pi/2 in three parts of
-/// 33 bits (1980), then the polynomials of fdlibm (Sun Microsystems 1993, k_sin.c and k_cos.c).
+/// sin x and cos x, each to within 1.5e-16 for |x| <= largest_angle. Reduction by pi/2 in three parts of 33 bits
+/// (Cody & Waite 1980), then the polynomials of fdlibm (Sun Microsystems 1993, k_sin.c and k_cos.c).
 inline constexpr double largest_angle = 1e5;
 POLHODE_INLINE void sine_cosine(const Octet& x, Octet& sine, Octet& cosine) {
     const Octet k = rounded(x * 0x1.45f306dc9c883p-1);
     const Octet r = ((x - k * 0x1.921fb544p0) - k * 0x1.0b4611a6p-34) - k * 0x1.3198a2e037073p-69;
-    // in pairs (Estrin 1960), so that no product waits for five others
+    // In pairs of terms (Estrin 1960) to shorten the dependency chain.
     const Octet z = r * r, zz = z * z;
     const Octet s_high =
         (2.75573137070700676789e-06 + z * -2.50507602534068634195e-08) + zz * 1.58969099521155010221e-10;
@@ -109,7 +110,7 @@ POLHODE_INLINE void sine_cosine(const Octet& x, Octet& sine, Octet& cosine) {
     const Octet p = zz * (p_low + zz * (2.48015872894767294178e-05 + z * p_high));
     const Octet half = 0.5 * z, w = 1.0 - half;
     const Octet c = w + ((1.0 - w - half) + p);
-    // quadrant k mod 4: bit 0 exchanges the two, bit 1 and (for the cosine) the bit before it give the sign
+    // Quadrant k mod 4: bit 0 exchanges the two; bit 1 of k, and of k + 1 for the cosine, gives the sign.
     const Integers8 quadrant = bits(k + 0x1.8p52);
     const OctetMask odd{-(quadrant & 1)};
     const Integers8 sine_sign = (quadrant & 2) << 62, cosine_sign = ((quadrant + 1) & 2) << 62;
@@ -117,8 +118,8 @@ POLHODE_INLINE void sine_cosine(const Octet& x, Octet& sine, Octet& cosine) {
     cosine = from_bits(bits(select(odd, s, c)) ^ cosine_sign);
 }
 
-/// exp x and exp x - 1, each to a relative 4e-16, for |x| <= 690, beyond which x is taken to be there: exp x = 2^k exp
-/// r, |r| <= ln 2 / 2, and exp r by its Taylor polynomial of degree 13, whose remainder is below 5e-18.
+/// exp x and exp x - 1, each to a relative 4e-16; x is clamped to |x| <= 690. exp x = 2^k exp r, |r| <= ln 2 / 2,
+/// with exp r from its Taylor polynomial of degree 13, whose remainder is below 5e-18.
 POLHODE_INLINE void exponential(const Octet& argument, Octet& value, Octet& less_one) {
     const Octet x = larger(smaller(argument, octet(690)), octet(-690));
     const Octet k = rounded(x * 0x1.71547652b82fep0);

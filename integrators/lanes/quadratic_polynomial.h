@@ -1,12 +1,12 @@
-// Polynomials of degree two as a scalar: evaluated in them, the one right-hand side gives its own coefficients.
+// Quadratic polynomials as a scalar type. Evaluating the right-hand side on them gives its coefficients.
 #pragma once
 
 #include <array>
 
 namespace polhode {
 
-/// constant + sum of linear[i] x_i + sum over i <= j of quadratic[i][j] x_i x_j. A product of higher degree is cut off,
-/// and `exact` is then false.
+/// constant + sum of linear[i] x_i + sum over i <= j of quadratic[i][j] x_i x_j. Products of higher degree are
+/// truncated and clear `exact`.
 template <int variables>
 struct QuadraticPolynomial {
     double constant = 0;
@@ -17,7 +17,7 @@ struct QuadraticPolynomial {
     QuadraticPolynomial() = default;
     // NOLINTNEXTLINE(google-explicit-constructor): a number is a polynomial
     QuadraticPolynomial(double value) : constant(value) {}
-    /// x_i
+    /// The variable x_i.
     static QuadraticPolynomial variable(int i) {
         QuadraticPolynomial x;
         x.linear[i] = 1;

@@ -8,10 +8,10 @@ namespace {
 constexpr int rates = 3, attitude = 3;  // w = x_0..x_2, q = x_3..x_6
 using Polynomial = QuadraticPolynomial<7>;
 
-/// The monomials in the order of RotationCoefficients::monomial.
+/// Index pairs of the monomials, in the order of RotationCoefficients::monomial.
 constexpr int pairs[10][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}, {0, 0}, {1, 1}, {2, 2}, {3, 3}};
 
-/// Whether nothing acts but tau = (0, 0, m) x (2(xz - wy), 2(yz + wx), ..).
+/// Returns whether the torque has the form (0, 0, m) x (2(xz - wy), 2(yz + wx), ..) and nothing else.
 bool axial_field(const Vector3<Polynomial>& tau) {
     const double twice = tau[1].quadratic[4][6];
     for (int i = 0; i < 3; ++i)
@@ -28,7 +28,7 @@ bool axial_field(const Vector3<Polynomial>& tau) {
     return true;
 }
 
-/// The torque as a polynomial in (w, q); nullopt where it is none of degree two, or not of the form held here.
+/// Returns the torque as a polynomial in (w, q), or nullopt if it is not of degree two or not of the supported form.
 std::optional<Vector3<Polynomial>> polynomial_torque(const Forcing<double>& forcing) {
     if (!forcing.user_torques.empty() || (!forcing.world_points.empty() && !forcing.pivoted)) return std::nullopt;
     const auto x = [](int i) { return Polynomial::variable(i); };
@@ -51,7 +51,7 @@ std::optional<Vector3<Polynomial>> polynomial_torque(const Forcing<double>& forc
 std::optional<RotationCoefficients> rotation_coefficients(const PrincipalInertia<double>& inertia,
                                                           const Forcing<double>* forcing) {
     RotationCoefficients c;
-    // signs of the products in attitude_rate()
+    // Signs of the products in attitude_rate().
     constexpr double half[3][4] = {{-0.5, 0.5, 0.5, 0.5}, {-0.5, 0.5, 0.5, 0.5}, {-0.5, -0.5, -0.5, -0.5}};
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 4; ++k) c.product[i][attitude + k] = half[i][k];

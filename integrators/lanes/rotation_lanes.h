@@ -1,11 +1,11 @@
-// The right-hand side of rotations on one register of eight lanes, y = (w1, w2, w3, q_w, q_x, q_y, q_z, 0): sums of
-// products of permuted copies of y.
+// Right-hand side of rotations in one register of eight lanes, y = (w1, w2, w3, q_w, q_x, q_y, q_z, 0), as sums of
+// products of permuted copies of y:
 //
 //   dw1/dt = (I2 - I3)/I1 w2 w3 + tau1/I1 and cyclic,   dq/dt = 1/2 q (0, w)
 //
-// tau = tau_0 - D w + quadratic forms in q: fields about a pivot, torques constant in the world, springs.
+// with tau = tau_0 - D w + quadratic forms in q: fields about a pivot, torques constant in the world, springs.
 //
-// Everything is inlined into functions made for one instruction set: see lanes.h.
+// Everything is inlined into functions compiled for one instruction set, see lanes.h.
 #pragma once
 
 #include <optional>
@@ -17,47 +17,47 @@
 
 namespace polhode {
 
-/// Which torques there are: the fewer, the fewer products.
+/// Supported torque terms. Fewer terms need fewer products.
 enum class RotationTerms {
     none,
-    axial_field,  ///< a field along the world's z on a moment along the third axis, as in Lagrange's top
+    axial_field,  ///< field along the world z axis acting on a moment along the third axis, as in Lagrange's top
     quadratic,    ///< any tau_0, - D w and quadratic forms in q
 };
 
-/// Eight lanes a row.
+/// Coefficients of the right-hand side, eight lanes per row.
 struct RotationCoefficients {
     RotationTerms terms = RotationTerms::none;
-    alignas(64) double product[3][8] = {};  ///< of the three products of every rotation
-    alignas(64) double response[8] = {};    ///< the inverse moments, then ones
+    alignas(64) double product[3][8] = {};  ///< factors of the three products of every rotation
+    alignas(64) double response[8] = {};    ///< inverse moments, then ones
     alignas(64) double constant[8] = {};    ///< tau_0
-    alignas(64) double damping[3][8] = {};  ///< -D, a column each
+    alignas(64) double damping[3][8] = {};  ///< -D, by columns
     alignas(
         64) double monomial[10][8] = {};  ///< of wx, wy, wz, xy, xz, yz, ww, xx, yy, zz in q: the torque's coefficients
 };
 
-/// nullopt where a torque is of another form: the user's own, or one that needs the position.
+/// Returns nullopt if a torque has another form: user-defined, or dependent on the position.
 std::optional<RotationCoefficients> rotation_coefficients(const PrincipalInertia<double>& inertia,
                                                           const Forcing<double>* forcing);
 
-/// A rotation's state: y + lost, `lost` being what the last addition rounded away.
+/// State of a rotation: y + lost, where `lost` is the rounding error of the last addition.
 struct RotationState {
     alignas(64) double y[8] = {}, lost[8] = {};
 };
 
-/// What a step gave: the squared errors are sums over the components, in units of what is allowed of each.
+/// Result of a step. Squared errors are sums over the components, in units of the allowed error of each.
 struct RotationStep {
     RotationState state;
     double squared_error = 0;
     double squared_error_before = 0;  ///< of lower order in the step
 };
 
-/// What is allowed of each component; positive, also in the lane that is none.
+/// Allowed error of each component; positive, also in the unused lane.
 struct RotationAllowance {
     alignas(64) double squared_scale[8] = {};
-    double rounding = 0;  ///< more for every unit of increment, and of its amplification where there is any
+    double rounding = 0;  ///< additional allowance per unit of increment, times the amplification if any
 };
 
-/// Eight lanes where the registers are narrower.
+/// Eight lanes in two narrower registers.
 struct LaneHalves {
     Lanes4 low, high;
 
@@ -88,7 +88,7 @@ POLHODE_INLINE void store(double* values, const LaneHalves& r) {
     *reinterpret_cast<Lanes4*>(values) = r.low;
     *reinterpret_cast<Lanes4*>(values + 4) = r.high;
 }
-/// x in every lane
+/// x in every lane.
 template <class Register>
 POLHODE_INLINE Register broadcast(double x) {
     if constexpr (requires(Register r) { r.low; }) {
@@ -97,7 +97,7 @@ POLHODE_INLINE Register broadcast(double x) {
         return Lanes8{x, x, x, x, x, x, x, x};
     }
 }
-/// Lane k is lane i_k of r.
+/// Lane k of the result is lane i_k of r.
 template <int i0, int i1, int i2, int i3, int i4, int i5, int i6, int i7>
 POLHODE_INLINE Lanes8 permuted(const Lanes8& r) {
     return __builtin_shufflevector(r, r, i0, i1, i2, i3, i4, i5, i6, i7);
@@ -112,7 +112,7 @@ POLHODE_INLINE Register lane(const Register& r) {
     return permuted<i, i, i, i, i, i, i, i>(r);
 }
 
-/// dy/dt, its coefficients kept in registers.
+/// dy/dt, with its coefficients in registers.
 template <RotationTerms terms, class Register>
 class RotationRate {
   public:
@@ -123,8 +123,8 @@ class RotationRate {
           third_(loaded<Register>(c.product[2])),
           response_(loaded<Register>(c.response)) {}
 
-    // Lanes 0..2: gyroscopic, w2 w3 and cyclic; in an axial field m also -2m (yz + wx) and 2m (xz - wy).
-    // Lanes 3..6: 1/2 times (-x w1 - y w2 - z w3,  w w1 + y w3 - z w2,  w w2 + z w1 - x w3,  w w3 + x w2 - y w1).
+    // Lanes 0..2: gyroscopic terms, w2 w3 and cyclic; in an axial field m also -2m (yz + wx) and 2m (xz - wy). Lanes
+    // 3..6: 1/2 times (-x w1 - y w2 - z w3,  w w1 + y w3 - z w2,  w w2 + z w1 - x w3,  w w3 + x w2 - y w1).
     POLHODE_INLINE Register operator()(const Register& y) const {
         const Register a = first_ * (permuted<1, 2, 0, 4, 3, 3, 3, 7>(y) * permuted<2, 0, 1, 0, 0, 1, 2, 7>(y));
         const Register b = second_ * (permuted<5, 4, 7, 5, 5, 6, 4, 7>(y) * permuted<6, 6, 7, 1, 2, 0, 1, 7>(y));
@@ -162,7 +162,7 @@ class RotationRate {
     Register first_, second_, third_, response_;
 };
 
-/// f(integral_constant 0), f(1), .. f(count - 1)
+/// Calls f(integral_constant 0), f(1), .. f(count - 1).
 template <class F, int... i>
 POLHODE_INLINE void unrolled(std::integer_sequence<int, i...>, const F& f) {
     (f(std::integral_constant<int, i>()), ...);
@@ -172,6 +172,7 @@ POLHODE_INLINE void unrolled(const F& f) {
     unrolled(std::make_integer_sequence<int, count>(), f);
 }
 
+/// Sum of all lanes, in an order that is the same for every instruction set.
 template <class Register>
 POLHODE_INLINE double sum_of(const Register& values) {
     const Register pairs = values + permuted<1, 0, 3, 2, 5, 4, 7, 6>(values);
@@ -181,13 +182,13 @@ POLHODE_INLINE double sum_of(const Register& values) {
     return sums[0] + sums[4];
 }
 
-/// The sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2; not a number where an error is none.
+/// Sum of (error_i / allowed_i)^2, allowed_i^2 = scale_i^2 + (rounding z_i)^2. NaN if an error is NaN.
 template <class Register>
 POLHODE_INLINE double squared_norm(const Register& error, const Register& allowed) {
     return sum_of((error * error) / allowed);
 }
 
-/// What rounding takes from sum = a + b (Knuth's sum).
+/// Rounding error of sum = a + b (Knuth's TwoSum).
 template <class Register>
 POLHODE_INLINE Register rounded_away(const Register& a, const Register& b, const Register& sum) {
     const Register part = sum - a;

@@ -1,14 +1,14 @@
-// A mechanism in maximal coordinates as a differential-algebraic system, for solvers of such: the multipliers are
-// unknowns of their own.
+// A mechanism in maximal coordinates as a differential-algebraic system, for DAE solvers. The multipliers are
+// separate unknowns.
 //
 //   index 1:  y' = f(y, lambda),                 0 = d2g/dt2
-//   index 2:  y' = f(y, lambda) + what mu moves, 0 = g(y),  0 = dg/dt,  0 = |q|^2 - 1 of each body
+//   index 2:  y' = f(y, lambda) + position terms in mu and nu,  0 = g(y),  0 = dg/dt,  0 = |q|^2 - 1 of each body
 //
-// the second in the stabilised form of C. W. Gear, B. Leimkuhler & G. K. Gupta 1985 (J. Comput. Appl. Math. 12-13,
-// 77-90): mu moves positions the way lambda moves momenta, and nu changes the lengths of quaternions; both vanish but
-// for the integration's error.
+// Index 2 is the stabilised form of C. W. Gear, B. Leimkuhler & G. K. Gupta 1985 (J. Comput. Appl. Math. 12-13,
+// 77-90): mu changes positions as lambda changes momenta, and nu changes the norms of quaternions. Both vanish except
+// for integration errors.
 //
-// Index 2 is not available where a body has no mass or a moment of zero: the force of an added inertia
+// Index 2 is not available where a body has no mass or a zero moment: the force of an added inertia
 // (Kind::added_inertia) has no counterpart among positions.
 #pragma once
 
@@ -21,21 +21,23 @@
 
 namespace polhode::maximal {
 
+/// Index of the differential-algebraic system.
 enum class Index { one, two };
 
-/// Unknowns, or equations, that are looked at together: a body's y and nu, or a link's multipliers and angles.
+/// Unknowns or equations that are treated together: y and nu of a body, or the multipliers and angles of a link.
 struct Group {
     std::vector<int> unknowns;
-    std::vector<int> met_by;  ///< groups whose equations these unknowns may stand in
-    int color = 0;            ///< no equation holds unknowns of two groups of one colour
+    std::vector<int> met_by;  ///< groups whose equations may contain these unknowns
+    int color = 0;            ///< no equation contains unknowns of two groups of one colour
 };
 
+/// Evaluates the equations and groups unknowns for a sparse Jacobian.
 template <class P>
 class ConstrainedEquations {
   public:
     static constexpr int most_in_group = 14;  ///< q, p, L, P and nu; or 6 lambda, 6 mu, 2 angles
 
-    /// The system must outlive it.
+    /// `system` must outlive this object.
     ConstrainedEquations(const System<P>& system, Index index) : system_(&system), index_(index) {
         lambda_ = system.dimension();
         mu_ = lambda_ + system.dynamics().rows();
@@ -44,9 +46,9 @@ class ConstrainedEquations {
         find_groups();
     }
 
-    /// The unknowns are y, lambda, and then mu and nu of index 2.
+    /// Number of unknowns: y, lambda and, with index 2, mu and nu.
     int unknowns() const { return count_; }
-    /// Those of y.
+    /// Number of differential unknowns, those of y.
     int differential() const { return lambda_; }
     int lambda() const { return lambda_; }
     int mu() const { return mu_; }
@@ -54,7 +56,7 @@ class ConstrainedEquations {
     const std::vector<Group>& groups() const { return groups_; }
     int colors() const { return colors_; }
 
-    /// Of the first equations y', of the others what vanishes.
+    /// Computes y' for the differential equations and the residuals of the others.
     template <class S>
     void evaluate(const S* z, S* result) const {
         const Mechanism<P>& mechanism = system_->mechanism();
@@ -104,7 +106,7 @@ class ConstrainedEquations {
         const Mechanism<P>& mechanism = system_->mechanism();
         const int bodies = mechanism.world(), links = static_cast<int>(mechanism.links.size());
         groups_.resize(bodies + links);
-        // which bodies feel each other, and which links hold each
+        // bodies that interact with each body, and links attached to it
         std::vector<std::set<int>> near(bodies), held_by(bodies);
         const auto join = [&](int a, int b) {
             if (mechanism.movable(a) && mechanism.movable(b)) near[a].insert(b), near[b].insert(a);
@@ -152,7 +154,7 @@ class ConstrainedEquations {
             }
             group.met_by.assign(met.begin(), met.end());
         }
-        // each group in turn takes the first colour that none has whose unknowns it meets
+        // Greedy colouring: each group takes the first colour not used by any group that shares an equation with it.
         std::vector<std::set<int>> taken(groups_.size());
         for (Group& group : groups_) {
             if (group.unknowns.empty()) continue;

@@ -1,12 +1,13 @@
-// The dynamics of a mechanism in maximal coordinates: momenta change by what acts and by what the links hold with,
+// Dynamics of a mechanism in maximal coordinates. Momenta change by loads and by the links' constraint forces,
 //   dP/dt = F + sum f lambda,   dL/dt = tau + sum (arm x f + g) lambda,
-// and the multipliers follow from the accelerations that must vanish: (G M^-1 G^T) lambda = -(G M^-1 load + bias). Two
-// links meet in this matrix where they hold the same body; eliminated from the leaves to the roots, and loops last,
-// those of a tree fill nothing in.
+// and the multipliers follow from the constraint accelerations, which must vanish: (G M^-1 G^T) lambda = -(G M^-1
+// load + bias). Two links are coupled in this matrix if they hold the same body. Eliminated from the leaves to the
+// roots, with loops last, the links of a tree produce no fill-in.
 //
-// A body without mass or without a moment of inertia has rows of its own (Kind::added_inertia), after those of all
-// joints that hold it. Where the mass matrix of the joints' coordinates is regular the constraints' part of what is
-// left is positive definite and theirs negative definite, so that no pivot vanishes in this order either.
+// A body without mass or with a zero moment of inertia has additional rows (Kind::added_inertia), ordered after those
+// of all joints that hold it. Where the mass matrix of the joint coordinates is regular, the remaining block of the
+// constraints is positive definite and that of the added inertias negative definite, so no pivot vanishes in this
+// order either.
 #pragma once
 
 #include <set>
@@ -19,14 +20,15 @@
 
 namespace polhode::maximal {
 
-/// All rows of a mechanism at one state: of each link its constraints, those that are kept.
+/// All rows of a mechanism at one state: for each link its kept constraints.
 template <class S>
 using Rows = std::vector<std::vector<Row<S>>>;
 
+/// Computes constraint rows, multipliers and constraint errors of a mechanism.
 template <class P>
 class Dynamics {
   public:
-    /// The mechanism must outlive it.
+    /// `mechanism` must outlive this object.
     explicit Dynamics(const Mechanism<P>& mechanism) : mechanism_(&mechanism), kept_(mechanism.links.size()) {
         for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
             const Link<P>& link = mechanism.links[k];
@@ -39,13 +41,13 @@ class Dynamics {
         arrange();
     }
 
-    /// How many multipliers there are.
+    /// Number of multipliers.
     int rows() const { return pattern_.size(); }
-    /// Of a link: which of its constraints are kept, and the number of its first multiplier.
+    /// For a link: the constraints that are kept, and the index of its first multiplier.
     const std::vector<int>& kept(std::size_t link) const { return kept_[link]; }
     int first_row(std::size_t link) const { return first_row_[link]; }
 
-    /// The constraints at a state; the last placement is the world's.
+    /// The constraints at a state. The last placement is the world's.
     template <class S>
     Rows<S> constraints(const std::vector<Placement<S>>& at) const {
         Rows<S> all(mechanism_->links.size());
@@ -56,7 +58,7 @@ class Dynamics {
         return all;
     }
 
-    /// The accelerations that the rows' vanish by, the other way round, under all that acts on the bodies.
+    /// Negative accelerations along the rows, under all that acts on the bodies, without constraint forces.
     template <class S>
     std::vector<S> decelerations(const std::vector<Placement<S>>& at, const Rows<S>& rows,
                                  const std::vector<Wrench<S>>& on) const {
@@ -74,15 +76,15 @@ class Dynamics {
         }
         return result;
     }
-    /// The multipliers that make every row's acceleration vanish under what acts on the bodies.
+    /// The multipliers for which the acceleration along every row vanishes, under all that acts on the bodies.
     template <class S>
     std::vector<S> multipliers(const std::vector<Placement<S>>& at, const Rows<S>& rows,
                                const std::vector<Wrench<S>>& on) const {
         return solved(rows, decelerations(at, rows, on));
     }
 
-    /// The impulses along the rows that take the velocities back onto the constraints, with momenta `on` added to each
-    /// body.
+    /// The impulses along the rows that restore the velocity constraints after momenta `on` have been added to the
+    /// bodies.
     std::vector<P> impulses(const std::vector<Placement<P>>& at, const Rows<P>& rows,
                             const std::vector<Wrench<P>>& on) const {
         std::vector<P> right(static_cast<std::size_t>(rows_count_), P(0));
@@ -94,7 +96,7 @@ class Dynamics {
                 at[b].angular_velocity_B + body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W));
             subtract_motion(b, rows, v, w, right);
         }
-        // the force of an added inertia changes its momentum by what the impulses add to the velocity alone
+        // The force of an added inertia changes its momentum only by the change of velocity due to the impulses.
         for_added([&](int b, std::size_t k, std::size_t i) {
             const Row<P>& row = rows[k][i];
             P& sum = right[first_row_[k] + i];
@@ -103,7 +105,7 @@ class Dynamics {
         return solved(rows, std::move(right));
     }
 
-    /// Adds lambda / m' and lambda / j' to the rows of added inertias: see Kind::added_inertia.
+    /// Adds lambda / m' and lambda / j' to the rows of added inertias, see Kind::added_inertia.
     template <class S>
     void add_compliance(const S* lambda, std::vector<S>& rows) const {
         for_added([&](int, std::size_t k, std::size_t i) {
@@ -112,7 +114,7 @@ class Dynamics {
         });
     }
 
-    /// Adds what the links hold with.
+    /// Adds the constraint forces of the links.
     template <class S>
     void add_held(const Rows<S>& rows, const std::vector<S>& lambda, std::vector<Wrench<S>>& on) const {
         for (const int k : order_)
@@ -122,7 +124,7 @@ class Dynamics {
             }
     }
 
-    /// What the velocities break the constraints by, a number for each row, the other way round.
+    /// Negative velocity errors, one per row.
     template <class S>
     std::vector<S> slips(const std::vector<Placement<S>>& at, const Rows<S>& rows) const {
         std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
@@ -131,7 +133,7 @@ class Dynamics {
         for_added([&](int, std::size_t k, std::size_t i) { result[first_row_[k] + i] = S(P(0)); });
         return result;
     }
-    /// What the positions break the constraints by, a number for each row.
+    /// Position errors, one per row.
     template <class S>
     std::vector<S> gaps(const std::vector<Placement<S>>& at) const {
         std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
@@ -142,16 +144,16 @@ class Dynamics {
         return result;
     }
 
-    /// What the loops' rows have left to say once the joints' are met, at a state: the Schur complement of their part
-    /// of the matrix, and its diagonal before.
+    /// The Schur complement of the loops' block of the matrix, after elimination of the joints, and the block's
+    /// diagonal before the elimination.
     std::pair<Dense<P>, std::vector<P>> loops(const std::vector<Placement<P>>& at) const {
         std::vector<P> A = assembled(constraints(at));
         std::vector<P> begin(A.begin() + trees_, A.begin() + rows_count_);
         pattern_.factorize(A, trees_);
         return {loop_part(A), std::move(begin)};
     }
-    /// Keeps of the loops' rows those with a mark, in the order of loops(); `rank` of them are independent. Where they
-    /// are more the multipliers are the shortest, each counted by its scale.
+    /// Keeps the marked rows of the loops, in the order of loops(). `rank` of them are independent. If more are kept,
+    /// the multipliers are those of minimum norm, weighted by `scales`.
     void keep(const std::vector<char>& marks, int rank, std::vector<P> scales) {
         for (const int k : order_) {
             if (!mechanism_->links[k].closes) continue;
@@ -164,25 +166,25 @@ class Dynamics {
         rank_ = rank;
         scales_ = std::move(scales);
     }
-    /// How many of the rows are independent.
+    /// Number of independent rows.
     int independent_rows() const { return trees_ + rank_; }
 
   private:
     struct Attached {
         int link;
-        bool to;  ///< the body is the one that the link leads to
+        bool to;  ///< whether the body is the link's second body
     };
     const Mechanism<P>* mechanism_;
-    std::vector<std::vector<int>> kept_;           // of each link
-    std::vector<int> order_, first_row_;           // links as they are eliminated; of each link
-    int rows_count_ = 0, trees_ = 0;               // all, and those of joints, which come first
+    std::vector<std::vector<int>> kept_;           // by link
+    std::vector<int> order_, first_row_;           // elimination order of the links; by link
+    int rows_count_ = 0, trees_ = 0;               // all rows; rows of joints, which come first
     int rank_ = 0;                                 // of the loops' rows
-    std::vector<P> scales_;                        // of each of them, where they are more
-    std::vector<std::vector<Attached>> attached_;  // to each movable body
+    std::vector<P> scales_;                        // of the loops' rows, if they are redundant
+    std::vector<std::vector<Attached>> attached_;  // by movable body
     SparsePattern pattern_;
-    std::vector<int> targets_;  // of each product of two rows in turn
+    std::vector<int> targets_;  // by product of two rows, in the order of for_pairs()
 
-    // links of the deepest bodies first, loops after all
+    // Links of the deepest bodies come first, loops last.
     int rank_of(int k) const {
         const Link<P>& link = mechanism_->links[k];
         return link.closes ? -1 : mechanism_->depth[link.to.body];
@@ -219,14 +221,14 @@ class Dynamics {
     const P& compliance(std::size_t k, std::size_t i) const {
         return mechanism_->links[k].compliance[static_cast<std::size_t>(kept_[k][i])];
     }
-    // each row of an added inertia: its body, link and number there
+    // Visits each row of an added inertia: body, link and row index.
     template <class Do>
     void for_added(Do&& act) const {
         for (const int k : order_)
             for (std::size_t i = 0; mechanism_->links[k].kind == Kind::added_inertia && i < kept_[k].size(); ++i)
                 act(mechanism_->links[k].to.body, static_cast<std::size_t>(k), i);
     }
-    // each pair of rows that meet in a body, in a fixed order
+    // Visits each pair of rows that share a body, in a fixed order.
     template <class Do>
     void for_pairs(Do&& act) const {
         for (int b = 0; b < mechanism_->world(); ++b)
@@ -244,7 +246,7 @@ class Dynamics {
     static const Vector3<S>& side(const Row<S>& row, bool to) {
         return to ? row.to_B : row.from_B;
     }
-    // right -= G_b (a, w) for a body that moves by these
+    // right -= G_b (a, w) for a body that moves with (a, w).
     template <class S>
     void subtract_motion(int b, const Rows<S>& rows, const Vector3<S>& a, const Vector3<S>& w,
                          std::vector<S>& right) const {
@@ -260,7 +262,7 @@ class Dynamics {
     std::vector<S> assembled(const Rows<S>& rows) const {
         std::vector<S> A(static_cast<std::size_t>(pattern_.entries()), S(P(0)));
         std::size_t next = 0;
-        // I^-1 times a row's torque serves all rows that it meets
+        // I^-1 times a row's torque is reused for all its pairs.
         const Row<S>* seen = nullptr;
         Vector3<S> turned;
         for_pairs([&](int b, const Attached& x, std::size_t i, int, const Attached& y, std::size_t j, int) {

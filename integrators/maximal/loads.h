@@ -1,5 +1,4 @@
-// What acts on the bodies of a mechanism, straight from the scene's loads: forces and torques on each body, and
-// generalized forces on the joints.
+// The loads of a scene on a mechanism: forces and torques on each body, and generalized forces on the joints.
 #pragma once
 
 #include <array>
@@ -10,14 +9,15 @@
 
 namespace polhode::maximal {
 
-/// Force and torque on a body about its centre of mass, or momenta that it is given; torques in two frames.
+/// Force and torque on a body about its centre of mass, or the corresponding momenta. Torques are given in two
+/// frames.
 template <class S>
 struct Wrench {
     Vector3<S> force_W;   ///< N
     Vector3<S> torque_W;  ///< N m, world axes
-    Vector3<S> torque_B;  ///< N m more, body axes
+    Vector3<S> torque_B;  ///< N m, additional torque in body axes
 
-    /// Adds `size` times a row, seen from the one side or the other.
+    /// Adds `size` times a row, as it acts on the link's second or first body.
     void add_to(const Row<S>& row, const S& size) {
         force_W = force_W + size * row.force_W;
         torque_B = torque_B + size * row.to_B;
@@ -33,7 +33,7 @@ template <class P>
 class Loads {
   public:
     Loads() = default;
-    /// Those that act from `begin` on; the mechanism must outlive them.
+    /// Selects the loads that act from `begin` (s) on. `mechanism` must outlive this object.
     Loads(const Mechanism<P>& mechanism, double begin) : mechanism_(&mechanism), motors_(mechanism.links.size(), P(0)) {
         for (const Load& load : mechanism.scene().loads) {
             const Window window = window_of(load);
@@ -51,7 +51,7 @@ class Loads {
     /// The sum of the motors on a joint.
     const P& motor(std::size_t link) const { return motors_[link]; }
 
-    /// Adds what acts on each body; the last placement is the world's.
+    /// Adds the loads on each body. The last placement is the world's.
     template <class S>
     void add(const std::vector<Placement<S>>& at, std::vector<Wrench<S>>& on) const {
         for (const Load* load : acting_) {
@@ -74,7 +74,7 @@ class Loads {
                 on[b].torque_B = on[b].torque_B - Vector3<S>(c[0] * w[0], c[1] * w[1], c[2] * w[2]);
                 on[b].force_W = on[b].force_W - P(drag->translational) * at[b].velocity_W;
             } else if (const auto* spring = std::get_if<Spring>(load)) {
-                // q q_rest* turns the rest attitude into the present one, about an axis in the world
+                // q q_rest* rotates the rest attitude to the current one, about an axis in world coordinates.
                 const int b = mechanism_->number_of(spring->body);
                 const Quaternion<S> turn = at[b].q * conjugate(normalized(cast<P>(spring->rest_orientation)));
                 on[b].torque_W = on[b].torque_W - (P(2) * P(spring->stiffness)) * (turn.w * vector_part(turn));
@@ -84,8 +84,8 @@ class Loads {
         }
     }
 
-    /// The momenta that impulses at that very time bring about on each body, as if it were alone; whether there are
-    /// any.
+    /// Adds the momenta that the impulses at exactly this time give each body if it were free. Returns whether there
+    /// are any.
     bool add_impulses(double time, const std::vector<Placement<P>>& at, std::vector<Wrench<P>>& on) const {
         bool any = false;
         for (const Load& load : mechanism_->scene().loads)
@@ -99,7 +99,7 @@ class Loads {
     std::vector<const Load*> acting_;
     std::vector<P> motors_;
 
-    // a force or an impulse
+    // A force or an impulse.
     template <class S, class AtPoint>
     void add_at_point(const AtPoint& load, const std::vector<Placement<S>>& at, std::vector<Wrench<S>>& on) const {
         const int b = mechanism_->number_of(load.body);
@@ -114,7 +114,7 @@ class Loads {
             on[b].torque_B = on[b].torque_B + cross(mechanism_->arm(b, load.point), F_B);
         }
     }
-    // k (d - d0) along the line between two points
+    // k (d - d0) along the line between two points.
     template <class S>
     void add_tie(const PointSpring& tie, const std::vector<Placement<S>>& at, std::vector<Wrench<S>>& on) const {
         const int first = mechanism_->number_of(tie.first), second = mechanism_->number_of(tie.second);
@@ -133,8 +133,8 @@ class Loads {
     }
 };
 
-/// What a joint's own spring, damper and motor do: rows with their sizes. `angles`: those that count turns; the last
-/// placement is the world's.
+/// Rows and magnitudes of the forces of a joint's spring, damper and motor. `angles`: the angles that count
+/// revolutions. The last placement is the world's.
 template <class P, class S>
 std::vector<std::pair<Row<S>, S>> own_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, std::size_t k,
                                              const std::vector<Placement<S>>& at, const S* angles) {
@@ -159,7 +159,7 @@ std::vector<std::pair<Row<S>, S>> own_forces(const Mechanism<P>& mechanism, cons
     return forces;
 }
 
-/// Adds what acts on each body: loads, and the joints' own springs, dampers and motors.
+/// Adds all forces on each body: loads, and the springs, dampers and motors of the joints.
 template <class P, class S>
 void add_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, const std::vector<Placement<S>>& at,
                 const S* angles, std::vector<Wrench<S>>& on) {

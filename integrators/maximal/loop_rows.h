@@ -1,6 +1,6 @@
-// Which rows of loops are kept. Those that are redundant at the start, and stay so however the mechanism moves (a
-// plane's, an axis' that is parallel to others), are dropped for good. Where another row would have to be dropped at
-// another state (Bricard's mechanisms), all stay, and the multipliers are the shortest.
+// Selects the loop constraint rows that are kept. Rows that are redundant at the start and remain redundant as the
+// mechanism moves (in a planar mechanism, or with parallel axes) are removed permanently. If the set of redundant
+// rows depends on the state (Bricard's mechanisms), all are kept, and the multipliers are those of minimum norm.
 #pragma once
 
 #include <cmath>
@@ -11,11 +11,11 @@
 
 namespace polhode::maximal {
 
-/// The placements a little later on a motion that the constraints allow: 1e-5 rad at most.
+/// Returns placements slightly later on a motion that the constraints allow: at most 1e-5 rad.
 template <class P>
 std::vector<Placement<P>> moved_a_little(const Mechanism<P>& mechanism, const Dynamics<P>& dynamics,
                                          std::vector<Placement<P>> at) {
-    // some velocities, of no particular direction
+    // Arbitrary velocities, without a preferred direction.
     std::vector<Wrench<P>> given(at.size());
     double seed = 1;
     const auto any = [&] {
@@ -49,13 +49,14 @@ std::vector<Placement<P>> moved_a_little(const Mechanism<P>& mechanism, const Dy
     return at;
 }
 
-/// What is done about rows whose redundancy changes as the mechanism moves.
+/// Treatment of rows whose redundancy changes as the mechanism moves.
 enum class LoopRows {
-    shortest,     ///< all stay, and the multipliers are the shortest
-    independent,  ///< those that are redundant at the start are dropped: an L D L^T goes through, as far as it does
+    shortest,     ///< keep all rows and use multipliers of minimum norm
+    independent,  ///< remove the rows that are redundant at the start; L D L^T then works while the others stay
+                  ///< independent
 };
 
-/// Chooses the loops' rows at the start.
+/// Selects the loops' rows at the start.
 template <class P>
 void choose_loop_rows(const Mechanism<P>& mechanism, Dynamics<P>& dynamics, const std::vector<Placement<P>>& start,
                       LoopRows loops = LoopRows::shortest) {
@@ -69,7 +70,7 @@ void choose_loop_rows(const Mechanism<P>& mechanism, Dynamics<P>& dynamics, cons
     dynamics.keep(choice.taken, choice.rank, {});
     if (loops == LoopRows::independent) return;
 
-    // what a matrix makes of a vector that it should map to zero, relative to its entries
+    // Relative size of A x for a vector x that A should map to zero.
     const auto rest = [&](const Dense<P>& A, const std::vector<P>& x) {
         P largest(0), whole(0);
         for (std::size_t i = 0; i < n; ++i) {

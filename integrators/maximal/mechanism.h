@@ -1,5 +1,8 @@
-// A scene of several bodies in maximal coordinates: every body with all six freedoms, every joint and loop as something
-// that holds two of them together. Numbers are exact functions of the scene's, in the scalar P.
+// A scene of several bodies in maximal coordinates: every body has all six degrees of freedom, and every joint or
+// loop is a link that constrains two bodies. All numbers are exact functions of the scene's numbers, in the scalar P.
+//
+// HeldBody holds mass properties, Link a joint or loop with its constraints, Mechanism all of them. Bodies with zero
+// mass or moments get an added inertia (Kind::added_inertia).
 #pragma once
 
 #include <algorithm>
@@ -17,82 +20,82 @@
 
 namespace polhode::maximal {
 
-/// A body by its mass properties, body axes.
+/// A body's mass properties, in body axes.
 template <class P>
 struct HeldBody {
-    P mass = P(1);               ///< kg, with added_mass
-    Vector3<P> center;           ///< of mass, from the body's origin, m
-    Matrix3<P> inertia;          ///< about the centre of mass, kg m^2, with added_moment about each axis
+    P mass = P(1);               ///< kg, including added_mass
+    Vector3<P> center;           ///< centre of mass, from the body's origin, m
+    Matrix3<P> inertia;          ///< about the centre of mass, kg m^2, including added_moment about each axis
     Matrix3<P> inverse_inertia;  ///< its inverse
-    bool movable = true;         ///< not held to the world by fixed joints alone
-    P added_mass = P(0);         ///< kg: what a body without mass is given; see Kind::added_inertia
-    P added_moment = P(0);       ///< kg m^2: the same of a body with a principal moment of zero
+    bool movable = true;         ///< false if fixed joints attach it to the world
+    P added_mass = P(0);         ///< kg, for a body without mass; see Kind::added_inertia
+    P added_moment = P(0);       ///< kg m^2, for a body with a zero principal moment
 
-    /// No more than the smallest principal moment, and no less than 3/5 of it: 1 / |I^-1|.
+    /// 1 / |I^-1|: between 3/5 of the smallest principal moment and this moment.
     P least_moment() const {
         P square(0);
         for (int i = 0; i < 3; ++i) square += dot(inverse_inertia[i], inverse_inertia[i]);
         return P(1) / square_root(square);
     }
-    /// How far its mass is from its centre, m: the root of tr I / (2 m), the mean square of the distance.
+    /// Root mean square distance of the mass from its centre, m: sqrt(tr I / (2 m)).
     P reach() const { return square_root(P((inertia[0][0] + inertia[1][1] + inertia[2][2]) / (P(2) * mass))); }
 };
 
-/// Where a joint or a loop takes hold of a body.
+/// Attachment point of a joint or loop on a body.
 template <class P>
 struct Hold {
-    int body = 0;      ///< in the scene's order; the number of bodies is the world
-    Vector3<P> arm_B;  ///< from the centre of mass (of the world: from its origin) to the point, body axes, m
+    int body = 0;      ///< index in the scene; the number of bodies stands for the world
+    Vector3<P> arm_B;  ///< from the centre of mass (for the world: from its origin) to the point, body axes, m
 };
 
-/// What a joint or a loop prevents.
+/// What a joint or loop constrains.
 ///
-/// `added_inertia` prevents nothing. A body without mass, a point mass or a rod has no inverse of its mass or of its
-/// tensor. It moves with a mass m' and a moment j' about each axis added, and the force m' a and the torque j' w' act
-/// on it beside all else, which is the motion without them: (m + m') a = F + m' a. These forces are unknowns like the
-/// multipliers of constraints, with rows a - lambda / m' = 0 and w' - lambda / j' = 0 of their own.
+/// `added_inertia` constrains nothing. A body without mass, a point mass or a rod has no inverse mass or inverse
+/// tensor. It therefore gets an added mass m' and moments j' about each axis, and the force m' a and the torque j' w'
+/// act on it in addition to all else. This leaves its motion unchanged: (m + m') a = F + m' a. These forces are
+/// unknowns like the multipliers of constraints, with additional rows a - lambda / m' = 0 and w' - lambda / j' = 0.
 enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia };
 
 /// A joint (from the parent to the child) or a loop (from the first body to the second).
 template <class P>
 struct Link {
-    std::string name;                         ///< as the scene has it
-    Kind kind = Kind::revolute;               ///< what it prevents
-    bool closes = false;                      ///< a loop's, no tree's
-    Hold<P> from, to;                         ///< the two bodies
+    std::string name;                         ///< as in the scene
+    Kind kind = Kind::revolute;               ///< type of constraint
+    bool closes = false;                      ///< a loop rather than a joint of the tree
+    Hold<P> from, to;                         ///< first and second body
     Quaternion<P> orientation;                ///< q0: `to` axes at coordinate zero to `from` axes
-    std::array<Vector3<P>, 2> axes_to;        ///< unit, fixed in `to`; of a universal joint only the second is
+    std::array<Vector3<P>, 2> axes_to;        ///< unit, fixed in `to`; universal joint: only the second axis
     Vector3<P> axis_from;                     ///< unit, fixed in `from`: the first axis
     std::array<Vector3<P>, 2> across_from;    ///< perpendicular to it and to each other, fixed in `from`
-    P between = P(0);                         ///< universal: the cosine of the angle between the axes
-    P length = P(0);                          ///< distance: m
-    std::array<P, 2> stiffness{P(0), P(0)};   ///< of the joint's own spring
-    std::array<P, 2> rest{P(0), P(0)};        ///< where it is at rest, rad or m
-    Quaternion<P> rest_orientation;           ///< the same of a spherical joint
-    std::array<P, 2> damping{P(0), P(0)};     ///< of the joint's own damper
+    P between = P(0);                         ///< universal joint: cosine of the angle between the axes
+    P length = P(0);                          ///< distance link: m
+    std::array<P, 2> stiffness{P(0), P(0)};   ///< of the joint's spring
+    std::array<P, 2> rest{P(0), P(0)};        ///< rest position of the spring, rad or m
+    Quaternion<P> rest_orientation;           ///< rest orientation of a spherical joint's spring
+    std::array<P, 2> damping{P(0), P(0)};     ///< of the joint's damper
     std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
-    int angles = -1;                          ///< place of its angles among those that count turns, or -1
-    std::vector<int> rows;                    ///< of its constraints, those that are kept
-    std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};  ///< added_inertia: 1 / m' and 1 / j' by row
+    int angles = -1;                          ///< index of its first angle that counts revolutions, or -1
+    std::vector<int> rows;                    ///< indices of its constraints that are kept
+    std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};  ///< added_inertia: 1 / m' and 1 / j', by row
 
-    /// How many coordinates have a spring, a damper or a motor each.
+    /// Number of coordinates that can have a spring, a damper or a motor.
     int coordinates() const {
         return kind == Kind::universal ? 2 : kind == Kind::revolute || kind == Kind::prismatic ? 1 : 0;
     }
     bool is_joint() const { return !closes && kind != Kind::added_inertia; }
-    /// Whether its own spring or damper acts.
+    /// Whether the joint has a spring or a damper.
     bool has_spring() const { return !(stiffness[0] == P(0) && stiffness[1] == P(0)); }
     bool has_damper() const { return !(damping[0] == P(0) && damping[1] == P(0)); }
 };
 
-/// A vector of length 1.
+/// v divided by its length.
 template <class P>
 Vector3<P> unit(const Vector3<P>& v) {
     const P size = length(v);
     return {v[0] / size, v[1] / size, v[2] / size};
 }
 
-/// Two vectors perpendicular to a and to each other.
+/// Two unit vectors perpendicular to a and to each other.
 template <class P>
 std::array<Vector3<P>, 2> across(const Vector3<P>& a) {
     const auto square = [&](int i) { return a[i] * a[i]; };
@@ -103,11 +106,11 @@ std::array<Vector3<P>, 2> across(const Vector3<P>& a) {
     return {first, cross(a, first)};
 }
 
-/// Bodies and links of a scene.
+/// The bodies and links of a scene.
 template <class P>
 class Mechanism {
   public:
-    /// The scene must outlive it.
+    /// `scene` must outlive this object.
     explicit Mechanism(const Scene& scene) : scene_(&scene) {
         for (const NamedBody& named : scene.bodies) {
             const MassProperties<P> m = mass_properties<P>(named.body);
@@ -122,20 +125,20 @@ class Mechanism {
 
     std::vector<HeldBody<P>> bodies;  ///< in the scene's order
     std::vector<Link<P>> links;       ///< joints in the scene's order, then its loops, then added inertias
-    std::vector<int> depth;           ///< of each body: how many joints lie between it and its root
-    int turns = 0;                    ///< how many angles count turns
+    std::vector<int> depth;           ///< by body: number of joints between it and its root
+    int turns = 0;                    ///< number of angles that count revolutions
 
     const Scene& scene() const { return *scene_; }
-    /// The number that stands for the world.
+    /// The index that stands for the world.
     int world() const { return static_cast<int>(bodies.size()); }
     bool movable(int body) const { return body < world() && bodies[body].movable; }
-    /// The body's number; world() where it has the world's name.
+    /// Index of the named body; world() for the world.
     int number_of(std::string_view name) const {
         for (std::size_t i = 0; i < scene_->bodies.size(); ++i)
             if (scene_->bodies[i].name == name) return static_cast<int>(i);
         return world();
     }
-    /// Body point from the centre of mass; a world point stays as it is.
+    /// Body point relative to the centre of mass; world points are returned unchanged.
     Vector3<P> arm(int body, const Vector3<double>& point) const {
         return body == world() ? cast<P>(point) : cast<P>(point) - bodies[body].center;
     }
@@ -194,8 +197,8 @@ class Mechanism {
         return link;
     }
 
-    // Whether a principal moment is less than 1e-12 of the trace: the inverse of the sum of the moments' inverses is at
-    // least a third of the smallest.
+    // Whether a principal moment is less than 1e-12 of the trace. The inverse of the sum of inverse moments is at
+    // least a third of the smallest moment.
     static bool has_vanishing_moment(const Matrix3<P>& J) {
         const P trace = J[0][0] + J[1][1] + J[2][2];
         if (!(trace > P(0))) return true;
@@ -209,7 +212,7 @@ class Mechanism {
         return !(determinant > P(1e-12) * minors);
     }
 
-    // A scale of the mass and of the moments of all bodies, for those that have none of their own.
+    // Adds an inertia of the scale of all bodies to those without mass or with a zero moment.
     void add_inertia() {
         P mass(0), moment(0), square(1);
         for (const HeldBody<P>& body : bodies) {
@@ -240,7 +243,7 @@ class Mechanism {
         }
     }
 
-    // the joints form trees: as many sweeps as the deepest body needs
+    // The joints form trees, so the number of sweeps equals the largest depth.
     void find_depths() {
         depth.assign(bodies.size(), 0);
         for (bool changed = true; changed;) {

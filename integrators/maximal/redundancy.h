@@ -1,5 +1,4 @@
-// Constraints of loops that say what others say already: which they are, and multipliers where they change from one
-// state to the next.
+// Redundant constraints of loops: detection, and multipliers where the redundant set depends on the state.
 #pragma once
 
 #include <cstddef>
@@ -9,22 +8,22 @@
 
 namespace polhode::maximal {
 
-/// A dense matrix, row by row.
+/// A dense matrix, stored row by row.
 template <class S>
 using Dense = std::vector<std::vector<S>>;
 
-/// The rows of a positive semidefinite matrix, told apart.
+/// Independent and redundant rows of a positive semidefinite matrix.
 template <class P>
 struct RowChoice {
-    std::vector<char> taken;  ///< as many as its rank, independent
-    /// Of each row that is not taken a vector that the matrix maps to zero: 1 there, 0 at the others not taken; empty
-    /// of those taken.
+    std::vector<char> taken;  ///< marks `rank` independent rows
+    /// For each redundant row a null vector of the matrix, with 1 in this row and 0 in the other redundant ones.
+    /// Empty for independent rows.
     Dense<P> null;
     int rank = 0;
 };
 
-/// Gauss-Jordan elimination with the largest pivot relative to `size` first; a row is not taken whose pivot comes to
-/// less than 1e-11 of its size.
+/// Gauss-Jordan elimination with the largest pivot relative to `size` first. Rows with pivots below 1e-11 of their
+/// size are redundant.
 template <class P>
 RowChoice<P> independent_rows(Dense<P> A, const std::vector<P>& size) {
     const std::size_t n = A.size();
@@ -57,10 +56,11 @@ RowChoice<P> independent_rows(Dense<P> A, const std::vector<P>& size) {
     return choice;
 }
 
-/// The shortest x with A x = b for a symmetric positive semidefinite A of that rank and a b that it reaches, without a
-/// branch on any value: with the characteristic polynomial x^(n - r) (x^r + c_1 x^(r - 1) + .. + c_r), by Cayley and
-/// Hamilton A (A^(r-1) + c_1 A^(r-2) + .. + c_(r-1)) = -c_r wherever A does not vanish; the c_k by Faddeev and
-/// LeVerrier. c_r is the sum of all principal minors of order r, and vanishes only where the rank falls.
+/// Minimum-norm x with A x = b for a symmetric positive semidefinite A of rank r and a b in its range, without
+/// branches on values. With the characteristic polynomial x^(n - r) (x^r + c_1 x^(r - 1) + .. + c_r), the
+/// Cayley-Hamilton theorem gives A (A^(r-1) + c_1 A^(r-2) + .. + c_(r-1)) = -c_r on the range of A. The c_k come from
+/// the Faddeev-LeVerrier algorithm. c_r is, up to sign, the sum of all principal minors of order r and vanishes only
+/// where the rank drops.
 template <class S>
 std::vector<S> shortest_solution(const Dense<S>& A, const std::vector<S>& b, int rank) {
     const std::size_t n = A.size();
@@ -79,7 +79,7 @@ std::vector<S> shortest_solution(const Dense<S>& A, const std::vector<S>& b, int
     for (int k = 1; k < rank; ++k) {
         const S c = coefficient(M, k);
         Dense<S> next = M;
-        // all powers of A are symmetric
+        // All powers of A are symmetric.
         for (std::size_t i = 0; i < n; ++i)
             for (std::size_t j = 0; j <= i; ++j) next[i][j] = next[j][i] = product(M, i, j);
         for (std::size_t i = 0; i < n; ++i) next[i][i] = next[i][i] + c;

@@ -1,8 +1,10 @@
-// What joints and loops do to the bodies they hold: directions in which they hold them together, and in which their own
-// springs, dampers and motors act. A direction is a force f and a torque g on the one body at its point, and their
-// opposites on the other; the same row says what of the relative velocity, and so of the accelerations, must vanish:
+// Rows of joints and loops: the directions in which they constrain two bodies, and in which their springs, dampers
+// and motors act. A row is a force f and a torque g on the second body at its point, and the opposite on the first.
+// The same row defines the component of the relative velocity, and thus of the acceleration, that must vanish:
 //
 //   f . (x2'' - x1'') + g . (w2' - w1') + bias = 0
+//
+// Placement holds the motion of a body, Row a direction, LinkView computes rows and errors of one link.
 #pragma once
 
 #include <array>
@@ -12,55 +14,55 @@
 
 namespace polhode::maximal {
 
-/// Where a body is and how it moves; of what does not move, constants.
+/// Position and motion of a body; constants for bodies that do not move.
 template <class S>
 struct Placement {
     Matrix3<S> axes;                ///< R(q), body to world
     Quaternion<S> q;                ///< body to world
-    Vector3<S> position_W;          ///< of the centre of mass
-    Vector3<S> velocity_W;          ///< of the centre of mass
+    Vector3<S> position_W;          ///< of the centre of mass, m
+    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
     Vector3<S> angular_velocity_B;  ///< rad/s
 
-    /// A body vector in world axes.
+    /// Transforms a body vector to world axes.
     template <class V>
     Vector3<Product<S, V>> world(const Vector3<V>& v_B) const {
         return axes * v_B;
     }
-    /// A world vector in body axes.
+    /// Transforms a world vector to body axes.
     template <class V>
     Vector3<Product<S, V>> body(const Vector3<V>& v_W) const {
         return transposed(axes) * v_W;
     }
-    /// The velocity of a body point.
+    /// Velocity of a body point, m/s.
     template <class V>
     Vector3<S> velocity_at(const Vector3<V>& arm_B) const {
         return velocity_W + world(cross(angular_velocity_B, arm_B));
     }
-    /// What the acceleration of a body point has from the rotation alone, body axes: w x (w x arm).
+    /// Centripetal part of a body point's acceleration, body axes: w x (w x arm).
     template <class V>
     Vector3<S> centripetal_B(const Vector3<V>& arm_B) const {
         return cross(angular_velocity_B, cross(angular_velocity_B, arm_B));
     }
 };
 
-/// A direction: a force and a torque on `to`, and what the two bodies feel of it about their centres of mass.
+/// A direction: a force and a torque on `to`, and the resulting torques on both bodies about their centres of mass.
 template <class S>
 struct Row {
     Vector3<S> force_W;   ///< f, on `to` at its point; the opposite on `from`
-    Vector3<S> torque_W;  ///< g, about that point; left empty of what acts by itself
-    Vector3<S> to_B;      ///< torque about the centre of mass of `to`, its axes
-    Vector3<S> from_B;    ///< the same of `from`, sign included
-    S bias = S(0);        ///< what the bodies' present velocities give to the acceleration that must vanish
+    Vector3<S> torque_W;  ///< g, about that point; not set for rows of added inertias
+    Vector3<S> to_B;      ///< torque about the centre of mass of `to`, in its axes
+    Vector3<S> from_B;    ///< torque about the centre of mass of `from`, in its axes, sign included
+    S bias = S(0);        ///< part of the acceleration along the row that is due to the current velocities
 };
 
-/// The bodies' placements seen by one link.
+/// One link with the placements of its two bodies.
 template <class P, class S>
 class LinkView {
   public:
     LinkView(const Link<P>& link, const Placement<S>& from, const Placement<S>& to)
         : link_(link), from_(from), to_(to) {}
 
-    /// The rows of its constraints: all, whichever are kept.
+    /// All constraint rows of the link, including those that are not kept.
     std::vector<Row<S>> constraints() const {
         std::vector<Row<S>> rows;
         switch (link_.kind) {
@@ -84,8 +86,8 @@ class LinkView {
         return rows;
     }
 
-    /// What the positions break each of these by, m and rad: their rates are what the rows make of the velocities,
-    /// wherever the constraints hold.
+    /// Position errors of these rows, m and rad. Where the constraints hold, their rates are the rows applied to the
+    /// velocities.
     std::vector<S> gaps() const {
         std::vector<S> all;
         if (link_.kind == Kind::added_inertia) return std::vector<S>(6, S(P(0)));
@@ -109,7 +111,7 @@ class LinkView {
         for (const S& x : along.component) all.push_back(x);
         if (link_.kind == Kind::fixed) add_turn();
         if (link_.kind == Kind::revolute) {
-            // d(u . e)/dt = (e x u) . (w2 - w1), and the axis, u[0], u[1] are right-handed
+            // d(u . e)/dt = (e x u) . (w2 - w1), and the axis, u[0], u[1] are right-handed.
             const Vector3<S> e = to_.world(link_.axes_to[0]);
             all.push_back(-dot(from_.world(link_.across_from[1]), e));
             all.push_back(dot(from_.world(link_.across_from[0]), e));
@@ -119,7 +121,7 @@ class LinkView {
         return all;
     }
 
-    /// The directions of its coordinates' generalized forces: for a force Q_i on each that does work only by them.
+    /// Directions of the coordinates' generalized forces: a force Q_i in row i does work only on coordinate i.
     std::vector<Row<S>> coordinate_rows() const {
         std::vector<Row<S>> rows;
         if (link_.kind == Kind::prismatic) {
@@ -127,7 +129,7 @@ class LinkView {
         } else if (link_.kind == Kind::revolute) {
             rows.push_back(torque_row(cast<S>(link_.axes_to[0]), cast<S>(link_.axis_from)));
         } else if (link_.kind == Kind::universal) {
-            // e1, e2 as they stand: t = A e1 + B e2 with t . e1 = Q1, t . e2 = Q2
+            // For the current axes e1, e2: t = A e1 + B e2 with t . e1 = Q1, t . e2 = Q2.
             const Row<S> e1 = torque_row(to_.body(from_.world(link_.axis_from)), cast<S>(link_.axis_from));
             const Row<S> e2 = torque_row(cast<S>(link_.axes_to[1]), from_.body(to_.world(link_.axes_to[1])));
             const P c = link_.between, scale = P(1) / (P(1) - c * c);
@@ -137,7 +139,7 @@ class LinkView {
         return rows;
     }
 
-    /// The rates of its coordinates: rad/s, m/s.
+    /// Rates of the coordinates, rad/s or m/s.
     std::array<S, 2> rates() const {
         std::array<S, 2> rate{S(0), S(0)};
         if (link_.kind == Kind::prismatic) {
@@ -145,7 +147,7 @@ class LinkView {
         } else if (link_.kind == Kind::revolute) {
             rate[0] = dot(link_.axes_to[0], to_.angular_velocity_B) - dot(link_.axis_from, from_.angular_velocity_B);
         } else if (link_.kind == Kind::universal) {
-            // w2 - w1 = e1 x' + e2 y'
+            // w2 - w1 = e1 x' + e2 y'.
             const Vector3<S> e1_to = to_.body(from_.world(link_.axis_from));
             const Vector3<S> e2_from = from_.body(to_.world(link_.axes_to[1]));
             const S along1 = dot(e1_to, to_.angular_velocity_B) - dot(link_.axis_from, from_.angular_velocity_B);
@@ -155,10 +157,10 @@ class LinkView {
         }
         return rate;
     }
-    /// The displacement of a prismatic joint, m.
+    /// Displacement of a prismatic joint, m.
     S displacement() const { return dot(link_.axis_from, slide_arm_B() - cast<S>(link_.from.arm_B)); }
 
-    /// The torque of a spherical joint's spring and damper on `to`, its axes.
+    /// Torque of a spherical joint's spring and damper on `to`, in its axes, N m.
     Vector3<S> spherical_torque_B() const {
         const Quaternion<S> joint = conjugate(from_.q * link_.orientation) * to_.q;
         const Quaternion<S> r = conjugate(link_.rest_orientation) * joint;
@@ -171,14 +173,14 @@ class LinkView {
         return torque;
     }
 
-    /// A pure torque: on `to` in its axes, and as much of it in those of `from`.
+    /// A pure torque, given in the axes of `to` and in those of `from`.
     Row<S> torque_row(const Vector3<S>& to_B, const Vector3<S>& from_B) const {
         return {Vector3<S>(), to_.world(to_B), to_B, -from_B, S(0)};
     }
-    /// The same where only the one is known.
+    /// A pure torque, given in the axes of `to` only.
     Row<S> torque_row(const Vector3<S>& to_B) const { return torque_row(to_B, from_.body(to_.world(to_B))); }
 
-    /// From the point of `from` to that of `to`, world axes.
+    /// Vector from the point of `from` to that of `to`, world axes, m.
     Vector3<S> apart() const {
         return (to_.position_W + to_.world(link_.to.arm_B)) - (from_.position_W + from_.world(link_.from.arm_B));
     }
@@ -194,7 +196,7 @@ class LinkView {
     Vector3<S> point_bias_W() const {
         return to_.world(to_.centripetal_B(link_.to.arm_B)) - from_.world(from_.centripetal_B(link_.from.arm_B));
     }
-    // two points stay together; a loop's rows are fixed in `from`, so that those which are redundant stay so
+    // Two points coincide. The rows of a loop are fixed in `from`, so that redundant rows remain redundant.
     void add_points(std::vector<Row<S>>& rows) const {
         const Vector3<S> bias = point_bias_W();
         for (int i = 0; i < 3; ++i) {
@@ -210,7 +212,7 @@ class LinkView {
             }
         }
     }
-    // forces at the centre of mass along the world's axes, torques about the body's
+    // Forces at the centre of mass along world axes, torques about body axes.
     void add_unit_wrenches(std::vector<Row<S>>& rows) const {
         for (int i = 0; i < 6; ++i) {
             Vector3<P> e;
@@ -220,7 +222,7 @@ class LinkView {
             rows.push_back(row);
         }
     }
-    // w2 = w1 at all times
+    // w2 = w1.
     void add_parallel(std::vector<Row<S>>& rows) const {
         for (int i = 0; i < 3; ++i) {
             Vector3<S> e;
@@ -228,20 +230,20 @@ class LinkView {
             rows.push_back({Vector3<S>(), e, to_.axes[i], -from_.axes[i], S(0)});
         }
     }
-    // u . (w2 - w1) = 0 for u fixed in `from`; u' = w1 x u
+    // u . (w2 - w1) = 0 for u fixed in `from`; u' = w1 x u.
     Row<S> hinge_row(const Vector3<P>& u) const {
         const Vector3<S> u_W = from_.world(u);
         const Vector3<S> turning = cross(to_.world(to_.angular_velocity_B), from_.world(from_.angular_velocity_B));
         return {Vector3<S>(), u_W, to_.body(u_W), cast<S>(Vector3<P>(-u)), dot(u_W, turning)};
     }
-    // (e1 x e2) . (w2 - w1) = 0 for e1 fixed in `from`, e2 in `to`
+    // (e1 x e2) . (w2 - w1) = 0 for e1 fixed in `from`, e2 in `to`.
     Row<S> cross_row() const {
         const Vector3<S> e1 = from_.world(link_.axis_from), e2 = to_.world(link_.axes_to[1]), n = cross(e1, e2);
         const Vector3<S> w1 = from_.world(from_.angular_velocity_B), w2 = to_.world(to_.angular_velocity_B);
         const Vector3<S> n_rate = cross(cross(w1, e1), e2) + cross(e1, cross(w2, e2));
         return {Vector3<S>(), n, to_.body(n), -from_.body(n), dot(n_rate, w2 - w1)};
     }
-    // |d| = l: (d/l) . d'' + d' . d' / l = 0
+    // |d| = l: (d/l) . d'' + d' . d' / l = 0.
     Row<S> distance_row() const {
         const P scale = P(1) / link_.length;
         const Vector3<S> f = scale * apart();
@@ -249,13 +251,13 @@ class LinkView {
         return {f, Vector3<S>(), cross(link_.to.arm_B, to_.body(f)), -cross(link_.from.arm_B, from_.body(f)),
                 dot(f, point_bias_W()) + scale * dot(d_rate, d_rate)};
     }
-    // from the centre of mass of `from` to the point of `to`, and how fast it moves there; axes of `from`
+    // Vector from the centre of mass of `from` to the point of `to`, and its rate, in the axes of `from`.
     Vector3<S> slide_arm_B() const { return from_.body(to_.position_W + to_.world(link_.to.arm_B) - from_.position_W); }
     Vector3<S> sliding_B() const {
         return from_.body(to_.velocity_at(link_.to.arm_B) - from_.velocity_W) -
                cross(from_.angular_velocity_B, slide_arm_B());
     }
-    // t . d(sliding)/dt for t fixed in `from`: the force goes through the point of `to`
+    // t . d(sliding)/dt for t fixed in `from`. The force acts at the point of `to`.
     Row<S> slide_row(const Vector3<P>& t, bool with_bias) const {
         const Vector3<S> f = from_.world(t), arm = slide_arm_B();
         Row<S> row{f, Vector3<S>(), cross(link_.to.arm_B, to_.body(f)), -cross(arm, t), S(0)};

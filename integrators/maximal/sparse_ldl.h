@@ -1,5 +1,5 @@
-// L D L^T of a sparse symmetric matrix, in a fixed order without pivots: no branch looks at a value, so that any scalar
-// goes through it. The order and what fills in are found once, from where the matrix has entries.
+// L D L^T factorisation of a sparse symmetric matrix in a fixed order, without pivoting. There are no branches on
+// values, so any scalar type can be used. Order and fill-in are determined once from the sparsity pattern.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,15 @@
 
 namespace polhode::maximal {
 
-/// The pattern of a matrix and of its factor, and the order of all that is done to them.
+/// Sparsity pattern of a matrix and its factor, and the order of all operations on them.
 class SparsePattern {
   public:
     SparsePattern() = default;
-    /// `entries`: of each column the rows below the diagonal in which the matrix has an entry.
+    /// `entries`: for each column, the rows below the diagonal with a nonzero entry.
     explicit SparsePattern(std::vector<std::set<int>> entries) : begin_(entries.size() + 1, 0) {
         const std::size_t n = entries.size();
         for (std::size_t k = 0; k < n; ++k) {
-            // eliminating k couples all that it is coupled with
+            // Eliminating k couples all rows that are coupled to k.
             for (auto i = entries[k].begin(); i != entries[k].end(); ++i)
                 entries[static_cast<std::size_t>(*i)].insert(std::next(i), entries[k].end());
             rows_.insert(rows_.end(), entries[k].begin(), entries[k].end());
@@ -29,14 +29,14 @@ class SparsePattern {
     }
 
     int size() const { return static_cast<int>(begin_.size()) - 1; }
-    /// How many entries there are: first the diagonal, then those below it.
+    /// Number of entries: the diagonal first, then those below it.
     int entries() const { return size() + static_cast<int>(rows_.size()); }
-    /// Whether the factor has an entry there.
+    /// Whether the factor has this entry.
     bool has(int i, int j) const {
         const int column = std::min(i, j), row = std::max(i, j);
         return i == j || std::binary_search(rows_.begin() + begin_[column], rows_.begin() + begin_[column + 1], row);
     }
-    /// Where the entry of row and column stands, which must be there.
+    /// Index of an entry, which must exist.
     int place(int i, int j) const {
         if (i == j) return i;
         const int column = std::min(i, j), row = std::max(i, j);
@@ -44,7 +44,7 @@ class SparsePattern {
         return size() + static_cast<int>(std::lower_bound(first, last, row) - rows_.begin());
     }
 
-    /// The columns [0, count) of A are eliminated in place: D, and L below it; the rest becomes its Schur complement.
+    /// Eliminates the columns [0, count) of A in place, giving D and L; the rest becomes its Schur complement.
     template <class S>
     void factorize(std::vector<S>& A, int count) const {
         std::size_t next = 0;
@@ -64,14 +64,15 @@ class SparsePattern {
             }
         }
     }
-    /// Of an A whose columns [0, count) are factorized: x becomes D^-1 L^-1 x there, and of the rest what remains.
+    /// Forward substitution with an A whose columns [0, count) are factorised: x becomes D^-1 L^-1 x there, and the
+    /// reduced right side in the rest.
     template <class S>
     void descend(const std::vector<S>& A, std::vector<S>& x, int count) const {
         for (int k = 0; k < count; ++k)
             for (int a = begin_[k]; a < begin_[k + 1]; ++a) x[rows_[a]] = x[rows_[a]] - A[size() + a] * x[k];
         for (int k = 0; k < count; ++k) x[k] = x[k] / A[k];
     }
-    /// Then, with the rest solved for, x becomes the solution.
+    /// Back substitution, after the rest of x has been solved for.
     template <class S>
     void ascend(const std::vector<S>& A, std::vector<S>& x, int count) const {
         for (int k = count; k-- > 0;)
@@ -79,8 +80,8 @@ class SparsePattern {
     }
 
   private:
-    std::vector<int> begin_, rows_;  // of each column, below the diagonal
-    std::vector<int> targets_;       // of each update in turn
+    std::vector<int> begin_, rows_;  // by column, below the diagonal
+    std::vector<int> targets_;       // by update, in order
 };
 
 }  // namespace polhode::maximal

@@ -1,8 +1,9 @@
-// A mechanism in maximal coordinates as a first-order system: dy/dt = f(y) over any scalar.
+// A mechanism in maximal coordinates as a first-order system dy/dt = f(y), over any scalar.
 //
-// State: of each body that can move q, p, L and P (momenta in world axes, L about the centre of mass); then the angles
-// of revolute and universal joints that have a spring, since a spring counts turns. What is held stays held by the
-// accelerations alone. The momenta are those of the bodies with the inertia added (Kind::added_inertia).
+// State: q, p, L and P of each body that can move (momenta in world axes, L about the centre of mass), then the
+// angles of revolute and universal joints with a spring, because springs count revolutions. Constraints are enforced
+// at acceleration level only. Momenta include the added inertia (Kind::added_inertia). Dynamics computes the
+// multipliers, Loads the forces.
 #pragma once
 
 #include <algorithm>
@@ -20,22 +21,23 @@
 
 namespace polhode::maximal {
 
-/// How far a mechanism is from what its joints and loops allow.
+/// Constraint errors of a mechanism.
 template <class P>
 struct JointGap {
-    P point{0};     ///< m, between points that should coincide, or off a distance or a rail
-    P turn{0};      ///< rad off an axis or an attitude
-    P velocity{0};  ///< m/s and rad/s of what should not move
+    P point{0};     ///< m: distance of points that should coincide, or error of a distance or slider
+    P turn{0};      ///< rad: error of an axis or attitude
+    P velocity{0};  ///< m/s and rad/s: constraint velocity
 };
 
+/// The first-order system of a mechanism.
 template <class P>
 class System {
   public:
-    static constexpr int body_size = 13;  ///< components of a body: q, p, L, P
+    static constexpr int body_size = 13;  ///< components per body: q, p, L, P
 
     /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order: q, angular_velocity_B,
-    /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where the scene's own do not count (of a
-    /// dependent joint). The scene must outlive it.
+    /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where they differ from the scene's
+    /// (dependent joints). The scene must outlive this object.
     template <class Start>
     explicit System(const Scene& scene, const Start& start, std::span<const std::array<P, 2>> coordinates = {},
                     LoopRows loops = LoopRows::shortest)
@@ -59,11 +61,11 @@ class System {
     int dimension() const { return dimension_; }
     const Mechanism<P>& mechanism() const { return *mechanism_; }
     const Dynamics<P>& dynamics() const { return *dynamics_; }
-    /// Where a body's components begin in y; -1 of one that does not move.
+    /// Index of a body's first component in y, or -1 if it does not move.
     int place(int body) const { return place_[body]; }
-    /// Where the angles that count turns begin in y.
+    /// Index in y of the first angle that counts revolutions.
     int angles() const { return angles_; }
-    /// The loads of the piece last entered.
+    /// The loads of the piece that was entered last.
     const Loads<P>& loads() const { return loads_; }
 
     void initial(P* y) const {
@@ -80,7 +82,8 @@ class System {
                 y[angles_ + link.angles + i] = link.coordinate[i];
     }
 
-    /// Takes up the loads that act from `begin` on, and applies the impulses at that time to y, through all joints.
+    /// Selects the loads that act from `begin` (s) on, and applies the impulses at that time to y, propagated through
+    /// all joints.
     void enter(double begin, P* y) {
         loads_ = Loads<P>(*mechanism_, begin);
         const std::vector<Placement<P>> at = placements(y);
@@ -99,7 +102,7 @@ class System {
     void derivative(const S* y, S* dy) const {
         rates(y, dy);
     }
-    /// The same; gives the multipliers.
+    /// Computes dy and returns the multipliers.
     template <class S>
     std::vector<S> rates(const S* y, S* dy) const {
         const std::vector<Placement<S>> at = placements(y);
@@ -111,7 +114,7 @@ class System {
         put_rates(at, on, dy);
         return lambda;
     }
-    /// The rates of a state whose bodies are at these places, under all that acts on them.
+    /// Computes the rates of a state from its placements and all that acts on the bodies.
     template <class S>
     void put_rates(const std::vector<Placement<S>>& at, const std::vector<Wrench<S>>& on, S* dy) const {
         for (int b = 0; b < mechanism_->world(); ++b) {
@@ -140,15 +143,15 @@ class System {
         return all;
     }
 
-    /// What each joint and then each loop does to its child (its second body), in the scene's order, under the loads of
-    /// the piece last entered: the whole of it, its spring, damper and motor included. `lambda`: the multipliers, where
-    /// they are known from elsewhere.
+    /// Forces and torques of each joint, then each loop, on its second body, in the scene's order, under the loads of
+    /// the piece that was entered last. They include springs, dampers and motors. `lambda`: the multipliers, if
+    /// already known.
     std::vector<Reaction<P>> reactions(const P* y, const P* lambda = nullptr) const;
 
-    /// How far the state is off.
+    /// Constraint errors of the state.
     JointGap<P> gap(const P* y) const;
 
-    /// Where every body is, and last the world.
+    /// Placements of all bodies, with the world last.
     template <class S>
     std::vector<Placement<S>> placements(const S* y) const {
         std::vector<Placement<S>> at(place_.size() + 1);
@@ -171,14 +174,14 @@ class System {
         return at;
     }
 
-    /// A link between its two bodies.
+    /// A link with the placements of its two bodies.
     template <class S>
     LinkView<P, S> view(const Link<P>& link, const std::vector<Placement<S>>& at) const {
         return {link, at[link.from.body], at[link.to.body]};
     }
 
   private:
-    std::shared_ptr<Mechanism<P>> mechanism_;  // never moved: the dynamics and the loads point to it
+    std::shared_ptr<Mechanism<P>> mechanism_;  // not moved: dynamics and loads refer to it
     std::shared_ptr<Dynamics<P>> dynamics_;
     Loads<P> loads_;
     std::vector<BodyMotion<P>> start_;
@@ -208,7 +211,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
         for (std::size_t i = 0; i < rows[k].size(); ++i) add(rows[k][i], lambda[dynamics_->first_row(k) + i]);
         for (const auto& [row, size] : own_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
     }
-    // what rests in the world: its joint balances all that acts on it, from the leaves on
+    // Bodies at rest in the world: the joint balances all other loads on the body, from the leaves inwards.
     std::vector<std::size_t> resting;
     for (std::size_t k = 0; k < count; ++k)
         if (const Link<P>& link = mechanism_->links[k]; !link.closes && !mechanism_->movable(link.to.body))

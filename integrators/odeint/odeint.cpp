@@ -1,7 +1,8 @@
-// The explicit steppers of Boost.Odeint 1.74 on the one right-hand side.
+// The explicit steppers of Boost.Odeint 1.74 on polhode's right-hand side.
 //
-// A NaN or an infinity goes through Odeint's steppers with a normal return, and a tolerance out of reach never ends:
-// so every attempt is looked at, and undone where it is not finite.
+// Odeint's steppers return normally with NaN or infinity, and do not terminate if the tolerance is out of reach.
+// Every attempt is therefore checked, and undone if it is not finite. ControlledExtrapolation wraps Bulirsch-Stoer;
+// odeint_pair.h wraps the Runge-Kutta pairs.
 #include "integrators/odeint/odeint.h"
 
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
@@ -31,14 +32,14 @@ using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, do
 template <std::size_t N>
 using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
 
-/// Odeint's Bulirsch-Stoer takes two numbers as tolerances: R, and R times the smallest of the components' scales.
+/// Odeint's Bulirsch-Stoer takes two tolerances: R, and R times the smallest scale of the components.
 template <class SystemType>
 class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     using Base = ControlledOdeintState<SystemType>;
     static constexpr std::size_t N = Base::N;
 
   public:
-    // the order it starts from: columns 2, 4, .., 10 of the midpoint rule
+    // Starts at order 8: columns 2, 4, .., 10 of the midpoint rule.
     ControlledExtrapolation(const Problem& problem, double tolerance)
         : Base(problem, tolerance, 8), extrapolation_(tolerance * this->smallest_scale(), tolerance, 1.0, 0.0) {}
 
@@ -56,7 +57,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
         if (!has_rate_) f(this->y_, rate_, t), has_rate_ = true;
         State<N> next = rate_;
         const bool accepted = extrapolation_.try_step(f, this->y_, rate_, t, next, h) == odeint::success;
-        // the state and the rate are untouched so far
+        // State and rate are still unmodified here.
         const bool finite = all_finite(next) && std::isfinite(h);
         if (accepted && finite) {
             this->y_ = next, has_rate_ = false;
@@ -69,7 +70,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
             extrapolation_.reset();
             return Attempt::not_finite;
         }
-        if (!(h < tried)) h = tried / 2;  // a second rejection in a row may leave it as it was
+        if (!(h < tried)) h = tried / 2;  // a second consecutive rejection may leave h unchanged
         return Attempt::rejected;
     }
 
@@ -84,7 +85,7 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     bool has_rate_ = false;
 };
 
-/// R(z) is what one step of length 1 from y = 1 on y' = z y reaches.
+/// R(z) is the result of one step of length 1 on y' = z y from y = 1.
 template <template <std::size_t> class Scheme>
 double stepper_growth(std::complex<double> z) {
     Scheme<2> scheme;

@@ -1,4 +1,4 @@
-// What the wraps of Boost.Odeint's steppers share: the state on one of the systems, and the guards around an attempt.
+// Shared wrappers of Boost.Odeint's steppers: the state on one of the systems, and the checks around an attempt.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +13,15 @@
 
 namespace polhode {
 
-/// An attempt that is not finite is tried again with this fraction of the step.
+/// After an attempt that is not finite, the step is multiplied by this factor.
 inline constexpr double not_finite_shrinkage = 0.1;
 
-/// No stepper: what stands in OdeintState for one that needs more than it gives.
+/// Placeholder in OdeintState for types that hold their stepper themselves.
 struct NoStepper {};
 
-/// The state on one segment in the scalar of the system, the count of right-hand sides since restart(), and one of
-/// Odeint's steppers. An event makes it forget the derivative kept from the last step's end (first same as last), or
-/// those of a multistep method.
+/// The state on one segment, in the system's scalar, with one of Odeint's steppers and the number of right-hand sides
+/// since restart(). An event clears the derivative kept from the end of the last step (first same as last) or the
+/// history of a multistep method.
 template <class SystemType, class Scheme = NoStepper>
 class OdeintState {
   public:
@@ -46,7 +46,7 @@ class OdeintState {
     void forget() {
         if constexpr (requires { scheme_.reset(); }) scheme_.reset();
     }
-    /// After an accepted step: back onto what the system keeps, where it keeps anything.
+    /// After an accepted step: projects the state, if the system has a projection.
     void project() {
         if (project_step(system_, y_.data())) forget();
     }
@@ -58,7 +58,7 @@ class OdeintState {
     Scheme scheme_{};
 };
 
-/// The signature that Odeint calls; counts.
+/// The right-hand side with the signature that Odeint calls. It counts evaluations.
 template <class SystemType>
 struct OdeintRightHandSide {
     const SystemType* system;
@@ -86,14 +86,14 @@ class OdeintFixedStepper : public OdeintState<SystemType, Scheme<static_cast<std
     }
 };
 
-/// march() of one of Odeint's steppers, whose state is OdeintArray<N, S>.
+/// march() with one of Odeint's steppers, whose state is OdeintArray<N, S>.
 template <template <std::size_t> class Scheme, class S = double>
 Trajectory march_odeint(const Problem& problem, const Settings& settings) {
     return with_system_in<S>(
         problem, [&]<class SystemType>() { return march<OdeintFixedStepper<SystemType, Scheme>>(problem, settings); });
 }
 
-/// The same state with a tolerance R: component i is held to R (scale_i + |y_i|).
+/// OdeintState with a tolerance R: the error of component i is kept below R (scale_i + |y_i|).
 template <class SystemType, class Scheme = NoStepper>
 class ControlledOdeintState : public OdeintState<SystemType, Scheme> {
   public:
@@ -113,7 +113,7 @@ class ControlledOdeintState : public OdeintState<SystemType, Scheme> {
             ++this->evaluations_;
         };
         const double step = polhode::first_step(rate, this->y_, tolerated, order_);
-        // a right-hand side that is not finite is met, and named, at the first attempt
+        // A right-hand side that is not finite is detected and reported at the first attempt.
         return step > 0 && std::isfinite(step) ? step : 1e-6 * this->problem_->scene.duration;
     }
 
@@ -125,28 +125,29 @@ class ControlledOdeintState : public OdeintState<SystemType, Scheme> {
     OdeintArray<N> scales_{this->system_.size()};
 };
 
-/// y' = z y of a complex number, by its real and imaginary part.
+/// y' = z y for a complex number, in real and imaginary parts.
 inline void linear_rate(std::complex<double> z, const double* y, double* rate) {
     rate[0] = z.real() * y[0] - z.imag() * y[1];
     rate[1] = z.imag() * y[0] + z.real() * y[1];
 }
 
-/// Boost's runge_kutta4 on the problem. Compiled alone: among the other steppers the compiler's budget for inlining
-/// runs out before the right-hand side of a heavy top (92 ns a step instead of 81).
+/// Boost's runge_kutta4 on the problem. It is compiled in its own file, because next to other steppers the compiler's
+/// inlining budget does not reach the right-hand side of a heavy top (92 ns per step instead of 81).
 Trajectory solve_rk4(const Problem& problem, const Settings& settings);
 
 /// Boost's euler and runge_kutta4 in binary32.
 Trajectory solve_euler_float32(const Problem& problem, const Settings& settings);
 Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings);
 
-/// Boost's adams_bashforth_moulton on the problem. Compiled alone, likewise.
+/// Boost's adams_bashforth_moulton on the problem, compiled in its own file for the same reason as solve_rk4().
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);
-/// Method::growth of it.
+/// Method::growth of adams_bashforth_moulton.
 double adams_bashforth_moulton_growth(std::complex<double> z);
 
-/// Boost's rosenbrock4 on the problem, fixed or controlled; in a file of its own, for it compiles only as C++17.
+/// Boost's rosenbrock4 on the problem, with fixed or controlled steps, in its own file because it compiles only as
+/// C++17.
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);
-/// Method::growth of it.
+/// Method::growth of rosenbrock4.
 double rosenbrock4_growth(std::complex<double> z);
 
 }  // namespace polhode

@@ -10,14 +10,14 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-/// The start-up, in the place of Odeint's runge_kutta4: five steps of it err by O(h^9) together.
+/// Start-up method in place of Odeint's runge_kutta4: the total error of its five steps is O(h^9).
 template <std::size_t N>
 using StartUp = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
 using Adams6 = odeint::adams_bashforth_moulton<6, OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>,
                                                odeint::default_operations, odeint::initially_resizer, StartUp<N>>;
 
-/// The formulas hold for steps of one length: another one starts the history again.
+/// The formulas require equal steps. A different step size restarts the history.
 template <class SystemType>
 class AdamsStepper : public OdeintFixedStepper<SystemType, Adams6> {
     using Base = OdeintFixedStepper<SystemType, Adams6>;
@@ -25,7 +25,7 @@ class AdamsStepper : public OdeintFixedStepper<SystemType, Adams6> {
   public:
     using Base::Base;
     void step(double t, double h) {
-        // whole steps between two samples differ by rounding only
+        // Steps between two samples differ only by rounding.
         if (!(std::abs(h - spacing_) <= 1e-9 * h)) {
             this->forget();
             spacing_ = h;
@@ -39,8 +39,8 @@ class AdamsStepper : public OdeintFixedStepper<SystemType, Adams6> {
 
 }  // namespace
 
-// p = y_n + z sum b_j y_(n-j), y_(n+1) = y_n + z (b*_0 p + sum b*_(j+1) y_(n-j)): what is evaluated last is the
-// corrected value, at the begin of the next step.
+// p = y_n + z sum b_j y_(n-j), y_(n+1) = y_n + z (b*_0 p + sum b*_(j+1) y_(n-j)). The last evaluation uses the
+// corrected value, at the start of the next step.
 double adams_bashforth_moulton_growth(std::complex<double> z) {
     constexpr std::size_t steps = 6;
     const odeint::detail::adams_bashforth_coefficients<double, steps> predictor;

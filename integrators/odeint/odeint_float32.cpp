@@ -1,4 +1,4 @@
-// Odeint's steppers of game engines in binary32: state, coefficients and step are floats.
+// Odeint's steppers used by game engines, in binary32: state, coefficients and step are floats.
 #include <boost/numeric/odeint/stepper/euler.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// The largest error in units of R (scale_i + |y_i|); infinite where an error is not a number.
+/// The largest error in units of R (scale_i + |y_i|); infinity if an error is NaN.
 template <std::size_t N>
 class ComponentError {
   public:
@@ -30,7 +30,7 @@ class ComponentError {
     OdeintArray<N> scales_;
 };
 
-/// Odeint's own rule for the next step; an infinite error gives a NaN, which attempt() looks for.
+/// Odeint's step size rule. An infinite error gives NaN, which attempt() checks for.
 struct StepRule : boost::numeric::odeint::default_step_adjuster<double, double> {
     double decrease_step(double h, double error, int error_order) const {
         if (!std::isfinite(error)) return std::numeric_limits<double>::quiet_NaN();
@@ -38,11 +38,11 @@ struct StepRule : boost::numeric::odeint::default_step_adjuster<double, double> 
     }
 };
 
-/// A Runge-Kutta pair of N components with Odeint's step control.
+/// A Runge-Kutta pair with N components and Odeint's step control.
 template <std::size_t N, template <std::size_t> class Scheme>
 using Controlled = boost::numeric::odeint::controlled_runge_kutta<Scheme<N>, ComponentError<N>, StepRule>;
 
-/// The same on a system.
+/// A Runge-Kutta pair on a system, with Odeint's step control.
 template <class SystemType, template <std::size_t> class Scheme>
 class ControlledPair
     : public ControlledOdeintState<SystemType, Controlled<OdeintState<SystemType>::dimension, Scheme>> {
@@ -72,7 +72,7 @@ class ControlledPair
     }
 };
 
-/// The pair on the problem, by steps or by a tolerance.
+/// Solves the problem with the pair, with fixed steps or by tolerance.
 template <template <std::size_t> class Scheme>
 Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
     if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);

@@ -10,7 +10,7 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-// neither keeps a rate from one step to the next, which a projection would make stale
+// Neither keeps a rate between steps, which a projection would invalidate.
 template <std::size_t N>
 using Rk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>

@@ -6,7 +6,7 @@
 namespace polhode {
 namespace {
 
-/// The system as plain functions; the context is what the stepper hands through.
+/// The system as plain functions with a context pointer that the stepper passes through.
 template <class SystemType>
 struct Context {
     const SystemType* system;
@@ -17,7 +17,7 @@ struct Context {
         ++*self->evaluations;
         self->system->derivative(t, y, dydt);
     }
-    // the right-hand side does not depend on time: every load of a scene file is constant in it between events
+    // The right-hand side does not depend on time: between events every load of a scene file is constant.
     static void jacobian(void* context, double t, const double* y, double* J) {
         const auto* self = static_cast<const Context*>(context);
         polhode::jacobian(*self->system, t, y, J);

@@ -1,5 +1,5 @@
-// Checks of uBLAS that multiply factors out again and throw are for finite, well-conditioned systems; here the caller
-// looks at the result.
+// Disables uBLAS checks that multiply out the factors and throw. They assume finite, well-conditioned systems; here
+// the caller checks the result.
 #define BOOST_UBLAS_NDEBUG
 #define BOOST_UBLAS_TYPE_CHECK 0
 
@@ -66,7 +66,7 @@ Rosenbrock4& Rosenbrock4::operator=(const Rosenbrock4& other) {
 Rosenbrock4::~Rosenbrock4() = default;
 
 void Rosenbrock4::reset() {
-    // a new one: the controller's memory of its last step has no other way out
+    // Recreate the stepper: the controller's memory of its last step cannot be cleared otherwise.
     const Implementation& old = *implementation_;
     implementation_ = std::make_unique<Implementation>(old.system, old.absolute_tolerance, old.relative_tolerance);
 }

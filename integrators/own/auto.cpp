@@ -1,4 +1,4 @@
-// Which method `auto` stands for.
+// Selects the method that `auto` uses.
 #include <algorithm>
 #include <cstddef>
 #include <initializer_list>
@@ -14,14 +14,15 @@
 namespace polhode {
 namespace {
 
-// A series' work grows as the square of its order and waits for one coefficient after the other, longest for quotients;
-// a right-hand side of many operations is better found eight times side by side. Measured on all trees and loops of the
-// catalogue, at errors of 1e-6, 1e-9 and 1e-12: from some 100 operations on, a quotient counted for 25, extrapolation
-// takes less time, but for the smallest errors, which it does not reach along chaotic motions.
+// Returns whether the right-hand side is long enough for extrapolation to be faster than Taylor series. The work of a
+// series grows as the square of its order, and its coefficients depend on each other, most of all in quotients. A
+// long right-hand side is faster to evaluate for eight columns side by side. Measured on all trees and loops of the
+// catalogue at errors of 1e-6, 1e-9 and 1e-12: extrapolation is faster from about 100 operations on (300 below a
+// tolerance of 3e-12), a quotient counted as 25. It does not reach the smallest errors on chaotic motions.
 bool is_long(const Problem& problem, double tolerance) {
     constexpr std::ptrdiff_t long_for_most = 100, long_for_all = 300, quotient = 25;
     constexpr double tight = 3e-12,
-                     least = 1e-14;  // below it rounding is what is left, and series sum it with more care
+                     least = 1e-14;  // below it only rounding error remains, which series sum more carefully
     if (std::holds_alternative<OneBody>(problem.system) || tolerance < least) return false;
     OwnSystem system(problem);
     Numbers<run_time> y(system.size());

@@ -1,5 +1,5 @@
-// The parts of a normal binary64 number, without a call: what the rough logarithms and powers of step controls are made
-// of, so that they have the same bits with every library.
+// Exponent and mantissa of normal binary64 numbers, without library calls. The approximate logarithms and powers of
+// step controls use them, so that they give the same bits with every C library.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,7 @@ namespace polhode {
 
 /// e of |x| = m 2^e, 1 <= m < 2.
 inline int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7FF) - 1023; }
-/// m, of x > 0.
+/// m of x = m 2^e, x > 0.
 inline double mantissa_of(double x) {
     return std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000);
 }

@@ -1,5 +1,5 @@
-// The equations of one body with its numbers as variables that stay as they are: recorded once, they are those of all
-// bodies of which the same numbers are not zero.
+// Equations of one body with its parameters as constant state variables. A recording of them serves all bodies that
+// have nonzero values for the same parameters.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace polhode {
 
 using TracedNumber = Traced<double>;
 
-/// What acts and what resists it, in principal axes.
+/// Inertia and forcing of a body, in principal axes.
 template <class P>
 struct BodyLaw {
     PrincipalInertia<P> inertia;
@@ -28,7 +28,7 @@ struct BodyLaw {
         else
             LoadedEquations<P, PrincipalInertia<P>, false>{inertia, &forcing}.derivative(0, y, dy);
     }
-    // All its numbers, in one order.
+    // Visits all parameters, always in the same order.
     template <class Visit>
     void each_number(Visit&& visit) {
         const auto each = [&](auto&... triple) { (visit(triple[0], triple[1], triple[2]), ...); };
@@ -53,7 +53,7 @@ struct BodyLaw {
     }
 };
 
-/// A law whose numbers, where they are not zero, are variables that stay as they are: one for all bodies of such a law.
+/// A law whose nonzero parameters are constant state variables. One recording serves all bodies with such a law.
 struct AnyBody {
     BodyLaw<double> like;
 
@@ -78,15 +78,15 @@ struct AnyBody {
     }
 };
 
-// A body whose moments across an axis s are equal, under fields whose moments m_b lie along it, in axes that do not
-// spin with it: i, j, s, both they and the world's taken for 1, 2, 3.
+// A body with equal moments transverse to an axis s, in fields whose moments m_b are along s. The axes i, j, s do not
+// spin with the body; they and the world axes are numbered 1, 2, 3.
 //
 //   u_1' = -c u_2 - sum_b mu_b e_b,2,  u_2' = c u_1 + sum_b mu_b e_b,1,  q' = 1/2 q (0, u),  u_3 = 0
 //
-// c = I_s w_s/I_i and mu_b = m_b,s/I_i, and w_s constant; e_b the world's axes in these. The body has turned by w_s t
-// against them. Steps are those of the precession and the nutation, not of the spin.
+// Here c = I_s w_s/I_i, mu_b = m_b,s/I_i, w_s is constant, and e_b are the world axes in these axes. The body has
+// rotated by w_s t relative to them. Step sizes follow the precession and nutation, not the spin.
 struct SymmetricBody {
-    // y: u_1, u_2, q; then c, mu_1, mu_2, mu_3
+    // y: u_1, u_2, q, then c, mu_1, mu_2, mu_3
     void derivative(const TracedNumber* y, TracedNumber* dy) const {
         const Quaternion<TracedNumber> q = quaternion_at(y, 2);
         dy[0] = -(y[6] * y[1]), dy[1] = y[6] * y[0];
@@ -96,7 +96,7 @@ struct SymmetricBody {
         }
         put(dy, 2, attitude_rate(TracedNumber(0.5), q, Vector3<TracedNumber>(y[0], y[1], TracedNumber())));
     }
-    // The axis; -1 if there is none.
+    // Returns the axis s, or -1 if there is none.
     static int axis(const BodyLaw<double>& law, const Vector3<double>& moments) {
         if (law.moves || law.forcing.any_torque_beside_field()) return -1;
         for (int s = 0; s < 3; ++s) {

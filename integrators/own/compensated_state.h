@@ -1,5 +1,5 @@
-// What the tolerance-driven integrators of polhode's own share: the state with its compensation, on any of the systems
-// or on one register, what is allowed of each component, and a first step.
+// State handling shared by polhode's tolerance-driven integrators: the compensated state, on any system
+// (GeneralState) or in one register (RotationLanes), the error allowed per component, and the first step size.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace polhode {
 
-// squares of absurdly small scales vanish
+// Floor for squared error scales.
 inline constexpr double least_square = 1e-290;
 
-/// 0.8 over the fastest rate of y and of its rate in units of the scales, the latter by a short Euler step. Two
-/// evaluations.
+/// Returns a first step, s: 0.8 over the fastest rate of y and of dy/dt in units of the scales, at most `longest`. The
+/// rate of dy/dt comes from a short Euler step. Costs two evaluations.
 template <class SystemType, class Values>
 double first_step_of(const SystemType& system, double t, const double* y, const Values& scales, double longest) {
     const std::size_t N = scales.size();
@@ -32,7 +32,7 @@ double first_step_of(const SystemType& system, double t, const double* y, const 
     return first > 0 && first < longest ? first : longest;
 }
 
-/// y + lost on one of the systems; any right-hand side.
+/// y + lost for one of the systems, with any right-hand side.
 template <class SystemType>
 class GeneralState {
   public:
@@ -59,7 +59,7 @@ class GeneralState {
     auto sample(double t) const { return system_.motion(t, y_.data()); }
 
   protected:
-    /// next = y + lost + large + small, component i
+    /// next = y + lost + large + small, component i.
     void add(int i, double large, double small) {
         const double sum = y_[i] + large;
         const double rest = (small + lost_[i]) + rounded_away(y_[i], large, sum);
@@ -74,11 +74,11 @@ class GeneralState {
                                next_lost_ = scales_;
 };
 
-/// The same on registers, for rotations whose torques have coefficients.
+/// The compensated state in registers, for rotations whose torques have coefficients.
 template <class SystemType>
 class RotationLanes {
   public:
-    /// With torques of no more terms than these.
+    /// Returns whether all torques of the problem have coefficients, with terms up to `most`.
     static bool serves(const Problem& problem, RotationTerms most = RotationTerms::quadratic) {
         return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
             const auto c = rotation_coefficients(problem.body.principal_inertia, forcing_of(segment));

@@ -1,4 +1,4 @@
-// What FourSystems is for a Jacobian of a size that only the running program knows.
+// FourSystems for a Jacobian whose size is known only at run time.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace polhode {
 
-/// Four complex linear systems (mu_l - J) x_l = r_l with one real matrix J of n rows, each by an LU factorisation with
-/// partial pivoting.
+/// Four complex linear systems (mu_l - J) x_l = r_l with one real n x n matrix J. Each is solved by an LU
+/// factorisation with partial pivoting.
 class DenseSystems {
   public:
     explicit DenseSystems(int n) : n_(n) {}
 
-    /// J row by row.
+    /// J is stored row by row.
     [[gnu::noinline]] void factor(const Complex4& mu, const double* J) {
         const auto given = Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(J, n_, n_);
         for (int l = 0; l < 4; ++l) {
@@ -24,7 +24,7 @@ class DenseSystems {
         }
     }
 
-    /// r in, x out.
+    /// Solves in place: r in, x out.
     [[gnu::noinline]] void solve(Complex4* x) const {
         Eigen::VectorXcd right(n_);
         for (int l = 0; l < 4; ++l) {

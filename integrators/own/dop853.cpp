@@ -1,4 +1,7 @@
-// DOP853 by the tolerance, on registers for rotations and on any right-hand side.
+// DOP853 with step size control, in registers for rotations and for any right-hand side otherwise.
+//
+// GeneralDop853 and RotationDop853 perform one step and form its dense output. ControlledDop853 selects the step
+// sizes by the error estimate of dop853.f (Hairer, Norsett & Wanner 1993, II.5 and II.10).
 #include <algorithm>
 
 #include "integrators/own/compensated_state.h"
@@ -11,11 +14,11 @@
 namespace polhode {
 namespace {
 
-/// More is allowed of a component by this, times its increment.
+/// The allowed error of a component is increased by this factor times its increment.
 constexpr double rounding = 0x1p-52;
 
 struct PairErrors {
-    double fifth, third;  ///< squared, in units of what is allowed
+    double fifth, third;  ///< squared, in units of the allowed error
 };
 
 template <class SystemType>
@@ -51,15 +54,15 @@ class GeneralDop853 : public GeneralState<SystemType> {
         start_ = this->y_, lost_at_start_ = this->lost_;
         Base::accept();
     }
-    /// Forms the dense output of the last accepted step, which went from t to t + h (s).
+    /// Forms the dense output of the last accepted step, from t to t + h (s).
     void interpolate(double t, double h) {
         Y change(this->system_.size());
-        // next_ is the end before it was projected
+        // next_ is the end state before projection.
         for (int i = 0; i < this->system_.size(); ++i)
             change[i] = (this->next_[i] - start_[i]) + (this->next_lost_[i] - lost_at_start_[i]);
         interpolant_.form(this->system_, t, h, start_.data(), change, rates_);
     }
-    /// The motion at t (s), a fraction x of that step after its start.
+    /// The motion at t (s), at the fraction x of that step.
     auto interpolated(double t, double x) const {
         Y y = interpolant_.change(x);
         for (int i = 0; i < this->system_.size(); ++i) y[i] = start_[i] + (lost_at_start_[i] + y[i]);
@@ -93,14 +96,14 @@ class RotationDop853 : public RotationLanes<SystemType> {
         return {next_.squared_error, next_.squared_error_before};
     }
     void accept() { start_ = this->state_, this->state_ = next_.state; }
-    /// Forms the dense output of the last accepted step, which went from t to t + h (s).
+    /// Forms the dense output of the last accepted step, from t to t + h (s).
     void interpolate(double t, double h) {
         Y change(SystemType::dimension);
         for (std::size_t i = 0; i < change.size(); ++i)
             change[i] = (this->state_.y[i] - start_.y[i]) + (this->state_.lost[i] - start_.lost[i]);
         interpolant_.form(this->system_, t, h, start_.y, change, next_.rates);
     }
-    /// The motion at t (s), a fraction x of that step after its start.
+    /// The motion at t (s), at the fraction x of that step.
     auto interpolated(double t, double x) const {
         Y y = interpolant_.change(x);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = start_.y[i] + (start_.lost[i] + y[i]);
@@ -116,8 +119,8 @@ class RotationDop853 : public RotationLanes<SystemType> {
     Dop853Interpolant<Y> interpolant_{SystemType::dimension};
 };
 
-/// The step control of dop853.f: the error of order 8 that both estimates make together, h_new = 0.9 h error^(-1/8)
-/// between h/3 and 6 h, and no growth after a rejection.
+/// Step control of dop853.f. Both estimates combine into an error of order 8; h_new = 0.9 h error^(-1/8), limited to
+/// h/3 to 6 h, with no growth after a rejection.
 template <class State>
 class ControlledDop853 {
   public:

@@ -1,18 +1,19 @@
 // Dense output of order 8 for DOP853.
 //
-// Hairer, Norsett & Wanner's interpolant (1993, II.6; contd8 of dop853.f) is a polynomial of degree 7 from the rate at
-// the end of the step and three more stages. Its local error is O(h^8), the step's is O(h^9): with the step sizes that
-// the error control chooses, samples would err up to 20 times more than the ends of steps. It serves here for the
-// values at five interior points. Their rates err by O(h^8), so that the polynomial p of degree 8 with
+// The interpolant of Hairer, Norsett & Wanner (1993, II.6; contd8 of dop853.f) is a polynomial of degree 7. It uses
+// the rate at the end of the step and three additional stages. Its local error is O(h^8), that of the step O(h^9):
+// with the step sizes of the error control, samples would have errors up to 20 times larger than the ends of steps.
+// Here the interpolant gives only the values at five interior points. The rates at these points have errors O(h^8).
+// The polynomial p of degree 8 with
 //
 //     p(0) = y_0,   p(1) = y_1,   p'(x) = h f(t + x h, y(x)) at x = 0, 1 and the five points
 //
-// has a local error of O(h^9), as the step has (Enright, Jackson, Norsett & Thomsen 1986, ACM TOMS 12, 193:
-// bootstrapping). The points were chosen for a small error and small cardinal polynomials. They are not symmetric about
-// 1/2: an odd number of symmetric points leaves p undetermined, the integral of w_7 below being 0.
+// therefore has a local error of O(h^9), as the step has (bootstrapping: Enright, Jackson, Norsett & Thomsen 1986,
+// ACM TOMS 12, 193). The points were chosen for a small error and small cardinal polynomials. They are not symmetric
+// about 1/2, because an odd number of symmetric points leaves p undetermined: the integral of w_7 below would be 0.
 //
-// p' is in Newton's form, p' = sum of d_k w_k, w_k(x) = (x - x_0) .. (x - x_(k-1)), with divided differences d_0 .. d_6
-// of the rates and d_7 from p(1) = y_1.
+// p' is in Newton's form, p' = sum of d_k w_k, w_k(x) = (x - x_0) .. (x - x_(k-1)), with divided differences d_0 ..
+// d_6 of the rates and d_7 from p(1) = y_1.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@
 
 namespace polhode {
 
-/// Coefficients of Hairer, Norsett & Wanner's interpolant, as in dop853.f. Stage 13 is the rate at the end of the step;
-/// columns follow the 12 stages of the step, stage 13 and the stages added before.
+/// Coefficients of Hairer, Norsett & Wanner's interpolant, from dop853.f. Stage 13 is the rate at the end of the
+/// step. Columns are the 12 stages of the step, stage 13 and the previous additional stages.
 struct Dop853DenseTableau {
     static constexpr int added = 3;  ///< stages 14 to 16
     static constexpr int stages = dop853_stages + 1 + added;
@@ -59,17 +60,18 @@ struct Dop853DenseTableau {
 };
 inline constexpr Dop853DenseTableau dop853_dense;
 
-/// The change of a state of `Values` since the start of a step, at any time inside it.
+/// Change of the state since the start of a step, at any time inside the step.
 template <class Values>
 class Dop853Interpolant {
   public:
-    /// Right-hand sides that form() evaluates: at the end of the step, three stages, and at five interior points.
+    /// Right-hand sides that form() evaluates: one at the end of the step, three stages and five at interior points.
     static constexpr int evaluations = 9;
 
-    /// For states of that size.
+    /// For states with `size` components.
     explicit Dop853Interpolant(int size) : size_(size), differences_(copies_of<terms>(Values(size))) {}
 
-    /// Of a step of the system from y at t to y + change at t + h (s) with the rates `k` of the step's stages.
+    /// Forms the interpolant of a step from y at t to y + change at t + h (s). `k` are the rates of the step's
+    /// stages.
     template <class SystemType, class Stages>
     void form(const SystemType& system, double t, double h, const double* y, const Values& change, const Stages& k) {
         constexpr int step_stages = dop853_stages, added = Dop853DenseTableau::added;
@@ -122,7 +124,7 @@ class Dop853Interpolant {
         }
     }
 
-    /// p(x) - p(0), 0 <= x <= 1 from the start of the step to its end.
+    /// p(x) - p(0), where x goes from 0 at the start of the step to 1 at its end.
     Values change(double x) const {
         const std::array<double, terms> at = integrals(x);
         Values sum(size_);

@@ -1,5 +1,6 @@
-// DOP853: the method of order 8 of Dormand & Prince with the error estimates of orders 5 and 3 of Hairer, Norsett &
-// Wanner (1993), Solving Ordinary Differential Equations I, II.5 and II.10; coefficients as in their code dop853.f.
+// DOP853: Dormand & Prince's method of order 8 with the error estimates of orders 5 and 3 by Hairer, Norsett & Wanner
+// (1993), Solving Ordinary Differential Equations I, II.5 and II.10. The coefficients are those of their code
+// dop853.f.
 #pragma once
 
 #include "integrators/lanes/rotation_lanes.h"
@@ -8,6 +9,7 @@ namespace polhode {
 
 inline constexpr int dop853_stages = 12;
 
+/// Coefficients of the 12 stages.
 struct Dop853Tableau {
     double c[dop853_stages] = {0,
                                0.526001519587677318785587544488e-1,
@@ -57,11 +59,11 @@ struct Dop853Tableau {
                                -1.52160949662516078556178806805e-1,
                                2.01365400804030348374776537501e-1,
                                4.47106157277725905176885569043e-2};
-    /// The weights of the embedded method of order 3, which uses the stages 1, 9 and 12.
+    /// Weights of the embedded method of order 3, which uses stages 1, 9 and 12.
     double third[dop853_stages] = {
         0.244094488188976377952755905512,   0, 0, 0, 0, 0, 0, 0, 0.733846688281611857341361741547, 0, 0,
         0.220588235294117647058823529412e-1};
-    /// The weights minus those of the method of order 5.
+    /// Weights minus those of the embedded method of order 5.
     double fifth_error[dop853_stages] = {0.1312004499419488073250102996e-1,
                                          0,
                                          0,
@@ -77,12 +79,12 @@ struct Dop853Tableau {
 };
 inline constexpr Dop853Tableau dop853;
 
-/// What a step gave, with the rates of its stages.
+/// Result of a step, with the rates of its stages.
 struct Dop853RotationStep : RotationStep {
     alignas(64) double rates[dop853_stages][8];
 };
 
-/// One step on a register; `squared_error` and `squared_error_before` are of the estimates of order 5 and 3.
+/// One step in a register. `squared_error` and `squared_error_before` come from the estimates of order 5 and 3.
 template <RotationTerms terms, class Register>
 POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                 const RotationState& from, double h, Dop853RotationStep& to) {
@@ -119,9 +121,9 @@ POLHODE_INLINE void dop853_step(const RotationCoefficients& coefficients, const 
 
 using Dop853Step = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double h,
                         Dop853RotationStep& to);
-/// One step, compiled for each instruction set; all give the same bits.
+/// One step, compiled for each instruction set. All give the same bits.
 Dop853Step dop853_step_plain, dop853_step_avx2, dop853_step_avx512;
-/// The step for an instruction set that the processor has.
+/// Returns the step function for an instruction set that the processor supports.
 Dop853Step* dop853_step(InstructionSet set);
 
 }  // namespace polhode

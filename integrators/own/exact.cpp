@@ -1,4 +1,4 @@
-// The closed form of a motion, where it has one: no steps, no error but round-off.
+// The method `exact`: evaluates closed forms of the motion. There are no steps and no error other than rounding.
 #include "integrators/own/exact.h"
 
 #include <algorithm>
@@ -16,15 +16,15 @@ namespace {
 
 using Form = ClosedForm<double>;
 
-// Axes that had to be computed, and moments that were shifted there, are known to a rounding: what is within two units
-// of the last place of being equal, or along an axis, is taken for it, since the rounding cannot tell.
+// Relative tolerance for symmetry. Computed axes and shifted moments have rounding errors, so moments within two
+// units in the last place are taken as equal, and vectors that close to an axis as parallel to it.
 double rounding_of(const Problem& problem) {
     const bool as_given = problem.body.q_BP == Quaternion<double>{} && problem.body.arm == Vector3<double>();
     return as_given ? 0 : 0x1p-51;
 }
 
-// A free body next to the separatrix, where a = I1 (I2 - I1) w1^2 and b = I3 (I3 - I2) w3^2 are nearly the same,
-// multiplies the rounding of its start, and that of a and b, by up to the inverse of how nearly.
+// Returns whether a free body starts close to the separatrix, where a = I1 (I2 - I1) w1^2 and b = I3 (I3 - I2) w3^2
+// are nearly equal. Rounding errors of the initial state, of a and of b are amplified there by up to b / |a - b|.
 bool starts_next_to_separatrix(const Problem& problem) {
     constexpr double next_to = 1e-3;
     const Segment& segment = problem.segments.front();
@@ -36,8 +36,9 @@ bool starts_next_to_separatrix(const Problem& problem) {
     return std::abs(a - b) < next_to * b;
 }
 
-// How small the least moment of a free body at a pivot off its centre of mass is beside the largest: of what turns the
-// body about the third axis, the difference of the other two, rounding takes the inverse of that.
+// Ratio of the smallest to the largest moment of a free body whose pivot is not its centre of mass; 1 for other
+// bodies. The difference of the two larger moments drives the rotation about the third axis. Its rounding error is
+// amplified by up to the inverse of this ratio.
 double least_beside_arm(const Problem& problem) {
     const Segment& segment = problem.segments.front();
     if (!problem.body.pivoted || problem.body.arm == Vector3<double>() || segment.forcing.any_torque()) return 1;
@@ -64,15 +65,15 @@ void advance(const Form& form, double t, double* y) {
     FreeRotation::set_rotation(y, rotation.w, rotation.q);
 }
 
-// How far one came through the pieces.
+// Outcome of a pass through the pieces of the motion between events.
 enum class Passed {
     all,
     stopped,     // by the visitor
     no_form,     // a piece has no closed form
-    not_finite,  // an impulse left a state that is none
+    not_finite,  // an impulse led to a state that is not finite
 };
 
-// Every piece's form, from the state that the one before leads to. `at`: where it ended, s.
+// Visits the closed form of each piece, starting from the final state of the previous one. `at`: time reached, s.
 template <class Visit>
 Passed through_pieces(const Problem& problem, double& at, Visit&& visit) {
     double y[FreeRotation::dimension];
@@ -90,7 +91,7 @@ Passed through_pieces(const Problem& problem, double& at, Visit&& visit) {
     return Passed::all;
 }
 
-// Why the scene has no closed form here; empty where it may have one.
+// Returns why the scene has no closed form, or an empty string if it has one.
 std::string refused(const Problem& problem) {
     if (problem.formulation != Formulation::reduced)
         return "a closed form integrates nothing, whatever is left out: solve it without --full";
@@ -102,7 +103,7 @@ std::string refused(const Problem& problem) {
         return "no closed form: the moments about the pivot are known to 113 bits, which do not hold the difference of "
                "two of them that turns the body about the third axis";
     double at = 0;
-    // a state that is not finite is the run's to tell
+    // A state that is not finite is reported by the run.
     if (through_pieces(problem, at, [](const Segment&, const Form&) { return true; }) == Passed::no_form)
         return "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque "
                "and drag";

@@ -1,3 +1,8 @@
+// Extrapolation of the explicit midpoint rule for many motions side by side, one per lane.
+//
+// ExtrapolatedLanes::advance interleaves two registers of eight motions. Kernels holds the parts of a step for one
+// register, compiled for each instruction set: the start of a column (begin_column) and the end of all columns
+// (end_columns), which extrapolates, accepts or rejects, and selects the next step size of each lane.
 #include "integrators/own/extrapolated_lanes.h"
 
 #include <algorithm>
@@ -12,7 +17,7 @@
 #include "text/interruption.h"
 
 namespace polhode {
-/// What is seen of a step, in whole registers: of each variable eight numbers.
+/// The data of a step's end, in whole registers: eight numbers per variable.
 struct ExtrapolatedLanes::StepEnd {
     int size;
     const char* is_moving;
@@ -24,7 +29,7 @@ struct ExtrapolatedLanes::StepEnd {
     Control* control;
 };
 
-/// Everything here is for one register, in whole registers.
+/// Functions for one register, in whole registers.
 struct ExtrapolatedLanes::Kernels {
     void (*begin)(const Control&, double span, int n, std::size_t end, const double* rate, double* twice_h, double* now,
                   double* before);
@@ -36,7 +41,7 @@ struct ExtrapolatedLanes::Kernels {
         return smaller(octet_at(c.step), span - octet_at(c.time));
     }
 
-    // z_1 = h f(y), z_0 = 0
+    // z_1 = h f(y), z_0 = 0.
     POLHODE_INLINE static void begin_column(const Control& c, double span, int n, std::size_t end, const double* rate,
                                             double* twice_h, double* now, double* before) {
         const Octet h = tried(c, span) / octet(n);
@@ -44,7 +49,7 @@ struct ExtrapolatedLanes::Kernels {
         for (std::size_t i = 0; i < end; i += 8) put(now + i, h * octet_at(rate + i)), put(before + i, octet(0));
     }
 
-    // y + T_KK with what that rounds away; T_KK - T_K,K-1 in units of what is allowed, squared
+    // Computes y + T_KK with its rounding error. Returns the square of T_KK - T_K,K-1 in units of the allowed error.
     POLHODE_INLINE static Octet extrapolate(const StepEnd& s) {
         for (int i = 0; i < s.size; ++i) {
             double* const size = s.sizes + 8 * s.units[i];
@@ -74,19 +79,20 @@ struct ExtrapolatedLanes::Kernels {
         return squared;
     }
 
-    /// log2 x for x >= 0, up to 0.09 too small, -1023 for 0: the bits of x as a number.
+    /// log2 x for x >= 0, from the bits of x: up to 0.09 too small, -1023 for 0.
     POLHODE_INLINE static Octet rough_log2(const Octet& x) {
         const Octet shifted = from_bits(((bits(x) >> 12) & 0x0007'ffff'ffff'ffff) | bits(octet(0x1p52)));
         return (shifted - 0x1p52) * 0x1p-40 - 1023.0;
     }
-    /// Cut to some thirty binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is exact.
+    /// Rounds H down to about thirty binary digits and a multiple of all n_j, so that every H/n_j and the sum of the
+    /// steps are exact.
     POLHODE_INLINE static Octet on_grid(const Octet& H, int odd_multiple) {
         const Octet unit = from_bits(bits(H) & 0x7ff0'0000'0000'0000) * (0x1p-30 * odd_multiple);
         return select(H > octet(1e-200), rounded(H / unit - 0.5) * unit, H);
     }
     POLHODE_INLINE static Octet infinite() { return octet(std::numeric_limits<double>::infinity()); }
 
-    // accepted or not, and what comes then: H follows the least of the last four steps' suggestions (see OrderControl)
+    // Accepts or rejects the step and selects the next H: the least of the last four suggestions (see OrderControl).
     POLHODE_INLINE static void end_columns(const StepEnd& s) {
         Control& c = *s.control;
         const Octet squared = extrapolate(s), H = tried(c, s.span), step = octet_at(c.step), time = octet_at(c.time);
@@ -107,7 +113,7 @@ struct ExtrapolatedLanes::Kernels {
             least = smaller(before, least);
         }
         const Octet next = on_grid(least, s.row->odd_multiple);
-        // a step cut at the end says little of the next
+        // A step that was shortened at the end of the span does not limit the next one.
         put(c.step, select(accepted, select(H < step, larger(next, step), next), next));
         const Octet now = select(accepted, select(s.span - time <= H, octet(s.span), time + H), time);
         const Octet taken = octet_at(c.taken) + 1.0;
@@ -179,7 +185,7 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     r.motion[lane] = motion;
     if (motion) ++r.busy, r.has_new = true;
     Control& c = r.control;
-    // a lane without a motion stays where it is
+    // Lanes without a motion do not advance.
     c.time[lane] = c.ended[lane] = 0, c.step[lane] = motion ? motion->step : 0;
     c.taken[lane] = motion ? static_cast<double>(motion->steps) : 0;
     for (double* const suggested : c.suggested) suggested[lane] = std::numeric_limits<double>::infinity();
@@ -189,7 +195,7 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     }
 }
 
-// in which nothing grows by more than half its size
+// A step in which no variable changes by more than half its scale.
 double ExtrapolatedLanes::first_step(const Register& r, int lane, double span) const {
     double rate = 0;
     for (int i = 0; i < size_; ++i)
@@ -231,7 +237,7 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
     for (int until_look = between_looks;; --until_look) {
         if (until_look == 0) {
             until_look = between_looks;
-            // what is under way is left where its span began, and what waits is not begun
+            // Interrupted motions keep the state from the start of the span; waiting ones are not started.
             if (Interruption::is_wanted()) {
                 for (const Register& r : registers_)
                     for (LaneMotion* const motion : r.motion)
@@ -250,7 +256,7 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
             const int n = row_->substeps[j];
             for (std::size_t k = 0; k < count; ++k) {
                 Register& r = *busy[k];
-                // n is even: after n - 1 substeps the last is where nothing stood
+                // n is even: n - 1 swaps leave the result in the column.
                 r.now = {r.scratch.data(), r.column[j].data()};
                 kernels_->begin(r.control, span, n, place(moving_, 0), r.rate.data(), r.twice_h.data(), r.now[0],
                                 r.now[1]);

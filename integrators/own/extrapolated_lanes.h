@@ -1,5 +1,5 @@
-// Many motions of one system side by side, a lane each, by extrapolation of the explicit midpoint rule with steps of
-// each one's own.
+// Integrates many motions of one system side by side, one per lane, by extrapolation of the explicit midpoint rule.
+// Each motion has its own step sizes.
 #pragma once
 
 #include <array>
@@ -13,33 +13,35 @@
 
 namespace polhode {
 
-/// One motion on its way.
+/// One motion in progress.
 struct LaneMotion {
-    double* y = nullptr;            ///< the variables of the recorded system, its parameters too: from, then to
-    const double* sizes = nullptr;  ///< of each variable, > 0: what its errors are measured by, unless it grows larger
-    double step = 0;                ///< s: 0, or what the span before has come to
-    long steps = 0;                 ///< tried, on all spans
+    double* y = nullptr;            ///< variables of the recorded system, with parameters: initial, then final
+    const double* sizes = nullptr;  ///< error scale of each variable, > 0; grows with the variable
+    double step = 0;                ///< s; 0 on the first span, else the step size that the previous span ended with
+    long steps = 0;                 ///< steps tried, over all spans
     enum class End { reached, not_finite, too_many_steps, too_short, interrupted } end = End::reached;
-    double reached = 0;  ///< s, of the span asked
+    double reached = 0;  ///< time reached in the current span, s
 };
 
-/// What is said of one that did not arrive, on a span that began at `begin` (s).
+/// Status and message of a motion that did not reach the end of a span that started at `begin` (s).
 struct LaneFailure {
     Status status;
     std::string message;
 };
+/// Describes why `motion` ended.
 LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps);
 
-/// Two registers of eight lanes are under way at once, so that neither waits for itself. What becomes of a motion does
-/// not depend on its neighbours, nor on the instructions.
+/// Two registers of eight lanes are processed alternately to hide latency. The result of a motion does not depend on
+/// its neighbours or on the instruction set.
 class ExtrapolatedLanes {
   public:
-    /// `units`: by variable, the first of those that are measured by their largest together. A step's error, that of
-    /// the result less well extrapolated, is held to `tolerance` of each size.
+    /// `units`: by variable, the first variable of the group that shares its error scale, the largest in the group.
+    /// The error of a step, estimated from the next lower extrapolation, is kept below `tolerance` times the scale.
     ExtrapolatedLanes(const Recording<double>& recording, std::vector<int> units, double tolerance, long max_steps,
                       const TapeOptions& options = {});
 
-    /// Moves each over the span, s > 0. A lane is given to the next motion as soon as its own has arrived.
+    /// Advances each motion over the span, s, > 0. A lane takes the next motion as soon as its current one is
+    /// finished.
     void advance(std::vector<LaneMotion>& motions, double span);
 
   private:
@@ -48,7 +50,7 @@ class ExtrapolatedLanes {
     static std::size_t place(int i, int lane) {
         return static_cast<std::size_t>(i) * lanes + static_cast<std::size_t>(lane);
     }
-    /// Where eight motions are in time, and what their steps suggest for the next.
+    /// Times, step sizes and suggested steps of eight motions.
     struct Control {
         alignas(64) double time[lanes]{}, step[lanes]{}, taken[lanes]{}, suggested[3][lanes]{};
         alignas(64) double ended[lanes]{};  ///< 0, or 1 + LaneMotion::End
@@ -58,16 +60,16 @@ class ExtrapolatedLanes {
         Numbers8 start, lost, sizes, rate, scratch, next, next_lost, twice_h;
         std::array<Numbers8, most_columns> column;
         Control control;
-        std::array<double*, 2> now{};  ///< what a column has found, and what it had found before
+        std::array<double*, 2> now{};  ///< current and previous increments of a column
         std::array<LaneMotion*, lanes> motion{};
         int busy = 0;
-        bool has_new = false;  ///< motions whose first step is to be found
+        bool has_new = false;  ///< the first step of some motion is still to be found
     };
     struct StepEnd;
     struct Kernels;
 
     int size_;
-    int moving_ = 0;  ///< so many variables of the first, or fewer, are no parameters
+    int moving_ = 0;  ///< variables from this index on are all parameters
     double tolerance_;
     long max_steps_;
     const ExtrapolationRow* row_;

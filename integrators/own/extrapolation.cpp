@@ -1,9 +1,12 @@
-// Gragg, Bulirsch and Stoer's extrapolation of the explicit midpoint rule, order and step by the tolerance.
+// Gragg, Bulirsch and Stoer's extrapolation of the explicit midpoint rule, with order and step size control.
 //
-// A step of K columns is carried out whole: all its columns are independent and run side by side, each in a lane of its
-// own or packed into fewer, so that there is nothing to gain from stopping early. After it the errors of orders 2K - 1
-// and 2K - 3 tell the best H of either, and the one with less work to a unit of time is taken, or one order more
-// (Deuflhard 1983; Hairer, Norsett & Wanner 1993, II.9).
+// A step of K columns is always completed. Its columns are independent and run side by side, each in its own lane or
+// packed into fewer, so stopping early would save nothing. The errors of orders 2K - 1 and 2K - 3 then give the best
+// H for either order. The one with less work per unit of time is selected, or one order more (Deuflhard 1983; Hairer,
+// Norsett & Wanner 1993, II.9).
+//
+// OrderControl selects order and step size. Three types compute the columns: RecordedColumns from a compiled
+// recording, GeneralColumns for any right-hand side, RotationColumns for rotations in registers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,16 +23,17 @@
 namespace polhode {
 namespace {
 
-/// Below this the order stays and the columns are summed with care: rounding is then what is left of the error.
+/// Below this tolerance rounding dominates the error: the order is fixed and the columns use compensated sums.
 constexpr double least_of_variable_order = 3e-14;
-/// More is allowed of a component by this, times its increment and the amplification: rounding that no step avoids.
+/// The allowed error of a component is increased by this factor times its increment and the amplification, for the
+/// rounding error that no step size avoids.
 double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
 
 struct StepErrors {
     double squared, squared_before;  ///< see RotationStep
 };
 
-/// K and H of the next step.
+/// Order and step size of the next step.
 ///
 /// The order changes only for a clear gain.
 class OrderControl {
@@ -47,7 +51,7 @@ class OrderControl {
     int number() const { return row_; }
     const ExtrapolationRow& row() const { return (*table_)[row_]; }
 
-    /// After a step H by the row: the next H.
+    /// Returns the next H after a step H with the current row.
     double next(double H, const StepErrors& errors, bool accepted) {
         constexpr double gain_to_lower = 0.8, gain_to_raise = 0.7;
         const int K = row().columns;
@@ -60,14 +64,14 @@ class OrderControl {
             row_ = K - 1, same = lower;
             forget();
         } else if (accepted && !rejected_ && K < most_ && work(K, same) < gain_to_raise * work(K - 1, lower)) {
-            // the step at which K + 1 columns would cost as much to a unit of time
+            // The step at which K + 1 columns would cost as much per unit of time.
             row_ = K + 1, same *= work(K + 1, 1) / work(K, 1);
             forget();
         }
         rejected_ = !accepted;
         return on_grid(same);
     }
-    /// After a step that gave no number.
+    /// Returns the next H after a step whose result is not finite.
     double retreat(double H) {
         if (row_ != careful_row) row_ = std::max(row_ - 2, fewest_columns);
         rejected_ = true;
@@ -79,7 +83,7 @@ class OrderControl {
   private:
     void forget() { suggested_.forget(); }
     double work(int K, double H) const { return (*table_)[K].work / H; }
-    /// With care the aim is so low that the error of T_KK itself, at its worst along the motion, is below rounding.
+    /// With careful columns the aim keeps even the worst error of T_KK along the motion below rounding.
     double factor(double squared_error, int K) const {
         return step_factor(row_ == careful_row ? -7 : -2.32, squared_error, K);
     }
@@ -90,7 +94,7 @@ class OrderControl {
     SuggestedSteps suggested_;
 };
 
-/// What a step of K columns finds of any of the systems: increments by `column(j, i)`, with what they lost.
+/// Extrapolates a step of K columns for any of the systems, from increments `column(j, i)` and their rounding errors.
 template <class SystemType>
 class ColumnsState : public GeneralState<SystemType> {
   public:
@@ -115,7 +119,7 @@ class ColumnsState : public GeneralState<SystemType> {
             const double allowed = this->squared_scale_[i] + slack * slack;
             errors.squared += error * error / allowed;
             errors.squared_before += error_before * error_before / allowed;
-            // y + z_K and what it rounds away, then the rest
+            // y + z_K with its rounding error, then the rest.
             this->add(i, finest, value + finest_lost);
         }
         return errors;
@@ -125,7 +129,7 @@ class ColumnsState : public GeneralState<SystemType> {
     double rounding_;
 };
 
-/// Any right-hand side that can be recorded: compiled, the columns side by side.
+/// For any right-hand side that can be recorded: compiled, with the columns side by side.
 template <class SystemType>
 class RecordedColumns : public ColumnsState<SystemType> {
     using Base = ColumnsState<SystemType>;
@@ -151,7 +155,7 @@ class RecordedColumns : public ColumnsState<SystemType> {
     std::optional<LaneColumns> columns_;
 };
 
-/// Any right-hand side, the columns one after the other.
+/// For any right-hand side, one column after another.
 template <class SystemType>
 class GeneralColumns : public ColumnsState<SystemType> {
     using Y = typename ColumnsState<SystemType>::Y;
@@ -174,8 +178,8 @@ class GeneralColumns : public ColumnsState<SystemType> {
     }
 
   private:
-    /// z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y); with care, also what was rounded
-    /// away.
+    /// Computes z_n of z_(m+1) = z_(m-1) + 2h f(t + m h, y + z_m), z_0 = 0, z_1 = h f(t, y). `careful`: also its
+    /// rounding error.
     void midpoint(double t, const Y& f, double h, int n, bool careful, Y& now, Y& lost) const {
         const int N = this->system_.size();
         Y before(N), lost_before(N), y(N), rate(N);
@@ -193,7 +197,7 @@ class GeneralColumns : public ColumnsState<SystemType> {
     }
 };
 
-/// Rotations on registers, the columns side by side.
+/// For rotations in registers, with the columns side by side.
 template <class SystemType>
 class RotationColumns : public RotationLanes<SystemType> {
     using Base = RotationLanes<SystemType>;

@@ -1,11 +1,11 @@
-// Which midpoint columns are extrapolated at each order, with what weights, and how the columns are laid side by side.
+// Midpoint columns and weights of each extrapolation order, and the arrangement of the columns side by side.
 //
-// Column j goes over the step H in n_j substeps of the explicit midpoint rule; its error has an expansion in even
-// powers of H. With K columns the polynomial in (1/n)^2 through them gives order 2K at n = infinity:
+// Column j covers the step H in n_j substeps of the explicit midpoint rule. Its error has an expansion in even powers
+// of H. The polynomial in (1/n)^2 through K columns gives order 2K at n = infinity:
 //
 //   T_KK = z_K + sum over j < K of c_j (z_j - z_K),   c_j = product over i != j of n_j^2 / (n_j^2 - n_i^2),
 //
-// z_j the increment that column j finds. (Gragg 1965; Bulirsch & Stoer 1966; Hairer, Norsett & Wanner 1993, II.9.)
+// where z_j is the increment of column j (Gragg 1965; Bulirsch & Stoer 1966; Hairer, Norsett & Wanner 1993, II.9).
 #pragma once
 
 #include <array>
@@ -15,12 +15,13 @@ namespace polhode {
 
 inline constexpr int fewest_columns = 2, most_columns = 9;
 
-/// Rows are counted by their columns; the last is for tolerances near the rounding: six columns that amplify it as
-/// little as possible, each of them summed with compensation.
+/// Rows are numbered by their column count. The last row is for tolerances near rounding: six columns with the
+/// smallest possible amplification of rounding errors, each summed with compensation.
 inline constexpr int careful_row = 10, table_rows = 11;
 
-/// The n_j of a row. Found by search: the least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30, which is by how
-/// much the rounding of an increment is amplified (with 2, 4, 6, .. it is 120 for K = 8, 600 for K = 10).
+/// The n_j of a row, found by search: least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30. This sum is the
+/// factor by which the rounding error of an increment is amplified; for 2, 4, 6, .. it is 120 at K = 8 and 600 at K =
+/// 10.
 template <int row>
 constexpr auto substeps() {
     if constexpr (row == 2) return std::array{2, 4};
@@ -36,7 +37,7 @@ constexpr auto substeps() {
 template <int row>
 inline constexpr int columns_of = static_cast<int>(substeps<row>().size());
 
-/// The n_j in registers of eight, filled up with ones.
+/// The n_j in registers of eight, padded with ones.
 template <int row>
 constexpr auto substeps_as_lanes() {
     constexpr auto n = substeps<row>();
@@ -45,13 +46,13 @@ constexpr auto substeps_as_lanes() {
     return lanes;
 }
 
-/// The weights of T_KK, of T_KK - T_K,K-1 and of T_K-1,K-1 - T_K-1,K-2, where T_k,k-1 leaves out the first column.
+/// The weights of T_KK, of T_KK - T_K,K-1 and of T_K-1,K-1 - T_K-1,K-2, where T_k,k-1 omits the first column.
 template <int K>
 struct ExtrapolationWeights {
     std::array<double, K> value{}, error{}, error_before{};
 };
 
-/// The weights at n = infinity of columns first..last - 1; zero elsewhere.
+/// The weights at n = infinity of columns first .. last - 1; other weights are zero.
 template <auto n>
 constexpr auto column_weights(int first, int last) {
     constexpr int K = static_cast<int>(n.size());
@@ -83,17 +84,18 @@ constexpr auto extrapolation_weights() {
     return weights_of<substeps<row>()>();
 }
 
-/// A row of the extrapolation table chosen at run time: its columns, their weights and what a step costs.
+/// A row of the extrapolation table that is selected at run time: its columns, their weights and the cost of a step.
 struct ExtrapolationRow {
     int columns = 0;
-    int evaluations = 0;       ///< of the right-hand side in a step
-    int work = 0;              ///< what a step costs, in evaluations
+    int evaluations = 0;       ///< evaluations of the right-hand side per step
+    int work = 0;              ///< cost of a step, in evaluations
     double amplification = 0;  ///< sum |c_j|
     int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
     std::array<int, most_columns> substeps{};
     ExtrapolationWeights<most_columns> weights;
 };
 
+/// The row for given n_j.
 template <auto n>
 constexpr ExtrapolationRow row_of() {
     ExtrapolationRow row;
@@ -124,10 +126,10 @@ inline constexpr ExtrapolationTable extrapolation_rows{
     extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(),          extrapolation_row<7>(),
     extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
 
-/// Where each column has a lane of its own the longest is all that counts: n_K / (product of n_j)^(1/K) is to be small,
-/// with sum |c_j| <= 60 (2, 4, .., 16 amplifies rounding 119 times). Of those, found by search, the ones that took
-/// least time on the catalogue: the longest are no gain where a step would be longer than samples or a motion's poles
-/// leave it.
+/// The n_j of a row where each column has its own lane. Only the longest column costs time there, so the search
+/// minimised n_K / (product of n_j)^(1/K) with sum |c_j| <= 60 (2, 4, .., 16 amplifies rounding by 119). Of the
+/// candidates, these took the least time on the catalogue. Longer sequences do not pay where a step would be longer
+/// than the sample spacing or where poles of the motion limit it.
 template <int K>
 constexpr auto substeps_in_lanes() {
     if constexpr (K == 2) return std::array{4, 6};
@@ -158,16 +160,16 @@ inline constexpr ExtrapolationTable rows_in_lanes{ExtrapolationRow{},
                                                   ExtrapolationRow{},
                                                   extrapolation_row<careful_row>()};
 
-/// K columns in as few chains as the longest allows, first fit from the longest: each chain runs its columns one after
-/// the other, independent of the other chains, so that the processor has several in flight.
+/// K columns packed into as few chains as the longest column allows, first fit, longest first. A chain runs its
+/// columns in sequence. The chains are independent, so the processor overlaps them.
 template <int K>
 struct ColumnChains {
     int chains = 0;
-    std::array<int, K> chain{};     ///< of column j
-    std::array<int, K> first{};     ///< evaluations in its chain before column j
-    std::array<int, K> last{};      ///< and after it
-    std::array<int, K + 1> ends{};  ///< 0, then the distinct `last`, rising
-    int pieces = 0;                 ///< how many
+    std::array<int, K> chain{};     ///< chain of column j
+    std::array<int, K> first{};     ///< evaluations in the chain before column j
+    std::array<int, K> last{};      ///< evaluations in the chain up to the end of column j
+    std::array<int, K + 1> ends{};  ///< 0, then the distinct values of `last`, ascending
+    int pieces = 0;                 ///< number of these intervals
 };
 
 template <int row>

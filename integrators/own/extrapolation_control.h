@@ -1,4 +1,4 @@
-// What the errors of an extrapolated step say of the next one: shared by runs of one motion and of many.
+// Step size control of extrapolation, shared by runs of one motion and of many.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// log2 x within 0.01 and 2^x within 1 %, of normal numbers x >= 0: the same bits with every library.
+/// log2 x to within 0.01 and 2^x to within 1 %, for normal numbers x >= 0. Same bits with every C library.
 inline double rough_log2(double x) {
     const double m = mantissa_of(x);
     return exponent_of(x) + ((2 - m / 3) * m - 5.0 / 3);
@@ -21,32 +21,32 @@ inline double rough_exp2(double x) {
     return power_of_two(whole) * (1 + r * (2 + r) / 3);
 }
 
-/// The row of the extrapolation table to begin with, of `most` columns at the most.
+/// Initial row of the extrapolation table, with at most `most` columns.
 inline int first_row(double tolerance, int most) {
     return std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most);
 }
 
-/// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)).
+/// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)), limited.
 inline double step_factor(double log2_of_aim, double squared_error, int K) {
     const double exponent = (log2_of_aim - rough_log2(squared_error) / 2) / (2 * K - 1);
     return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
 }
 
-/// H cut to few binary digits and a multiple of all n_j: every H/n_j, and the sum of the steps, is then exact. A
-/// rounded H/n_j would be an error of the time itself, the same in every step and amplified.
+/// Rounds H down to few binary digits and a multiple of all n_j, so that every H/n_j and the sum of the steps are
+/// exact. A rounded H/n_j would be a time error, the same in every step and amplified by the extrapolation.
 inline double step_on_grid(double H, int odd_multiple) {
     if (H < 1e-200) return H;
     const double grid = odd_multiple * power_of_two(exponent_of(H) - 30);
     return static_cast<double>(static_cast<long>(H / grid)) * grid;
 }
 
-/// The motion's own period is a few steps, and the error of a given H differs a hundredfold along it. So H follows the
-/// least of the last four steps' suggestions: measured, a third of the steps were else rejected, and the worst accepted
-/// ones made the error.
+/// Selects the least of the last four suggested steps. A period of the motion takes only a few steps, and the error
+/// at a given H varies a hundredfold along it. Measured: without this, a third of the steps were rejected, and the
+/// worst accepted ones dominated the error.
 class SuggestedSteps {
   public:
     void forget() { last_.fill(std::numeric_limits<double>::infinity()); }
-    /// The least of the last four, this one included.
+    /// Returns the least of the last four suggestions, including this one.
     double least(double suggested) {
         last_ = {suggested, last_[0], last_[1], last_[2]};
         return std::min(std::min(suggested, last_[1]), std::min(last_[2], last_[3]));

@@ -1,11 +1,12 @@
-// Four complex linear systems (mu_l - J) x_l = r_l with one real matrix J, side by side: what collocation methods
-// solve, for each eigenvalue of their coefficients.
+// Four complex linear systems (mu_l - J) x_l = r_l with one real matrix J, side by side. Collocation methods solve
+// one for each eigenvalue of their coefficient matrix.
 #pragma once
 
 #include "integrators/lanes/lanes.h"
 
 namespace polhode {
 
+/// Four complex numbers side by side.
 struct Complex4 {
     Lanes4 re{}, im{};
 
@@ -22,15 +23,16 @@ inline Complex4 reciprocal(const Complex4& z) {
     return {z.re * scale, -(z.im * scale)};
 }
 
-/// J is that of a body's motion (motion/systems.h): its first components are the rates, the rest is where the body
-/// is. Eliminated from the last component to the first, no pivot of the rest can vanish while Re mu > 0: those of v and
-/// p are mu + k and mu; those of q are ratios of minors of mu - Omega / 2 with a skew Omega, whose eigenvalues are mu
-/// and mu +- i |w| / 2. So no rows are exchanged, and all four go the same way. Rounding grows with |w| / |mu|, which
-/// is small for steps of less than a turn. What is left for the rates is inverted by cofactors.
+/// J is the Jacobian of a body's motion (motion/systems.h): the first components are the rates, the others the
+/// position and attitude. Elimination goes from the last component to the first. No pivot of the latter block can
+/// vanish while Re mu > 0: those of v and p are mu + k and mu; those of q are ratios of minors of mu - Omega / 2 with
+/// a skew Omega, whose eigenvalues are mu and mu +- i |w| / 2. No row exchanges are needed, so all four systems take
+/// the same path. Rounding grows with |w| / |mu|, which is small for steps of less than one revolution. The remaining
+/// block of the rates is inverted by cofactors.
 template <int N, int rates>
 class FourSystems {
   public:
-    /// mu: Re mu > 0. J row by row.
+    /// Requires Re mu > 0. J is stored row by row.
     [[gnu::always_inline]] inline void factor(const Complex4& mu, const double* J) {
         for (int i = 0; i < N; ++i)
             for (int j = 0; j < N; ++j) {
@@ -50,7 +52,7 @@ class FourSystems {
         invert_rates();
     }
 
-    /// r in, x out.
+    /// Solves in place: r in, x out.
     [[gnu::always_inline]] inline void solve(Complex4* x) const {
         for (int k = N - 1; k >= rates; --k)
             for (int i = 0; i < k; ++i) x[i] = x[i] - entry_[i][k] * x[k];
@@ -84,7 +86,7 @@ class FourSystems {
         }
     }
 
-    // above the diagonal the factors, below it the rows, on it the reciprocal pivots; the rates' block is inverted
+    // Factors above the diagonal, rows below it, reciprocal pivots on it. The block of the rates is inverted.
     Complex4 entry_[N][N];
 };
 

@@ -1,6 +1,10 @@
-// Eight torque-free bodies at once, in closed form: FreeAsymmetricBody and FreeSymmetricBody of free_body.h, whose
-// formulas these are, on lanes. Nomes by their series instead of a second period; both lattices side by side where
-// the eight bodies differ in theirs.
+// Closed-form motion of eight torque-free bodies side by side. The formulas are those of FreeAsymmetricBody and
+// FreeSymmetricBody (free_body.h).
+//
+// advance_free() sorts the axes, then evaluates the symmetric and the asymmetric formulas where the eight bodies need
+// them. Nomes come from their series instead of a second period. Lattice8 holds the trigonometric or hyperbolic
+// lattice of each lane; both are evaluated if the bodies differ in theirs. Theta8 and Point hold theta sums and
+// elliptic functions.
 #pragma once
 
 #include <limits>
@@ -10,13 +14,13 @@
 
 namespace polhode {
 
-/// What is asked and, after advance_free(), what has become of it. Principal axes, in any order.
+/// Input and, after advance_free(), output. Principal axes, in any order.
 struct FreeOctet {
     Octet moments[3];  ///< kg m^2, > 0
     Octet w[3];        ///< rad/s
-    Octet q[4];        ///< w, x, y, z: principal axes to world
-    /// An estimate of the attitude's error, rad: rounding, times what the motion next to a separatrix makes of it.
-    /// Not finite where the lane is none that this kernel serves.
+    Octet q[4];        ///< (w, x, y, z): principal axes to world
+    /// Estimated attitude error, rad: rounding, times its amplification close to a separatrix. Not finite if this
+    /// kernel does not support the body.
     Octet error;
 };
 
@@ -30,13 +34,13 @@ POLHODE_INLINE void exchange(const OctetMask& mask, Octet& a, Octet& b) {
     b = select(mask, before, b);
 }
 
-/// Exchanges axes i and j where the mask says so.
+/// Exchanges axes i and j where the mask is set.
 POLHODE_INLINE void order(const OctetMask& mask, int i, int j, Octet I[3], Octet w[3], Octet axis[3], Octet& parity) {
     exchange(mask, I[i], I[j]), exchange(mask, w[i], w[j]), exchange(mask, axis[i], axis[j]);
     parity = select(mask, -parity, parity);
 }
 
-/// Carlson's R_F(x, y, 1), as carlson_rf.
+/// Carlson's R_F(x, y, 1), see carlson_rf.
 POLHODE_INLINE Octet carlson_rf(Octet x, Octet y) {
     Octet z = octet(1), mean = (x + y + z) * (1.0 / 3);
     for (int i = 0; i < 64; ++i) {
@@ -58,7 +62,7 @@ POLHODE_INLINE Octet carlson_rf(Octet x, Octet y) {
     return series / square_root(mean);
 }
 
-/// The arithmetic-geometric mean of 1 and b; 1e-300 in place of b = 0.
+/// The arithmetic-geometric mean of 1 and b; b = 0 is replaced by 1e-300.
 POLHODE_INLINE Octet mean_with_one(Octet b) {
     Octet a = octet(1);
     b = larger(b, octet(1e-300));
@@ -72,6 +76,7 @@ POLHODE_INLINE Octet mean_with_one(Octet b) {
     return (a + b) * 0.5;
 }
 
+/// Lattice<double> of closed_form/elliptic.h for eight parameters.
 struct Lattice8 {
     OctetMask hyperbolic;
     bool some_hyperbolic = false, some_trigonometric = false;
@@ -79,7 +84,7 @@ struct Lattice8 {
     Octet square[hyperbolic_terms + 1], pronic[hyperbolic_terms + 1];  ///< q^(n^2), q^(n(n+1))
 };
 
-/// The theta sum at one u, and l2 + i l1 times it, by half its angle.
+/// Elliptic functions and theta sum at u; re + i im gives half the rotation angle.
 struct Point {
     Octet sn, cn, dn, re, im;
 };
@@ -112,7 +117,7 @@ POLHODE_INLINE Lattice8 lattice(const Octet& m, const Octet& m1) {
     return L;
 }
 
-/// theta_1(u - i s eta), as ShiftedTheta: its coefficients in the lattice at hand.
+/// Coefficients of theta_1(u - i s eta) in the current lattice, see ShiftedTheta.
 struct Theta8 {
     Octet even[hyperbolic_terms + 1], odd[hyperbolic_terms + 1];
 };
@@ -184,6 +189,7 @@ POLHODE_INLINE Point trigonometric_point(const Lattice8& L, const Theta8& theta,
     return p;
 }
 
+/// Hyperbolic harmonics of eight arguments, scaled as in Harmonics.
 struct HyperbolicHarmonics {
     Octet odd_sine[hyperbolic_terms + 1], odd_cosine[hyperbolic_terms + 1], even_cosine[hyperbolic_terms + 1];
 };
@@ -251,7 +257,7 @@ POLHODE_INLINE void point_at(const Lattice8& L, const Theta8& trigonometric, con
     choose(L.hyperbolic, p.re, other.re), choose(L.hyperbolic, p.im, other.im);
 }
 
-/// d arg(theta sum)/d(scale u) at u = 0, or at u = K where `at_quarter`.
+/// d arg(theta sum)/d(scale u) at u = 0, or at u = K where `at_quarter` is set.
 POLHODE_INLINE Octet trigonometric_slope(const Theta8& theta, const OctetMask& at_quarter) {
     Octet up0 = octet(0), down0 = up0, up1 = up0, down1 = up0;
     for (int n = 0; n <= trigonometric_terms; ++n) {
@@ -277,7 +283,7 @@ POLHODE_INLINE Octet hyperbolic_slope(const Lattice8& L, const Theta8& theta, co
     return (im_slope * re - re_slope * im) / (re * re + im * im);
 }
 
-/// turn_z(half angle) swing(l), labelled axes, not of unit length: see FreeAsymmetricBody::nutation.
+/// turn_z(half angle) swing(l) in relabelled axes, not normalised: see FreeAsymmetricBody::nutation.
 POLHODE_INLINE void nutation(const Octet& re, const Octet& im, const Octet l[3], Octet q[4]) {
     const Octet up = 1.0 + l[2];
     q[0] = re * up;
@@ -303,12 +309,12 @@ POLHODE_INLINE void multiply(const Octet a[4], const Octet b[4], Octet r[4]) {
 
 }  // namespace free_octet
 
-/// The motion a time t (s) later.
+/// Advances the motion by the time t (s).
 POLHODE_INLINE void advance_free(FreeOctet& body, double t) {
     using namespace free_octet;
     constexpr double epsilon = std::numeric_limits<double>::epsilon();
     const Octet zero = octet(0), one = octet(1);
-    // axes by their moments, a <= b <= c, and with them w; the sign of the permutation
+    // Sort the axes by their moments, a <= b <= c, together with w; track the sign of the permutation.
     Octet I[3] = {body.moments[0], body.moments[1], body.moments[2]}, w[3] = {body.w[0], body.w[1], body.w[2]};
     Octet axis[3] = {zero, one, octet(2)}, parity = one;
     order(I[0] > I[1], 0, 1, I, w, axis, parity);
@@ -336,7 +342,7 @@ POLHODE_INLINE void advance_free(FreeOctet& body, double t) {
     const Octet inverse_L = 1.0 / select(L > zero, L, one);
 
     Octet turned[4] = {one, zero, zero, zero},
-          rate[3] = {zero, zero, zero};  // the attitude from the start on; w at the end: labelled axes
+          rate[3] = {zero, zero, zero};  // relabelled axes: rotation since the start; w at the end
     Octet error = 4 * epsilon * (1.0 + w_size * t);
     const Octet out_of_reach = octet(std::numeric_limits<double>::infinity());
     const OctetMask too_far = w_size * t > octet(largest_angle);
@@ -418,8 +424,8 @@ POLHODE_INLINE void advance_free(FreeOctet& body, double t) {
         for (int i = 0; i < 4; ++i)
             turned[i] = some_simple ? select(simple, turned[i], general[i] * size) : general[i] * size;
         for (int i = 0; i < 3; ++i) rate[i] = some_simple ? select(simple, rate[i], end[i]) : end[i];
-        // next to the separatrix an error grows as exp u on the way from the saddle; one of m1 in all moves each
-        // passage by half its share of m1
+        // Close to the separatrix an error grows as exp u on the way from the saddle. An error in m1 shifts each
+        // passage by half its relative size.
         const Octet amplified = epsilon * smaller((1.0 + magnitude(j)) * ((outer + inner) / excess),
                                                   exponential(smaller(rate_of_u * t, octet(100))));
         error = select(simple, error, select(within, error + amplified, out_of_reach));

@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-/// What a substep with care works on: of each variable eight numbers.
+/// The data of a compensated substep: eight numbers per variable.
 struct CarefulSubstep {
     std::size_t end;
     const double *start, *twice_h, *rate;
@@ -44,7 +44,7 @@ void LaneColumns::step(const double* y, double H, const ExtrapolationRow& row, b
     Work* const work = all[static_cast<std::size_t>(instruction_set())];
     const int K = row.columns;
     alignas(64) std::array<double, lanes> twice_h{};
-    // lanes that are left over do what the last column does
+    // Unused lanes repeat the last column.
     for (int j = 0; j < lanes; ++j) twice_h[j] = 2 * (H / row.substeps[std::min(j, K - 1)]);
     for (int i = 0; i < size_; ++i) std::fill_n(&start_[place(i, 0)], lanes, y[i]);
     rates_.find(start_.data(), rate_.data());

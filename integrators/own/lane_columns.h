@@ -1,4 +1,4 @@
-// Midpoint columns of any recorded system, each in a lane of its own.
+// Midpoint columns of any recorded system, one per lane.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace polhode {
 
-/// z_n of z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), for up to eight numbers of substeps n over the same
-/// step side by side; with care, also what was rounded away. The same bits by all instructions.
+/// Computes z_n of z_(m+1) = z_(m-1) + 2h f(y + z_m), z_0 = 0, z_1 = h f(y), side by side for up to eight substep
+/// counts n over the same step; with `careful` also its rounding error. All instruction sets give the same bits.
 class LaneColumns {
   public:
     explicit LaneColumns(const Recording<double>& recording);
 
-    /// From y over the step H.
+    /// Computes all columns of a step H from y.
     void step(const double* y, double H, const ExtrapolationRow& row, bool careful);
-    /// Of the i-th variable: the increment that the column found, and what it lost.
+    /// The increment of variable i in a column, and its rounding error.
     double increment(int column, int i) const { return found_[place(i, column)]; }
     double lost(int column, int i) const { return found_lost_[place(i, column)]; }
 

@@ -1,4 +1,8 @@
-// One extrapolated step of a rotation on registers of eight lanes, all columns side by side.
+// One extrapolated step of a rotation in registers of eight lanes, all columns side by side.
+//
+// ColumnRule advances a column of midpoint substeps. FreeColumnRule does the same for torque-free bodies with fewer
+// operations. midpoint_step() runs the columns of a row in independent chains (extrapolation_columns.h);
+// finish_step() forms the result and its error estimates.
 #pragma once
 
 #include <type_traits>
@@ -8,7 +12,7 @@
 
 namespace polhode {
 
-/// The errors in units of what is allowed, and y + z_K + value.
+/// Computes the errors in units of the allowed error, and the new state y + z_K + value.
 template <class Register>
 POLHODE_INLINE void finish_step(const RotationAllowance& allowance, const RotationState& from, const Register& y,
                                 const Register& finest, const Register& value, const Register& error,
@@ -25,8 +29,8 @@ POLHODE_INLINE void finish_step(const RotationAllowance& allowance, const Rotati
     store(to.state.lost, rounded_away(sum, rest, next));
 }
 
-/// How a column of substeps h goes on: z_1 = h f(y), z_(m+1) = z_(m-1) + 2h f(y + z_m), on the increments z: their
-/// rounding is relative to the step's change, not to y.
+/// Rule of a column with substeps h: z_1 = h f(y), z_(m+1) = z_(m-1) + 2h f(y + z_m). It advances the increments z,
+/// so that rounding errors are relative to the change over the step, not to y.
 template <RotationTerms terms, class Register>
 class ColumnRule {
   public:
@@ -41,7 +45,7 @@ class ColumnRule {
     POLHODE_INLINE Register change(const Column& column, const Register& z) const {
         return column.twice_h * rate_(y_ + z);
     }
-    /// z in the problem's units
+    /// z in the problem's units.
     POLHODE_INLINE Register increment(const Register& z, double) const { return z; }
 
   private:
@@ -49,13 +53,13 @@ class ColumnRule {
     Register y_, f_;
 };
 
-/// Without a torque: in units of the column's own, u = h w, and with s = -q_w
+/// Column rule without torque, in units of the column: u = h w and s = -q_w,
 ///
 ///   u_(m+1) - u_(m-1) = 2 c (u2 u3, ..),   q_(m+1) - q_(m-1) = q (0, u)
 ///
-/// so that no product has a factor but those of the gyroscopic terms, and with -q_z in the eighth lane every component
-/// is a product and the difference of two: 14 operations instead of 17. (On y + z itself, without z, it would be 13,
-/// and the rounding next to a separatrix five times as much.)
+/// Only the gyroscopic products then have a factor. With -q_z in the eighth lane every component is one product plus
+/// a difference of two: 14 operations instead of 17. (Advancing y + z itself instead of z would take 13, but its
+/// rounding error close to a separatrix is five times as large.)
 template <class Register>
 class FreeColumnRule {
   public:
@@ -97,12 +101,12 @@ class FreeColumnRule {
     Register factor_, y_, f_;
 };
 
-/// With care what is rounded away is kept, and means nothing in a column's own units.
+/// Careful columns keep their rounding errors, which are not meaningful in a column's units.
 template <RotationTerms terms, bool careful, class Register>
 using ColumnRuleFor =
     std::conditional_t<terms == RotationTerms::none && !careful, FreeColumnRule<Register>, ColumnRule<terms, Register>>;
 
-/// All columns. The step then adds z_n, no last smoothing: n is even.
+/// Computes all columns. The step adds z_n without final smoothing, since n is even.
 template <int row, RotationTerms terms, class Register>
 POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                   const RotationState& from, double H, RotationStep& to) {
@@ -117,9 +121,9 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
     const Rule rule(coefficients, y);
     typename Rule::Column at[chains.chains];
     Register before[chains.chains], now[chains.chains], column[K];
-    // what was rounded away from each of them; not used unless careful
+    // Rounding errors of the above; used only if `careful`.
     Register lost_before[chains.chains], lost_now[chains.chains], lost_column[K];
-    // H / n_j, exact; one division for eight of them
+    // H / n_j, exact; one division for eight columns.
     alignas(64) static constexpr auto divisors = substeps_as_lanes<row>();
     alignas(64) double h_of[divisors.size()];
     for (std::size_t first = 0; first < divisors.size(); first += 8)
@@ -176,7 +180,7 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
     finish_step(allowance, from, y, finest, value, error, error_before, extrapolation_rows[row].amplification, to);
 }
 
-/// The row chosen at run time.
+/// Step with the row selected at run time.
 template <RotationTerms terms, class Register>
 POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                   const RotationState& from, double H, int row, RotationStep& to) {
@@ -188,9 +192,9 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
 
 using MidpointStep = void(const RotationCoefficients&, const RotationAllowance&, const RotationState&, double H,
                           int row, RotationStep& to);
-/// One step, compiled for each instruction set; all give the same bits.
+/// One step, compiled for each instruction set. All give the same bits.
 MidpointStep midpoint_step_plain, midpoint_step_avx2, midpoint_step_avx512;
-/// The step for an instruction set that the processor has.
+/// Returns the step function for an instruction set that the processor supports.
 MidpointStep* midpoint_step(InstructionSet set);
 
 template <class Register>
@@ -202,7 +206,7 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
         case RotationTerms::axial_field:
             return midpoint_step<RotationTerms::axial_field, Register>(coefficients, allowance, from, H, row, to);
         case RotationTerms::quadratic:
-            // compiled columns take less time (lane_columns.h)
+            // Compiled columns are faster (lane_columns.h).
             return;
     }
 }

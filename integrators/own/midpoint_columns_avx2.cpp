@@ -8,7 +8,7 @@ POLHODE_TARGET_AVX2 void midpoint_step_avx2(const RotationCoefficients& coeffici
 #ifdef __OPTIMIZE__
     midpoint_step<LaneHalves>(coefficients, allowance, from, H, row, to);
 #else
-    // the same bits; written out for every row without optimisation it takes a minute to compile
+    // Same bits. Without optimisation, instantiating every row takes a minute to compile.
     midpoint_step_plain(coefficients, allowance, from, H, row, to);
 #endif
 }

@@ -1,5 +1,5 @@
-// The step where there are no wide registers: the same operations in every column, one column after the other, no code
-// of its own for each row.
+// The step without wide registers. It performs the same operations in every column, one column after another, in a
+// loop rather than in code instantiated for each row.
 #include "integrators/own/midpoint_columns.h"
 
 namespace polhode {

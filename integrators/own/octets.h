@@ -1,4 +1,4 @@
-// The kernels of lane_math.h, compiled for every instruction set.
+// The kernels of free_octet.h, compiled for each instruction set.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// advance_free() of each.
+/// Calls advance_free() for each octet.
 void advance_free_octets(FreeOctet* octets, std::size_t count, double t, InstructionSet set);
 
 }  // namespace polhode

@@ -1,4 +1,8 @@
-// Radau IIA of 3, 5 and 7 stages, all stages side by side in vector registers.
+// Radau IIA with 3, 5 and 7 stages, with all stages side by side in vector registers.
+//
+// Radau holds the state and solves the collocation equations by simplified Newton iterations (Equations, Kernel),
+// each of which solves four linear systems side by side (FourSystems, DenseSystems). FixedRadau takes fixed steps.
+// ControlledRadau controls the step size (Hairer & Wanner 1996, IV.8, and 1999).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +36,7 @@ struct LinearSystems<OwnSystem> {
     using Type = DenseSystems;
 };
 
-/// One step's equations Z = h (A x I) f(y + Z).
+/// The equations of one step, Z = h (A x I) f(y + Z).
 template <class SystemType>
 struct Equations {
     static constexpr int N = SystemType::dimension;
@@ -41,11 +45,11 @@ struct Equations {
 
     explicit Equations(int n) : y(n), weight(n), J(n * n), matrix(matrix_of(n)), Z(n) {}
 
-    Numbers<N> y;          ///< at the step's start
+    Numbers<N> y;          ///< at the start of the step
     Numbers<N> weight;     ///< of each component in norms
     Numbers<squared> J;    ///< df/dy, row by row
     Systems matrix;        ///< eigenvalue / h - J
-    Numbers<N, Stages> Z;  ///< y at the stages less y at the start
+    Numbers<N, Stages> Z;  ///< y at the stages minus y at the start
 
   private:
     static Systems matrix_of([[maybe_unused]] int n) {
@@ -56,7 +60,7 @@ struct Equations {
     }
 };
 
-/// The right-hand side at the stages.
+/// Evaluates the right-hand side at the stages.
 template <class SystemType>
 [[gnu::always_inline]] inline void stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy, int) {
     system.derivative(t, y, dy);
@@ -76,8 +80,9 @@ template <class SystemType>
     e.matrix.factor({radau.eigenvalue.re * per_h, radau.eigenvalue.im * per_h}, e.J.data());
 }
 
-/// One simplified Newton step, (I - h A x J) dZ = h (A x I) f(y + Z) - Z and Z += dZ. Returns the weighted root mean
-/// square of dZ over all stages. The residual is formed with A itself, so that the eigenvectors' rounding is not seen.
+/// One simplified Newton iteration: (I - h A x J) dZ = h (A x I) f(y + Z) - Z, then Z += dZ. Returns the weighted
+/// root mean square of dZ over all stages. The residual uses A itself, so rounding errors of the eigenvectors do not
+/// affect it.
 template <class SystemType>
 [[gnu::always_inline]] inline double iterate(Equations<SystemType>& e, const SystemType& system,
                                              const RadauCoefficients& radau, double t, double h) {
@@ -89,7 +94,7 @@ template <class SystemType>
     stage_rates(system, t, Y.data(), F.data(), s);
     Numbers<SystemType::dimension, Complex4> W(N);
     for (int n = 0; n < N; ++n) {
-        // Lambda T^-1 (A F - Z / h), of which (eigenvalue / h - J)^-1 makes T^-1 dZ
+        // Lambda T^-1 (A F - Z / h); multiplication by (eigenvalue / h - J)^-1 gives T^-1 dZ
         Lanes8 residual = -per_h * e.Z[n].lane, transformed{};
         for (int j = 0; j < s; ++j) residual += F[n].lane[j] * radau.a[j];
         for (int j = 0; j < s; ++j) transformed += residual[j] * radau.inward[j];
@@ -121,7 +126,7 @@ template <class SystemType>
     for (int n = 0; n < N; ++n) x[n] = W[n].re[3];
 }
 
-/// The three above in the instructions of one set.
+/// The three functions above, compiled for one instruction set.
 template <class SystemType>
 struct Kernel {
     void (*factor)(Equations<SystemType>&, const RadauCoefficients&, double h);
@@ -155,8 +160,8 @@ const Kernel<SystemType>& kernel_for(InstructionSet set) {
     return *all[static_cast<std::size_t>(set)];
 }
 
-/// The state on one segment, and what one step needs. Steppers of one run share the equations, in which nothing
-/// outlives an attempt.
+/// The state on one segment and the data of one step. Steppers of one run share `equations_`, which hold no data
+/// between attempts.
 template <class SystemType>
 class Radau {
   public:
@@ -187,7 +192,7 @@ class Radau {
     struct Newton {
         bool converged = false, finite = true;
         int iterations = 0;
-        double expected = 0;  ///< what would have been left of the error at the last iteration, in units of `enough`
+        double expected = 0;  ///< expected error after the last allowed iteration, in units of `enough`
     };
 
     using Values = Numbers<SystemType::dimension>;
@@ -199,7 +204,7 @@ class Radau {
         return std::sqrt(sum / N);
     }
 
-    /// Component i is worth 1 / (unit (scale_i + |y_i|)).
+    /// Sets the weight of component i to 1 / (unit (scale_i + |y_i|)).
     void weigh(double unit) {
         for (int i = 0; i < system_.size(); ++i) {
             equations_->y[i] = y_[i];
@@ -209,8 +214,9 @@ class Radau {
 
     void differentiate(const Values& y) { jacobian(system_, 0, y.data(), equations_->J.data()); }
 
-    /// Sets up the equations: Z from the last step's polynomial where that is not too far away, the Jacobian where it
-    /// says that the middle of this step will be (half the iterations that one at the start needs in a fast spin).
+    /// Sets up the equations. Z is extrapolated from the previous step's polynomial unless the step grows too much.
+    /// The Jacobian is evaluated at the predicted middle of the step; in a fast spin this halves the iterations
+    /// compared with a Jacobian at the start.
     void begin(double h) {
         constexpr double furthest = 8;
         Equations<SystemType>& e = *equations_;
@@ -232,12 +238,13 @@ class Radau {
         kernel_.factor(e, *radau_, h);
     }
 
-    /// Solves them until the next change is expected below `enough`, or where rounding is all that is left: changes of
-    /// `noise` that shrink no more.
+    /// Iterates until the next change is expected below `enough`, or until only rounding remains: changes near
+    /// `noise` that no longer shrink.
     Newton solve(double t, double h, double enough, double noise, int most) {
         Newton newton;
-        // the first changes may be those of components that converge faster than others: near the rounding, where what
-        // is left adds up over all steps, a better rate than this is not believed (a fast top: 3e-13 instead of 1e-11)
+        // The first changes may come from components that converge faster than others. Near rounding level, where the
+        // remaining error accumulates over all steps, no better ratio than this is assumed (a fast top: 3e-13 instead
+        // of 1e-11).
         const double least_left = enough < 2 * noise ? 0.3 : 0;
         double last = 0, last_rate = 0, left = std::max({0.01, std::pow(left_, 0.8), least_left});
         for (; newton.iterations < most;) {
@@ -251,7 +258,7 @@ class Radau {
             if (newton.iterations > 1) {
                 const double now = change / last, rate = newton.iterations == 2 ? now : std::sqrt(now * last_rate);
                 last_rate = now;
-                // a slow convergence goes on until it is lost in the noise
+                // Slow convergence continues until the changes are at noise level.
                 if (now > 0.2 && change <= (now > 0.7 ? 64 : 4) * noise) {
                     newton.converged = true;
                     return newton;
@@ -274,7 +281,7 @@ class Radau {
         return newton;
     }
 
-    /// y + Z_s, compensated. The polynomial through the stages is kept for the next step's begin().
+    /// Adds Z_s to y with compensation. Keeps the polynomial through the stages for begin() of the next step.
     void finish(double h) {
         const int s = radau_->stages;
         for (int n = 0; n < system_.size(); ++n) {
@@ -297,9 +304,9 @@ class Radau {
     std::shared_ptr<Equations<SystemType>> equations_;
     Values scales_{system_.size()}, y_ = scales_, carry_ = scales_;
     Numbers<SystemType::dimension, std::array<double, 8>> polynomial_{
-        system_.size()};  ///< y at 1 + x, in steps after the last one's end, less y there: x, x^2, ..
-    double last_h_ = 0;   ///< of the step that it is of; 0: there is none
-    double left_ = 1;     ///< of an iteration's change, what the next ones will add
+        system_.size()};  ///< powers x, x^2, ..: y at 1 + x, in units of the last step, minus y at its end
+    double last_h_ = 0;   ///< last step size; 0: no polynomial
+    double left_ = 1;     ///< sum of later changes relative to the last one
     long evaluations_ = 0;
 };
 
@@ -333,7 +340,7 @@ class FixedRadau : public Radau<SystemType> {
     std::optional<double> failed_at_;
 };
 
-/// Step control of Hairer & Wanner (1996), IV.8, and (1999).
+/// Step size control of Hairer & Wanner (1996), IV.8, and (1999).
 template <class SystemType>
 class ControlledRadau : public Radau<SystemType> {
     using Base = Radau<SystemType>;
@@ -342,7 +349,7 @@ class ControlledRadau : public Radau<SystemType> {
 
   public:
     ControlledRadau(const Problem& problem, double tolerance, int stages) : Base(problem, stages) {
-        // the error estimate is of order s, what it stands for of order 2 s - 1
+        // The error estimate has order s, the error that it stands for has order 2 s - 1.
         const double s = stages;
         unit_ = 0.1 * std::pow(tolerance, (s + 1) / (2 * s));
         enough_ = std::max(epsilon / unit_, 0.01 * std::sqrt(unit_));
@@ -360,7 +367,7 @@ class ControlledRadau : public Radau<SystemType> {
     }
     long newton_failures() const { return newton_failures_; }
 
-    /// From the time |y'| / |y''| in which the motion changes at first.
+    /// First step size, from the time scale |y'| / |y''| of the initial motion.
     double first_step(double t) {
         this->weigh(unit_);
         evaluate(t);
@@ -373,7 +380,7 @@ class ControlledRadau : public Radau<SystemType> {
         }
         const double T = this->problem_->scene.duration;
         const double h = std::pow(unit_, 1.0 / (radau_->stages + 1)) * this->norm(rate_) / this->norm(second);
-        // a right-hand side that is not finite is met, and named, at the first attempt
+        // A right-hand side that is not finite is detected and reported at the first attempt.
         return h > 0 && h < T / 10 ? h : T / 10;
     }
 
@@ -401,7 +408,7 @@ class ControlledRadau : public Radau<SystemType> {
             return Attempt::rejected;
         }
         if (!first_) {
-            // Gustafsson 1994: by the trend of the last two errors
+            // Gustafsson 1994: use the trend of the last two errors.
             const double predicted = 0.9 * h / last_size_ * std::pow(error * error / last_error_, -power);
             ratio = std::min(ratio, std::clamp(predicted, least_ratio, most_ratio));
         }
@@ -414,7 +421,7 @@ class ControlledRadau : public Radau<SystemType> {
     }
 
   private:
-    // far beyond the usual 8: after a decay that took 10^-8 s the steps are a second long again in five
+    // Far beyond the usual 8: after a decay within 1e-8 s, five steps are enough to return to a step of 1 s.
     static constexpr double least_ratio = 0.125, most_ratio = 100, least_error = 1e-18;
 
     void forget() { first_ = true, rejected_ = evaluated_ = false; }
@@ -428,8 +435,9 @@ class ControlledRadau : public Radau<SystemType> {
         return Attempt::not_finite;
     }
 
-    /// (gamma - h J)^-1 h (f(y) - p'(0)) with the collocation polynomial p: the distance to the formula of order s that
-    /// takes f(y) in; where it says no to a first step, filtered once more.
+    /// Error estimate (gamma - h J)^-1 h (f(y) - p'(0)) with the collocation polynomial p: the distance to the
+    /// formula of order s that includes f(y). If it would reject a first step or a step after a rejection, it is
+    /// filtered once more.
     double estimate(double t, double h) {
         const int N = system_.size();
         Values slope(N), error(N), z(N), rate(N);
@@ -449,10 +457,10 @@ class ControlledRadau : public Radau<SystemType> {
         return this->norm(error);
     }
 
-    double unit_;    ///< what the error estimate is held to
-    double enough_;  ///< of Newton's iteration, in these units
+    double unit_;    ///< tolerance of the error estimate
+    double enough_;  ///< tolerance of the Newton iteration, in these units
     int most_;
-    Values rate_{system_.size()};  ///< f at the step's start
+    Values rate_{system_.size()};  ///< f at the start of the step
     double last_error_ = 1, last_size_ = 1;
     bool first_ = true, rejected_ = false, evaluated_ = false;
     long newton_failures_ = 0;
@@ -473,7 +481,7 @@ Trajectory solve_radau(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory solve_any_order(const Problem& problem, const Settings& settings) {
-    // order 9 needs a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on
+    // Order 9 takes a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on.
     return solve_with(problem, settings, *settings.tolerance > 3e-5 ? 5 : 7);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Real = long double;
 using Complex = std::complex<Real>;
-using Polynomial = std::vector<Real>;  // coefficient of x^k at k
+using Polynomial = std::vector<Real>;  // coefficient of x^k at index k
 
 Polynomial times_root(const Polynomial& p, Real root) {
     Polynomial product(p.size() + 1, 0);
@@ -35,8 +35,8 @@ S value(const Polynomial& p, const S& x) {
     return sum;
 }
 
-// All zeros, by the iteration of Weierstrass (Durand & Kerner); those of conjugate pairs with a positive imaginary part
-// by its size, then the real one.
+// All zeros with non-negative imaginary part, by the Weierstrass (Durand-Kerner) iteration. Conjugate pairs come
+// first, sorted by imaginary part, then the real zero.
 std::vector<Complex> upper_zeros(Polynomial p) {
     const std::size_t n = p.size() - 1;
     for (Real& c : p) c /= p.back();
@@ -58,7 +58,7 @@ std::vector<Complex> upper_zeros(Polynomial p) {
     return zero;
 }
 
-// Gauss & Jordan with row exchanges
+// Gauss-Jordan elimination with row exchanges.
 std::vector<Real> inverse_of(std::vector<Real> m, std::size_t n) {
     std::vector<Real> inverse(n * n, 0);
     for (std::size_t i = 0; i < n; ++i) inverse[i * n + i] = 1;
@@ -91,9 +91,9 @@ RadauCoefficients made(int stages) {
         for (std::size_t j = 0; j < s; ++j) result.a[j][i] = static_cast<double>(radau.a[i * s + j]);
     }
 
-    // A p = m p on the c_i, of a polynomial p of degree s - 1, says that P(x) = integral of p from 0 to x is
-    // m P' + M with M = the product of the (x - c_i): P = sum of m^k M^(k). P(0) = 0 gives the eigenvalues 1 / m of
-    // A^-1, P' at the c_i the eigenvectors.
+    // Let p have degree s - 1 and A p = m p at the c_i. Then P(x) = integral of p from 0 to x equals m P' + M with M
+    // = product of (x - c_i), so P = sum of m^k M^(k). P(0) = 0 gives the eigenvalues 1 / m of A^-1, and P' at the
+    // c_i gives the eigenvectors.
     Polynomial M{1};
     for (const Real& c : radau.c) M = times_root(M, c);
     std::vector<Polynomial> derivatives{M};
@@ -122,7 +122,7 @@ RadauCoefficients made(int stages) {
         const Complex last = component(s - 1);
         for (std::size_t i = 0; i < s; ++i) {
             const Complex v = component(i) / last;
-            // a pair gives v W + its conjugate
+            // A pair contributes v W plus its conjugate.
             T[i * s + column] = real ? v.real() : 2 * v.real();
             if (!real) T[i * s + column + 1] = -2 * v.imag();
         }
@@ -140,7 +140,7 @@ RadauCoefficients made(int stages) {
         }
     }
 
-    // Lagrange's basis on 0 and the c_i, in powers of x - 1; the one of 0 goes with Z = 0
+    // Lagrange basis on 0 and the c_i, in powers of x - 1. The polynomial of node 0 is multiplied by Z = 0.
     for (std::size_t j = 0; j < s; ++j) {
         Polynomial basis{radau.weights[j + 1]}, at_0{radau.weights[j + 1]};
         for (std::size_t m = 0; m <= s; ++m)

@@ -1,11 +1,11 @@
-// A system's right-hand side, recorded.
+// Records a system's right-hand side.
 #pragma once
 
 #include "motion/traced.h"
 
 namespace polhode {
 
-/// With the loads of the segment that it has entered. T: what constants are kept in.
+/// Records it with the loads of the segment that the system has entered. T: type of the constants.
 template <class T, class SystemType>
 Recording<T> recorded(const SystemType& system) {
     struct Form {

@@ -1,18 +1,19 @@
-// A scalar that is a number at each of up to eight stages: the right-hand side run on it is evaluated at all of them at
-// once.
+// A scalar that holds the values at up to eight stages. A right-hand side evaluated on it is evaluated at all stages
+// at once.
 #pragma once
 
 #include "integrators/lanes/lanes.h"
 
 namespace polhode {
 
+/// Values at up to eight stages.
 struct Stages {
     Lanes8 lane{};
 
     Stages() = default;
     explicit Stages(double x) : lane{x, x, x, x, x, x, x, x} {}
     explicit Stages(const Lanes8& lanes) : lane(lanes) {}
-    // not trivial, so that it is passed in memory whatever registers the caller's and the callee's instructions have
+    // Not trivial, so that it is passed in memory whatever registers the caller's and callee's instruction sets have.
     Stages(const Stages& other) : lane(other.lane) {}
     Stages& operator=(const Stages& other) = default;
     ~Stages() = default;

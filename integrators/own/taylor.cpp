@@ -1,8 +1,11 @@
-// Taylor series in binary64: orders by the tolerance, steps from the coefficients, dense output from the polynomial.
+// Taylor series in binary64. The order follows from the tolerance, step sizes from the last two coefficients (Jorba &
+// Zou 2005), dense output from the polynomial.
 //
-// Where rounding is all that is left to gain, the state and its first coefficients are kept in extended precision: of a
-// step's increment h y_1 + h^2 y_2 + .. only the rest, some millionths of it, is then rounded to 53 bits. In binary64
-// alone the attitude's error grows as 1e-16 (w t)^1.5 (Brouwer 1937, Astronomical Journal 46, 149).
+// TaylorSession drives one run over a series type. RecordedSeries sums the state with compensation. ExtendedSeries
+// serves the tightest tolerances, at which rounding dominates: it keeps the state and the first coefficients in
+// extended precision. Of a step's increment h y_1 + h^2 y_2 + .. only the remainder, some millionths of it, is then
+// rounded to 53 bits. In binary64 alone the attitude error grows as 1e-16 (w t)^1.5 (Brouwer 1937, Astronomical
+// Journal 46, 149). Time is scaled by a power of two so that the fastest rate is near one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,19 +31,19 @@
 namespace polhode {
 namespace {
 
-// the smallest tolerance that means anything: beyond it round-off of the state is all that is left
+// Smallest useful tolerance: below it only rounding of the state remains.
 constexpr double least_tolerance = 1e-16;
-// below it a step's truncation is less than its rounding
+// Below this tolerance a step's truncation error is less than its rounding error.
 constexpr double careful_below = 3e-15;
-// what careful steps are taken for, whatever the tolerance: truncation errors are alike in every step, so that the
-// angle they add up to grows as the square of the time
+// Tolerance of ExtendedSeries, whatever the requested one. Truncation errors are alike in every step, so the
+// resulting angle error grows as the square of the time.
 constexpr double careful_tolerance = 1e-21;
 using Extended = long double;
-// where long double is no more than double, the compensated sums of the other orders
+// Where long double is no wider than double, RecordedSeries is used at all tolerances.
 constexpr bool has_extended = std::numeric_limits<Extended>::digits >= 64;
 
-// x^(1/p) to a few parts in 10^4, which is all that a step's length needs, in a tenth of std::pow's time: x = m 2^e
-// with m in [sqrt(1/2), sqrt(2)); log2 m by the series of artanh((m - 1)/(m + 1)), 2^y by Taylor's about y = 0.
+// x^(1/p) to a few parts in 10^4, which suffices for a step size, in a tenth of std::pow's time. x = m 2^e with m in
+// [sqrt(1/2), sqrt(2)); log2 m from the series of artanh((m - 1)/(m + 1)), 2^y from the Taylor series about y = 0.
 double root(double x, int p) {
     if (!(x > 1e-300 && x < 1e300)) return std::pow(x, 1.0 / p);
     double m = mantissa_of(x);
@@ -53,8 +56,8 @@ double root(double x, int p) {
     return fraction * power_of_two(static_cast<int>(whole));
 }
 
-/// The order'th coefficient and the one before it, squared and over the scale of their block squared: the largest of
-/// all blocks.
+/// Squared sizes of the last coefficient and the one before it, relative to the scales of the components: maximum
+/// over all components.
 struct Sizes {
     double last = 0, before = 0;
 
@@ -65,8 +68,8 @@ struct Sizes {
     }
 };
 
-/// Jorba & Zou 2005, Experimental Mathematics 14, 99, eq. 3.4: the radius of convergence seen at two coefficients,
-/// times exp(-0.7/(p - 1)).
+/// Step size from the radius of convergence that two coefficients indicate, times exp(-0.7/(p - 1)) (Jorba & Zou
+/// 2005, Experimental Mathematics 14, 99, eq. 3.4).
 double step_of(const Sizes& sizes, double tolerance, int order) {
     const auto radius = [&](double squared, int p) {
         return squared == 0 ? HUGE_VAL : root(tolerance * tolerance / squared, 2 * p);
@@ -74,8 +77,8 @@ double step_of(const Sizes& sizes, double tolerance, int order) {
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
 
-/// The coefficients of any of the systems, their recurrences recorded from the one right-hand side. `careful`: with
-/// truncation errors far below the rounding of what they are the rest of.
+/// Coefficients of any system, with recurrences recorded from its right-hand side. `careful`: coefficients are
+/// divided by k + 1 instead of multiplied by its rounded inverse.
 template <class SystemType, bool careful = false>
 class RecordedCoefficients {
   public:
@@ -91,12 +94,12 @@ class RecordedCoefficients {
         for (int i = 0; i < size(); ++i) sizes.note(squared(last[i]), squared(before[i]), scales_[i]);
         return step_of(sizes, tolerance, order);
     }
-    /// The sum of y_k h^(k - from) from k = from on, each component.
+    /// Sums y_k h^(k - from) from k = `from` on, for each component.
     template <int from>
     void tail(double h, double* sums) const {
         series_.sum(from, h, sums);
     }
-    /// The numbers that tail() writes.
+    /// Number of elements that tail() writes.
     int room() const { return TapeLayout::whole(size()); }
 
   private:
@@ -107,7 +110,7 @@ class RecordedCoefficients {
     Numbers<SystemType::dimension> scales_;
 };
 
-/// A system's state and its series about it, summed with compensation.
+/// A system's state and the series about it, with compensated summation.
 template <class SystemType>
 class RecordedSeries {
   public:
@@ -145,13 +148,13 @@ class RecordedSeries {
     Numbers<run_time> increment_;
 };
 
-/// I^-1 in posed axes, 1/(kg m^2).
+/// I^-1 in the axes of the posed problem, 1/(kg m^2).
 Matrix3<double> inverse_inertia(const Problem& problem) {
     return problem.formulation == Formulation::full ? problem.body.full_inertia.inverse
                                                     : diagonal(problem.body.principal_inertia.inverse_moments);
 }
 
-/// A bound on sqrt(tau / I), 1/s, from bounds on a torque's components in posed axes.
+/// Bound on sqrt(tau / I), 1/s, from bounds on the torque's components in the axes of the posed problem.
 double torque_rate(const Problem& problem, const Vector3<double>& torque) {
     const Matrix3<double> inverse = inverse_inertia(problem);
     double rate = 0;
@@ -161,8 +164,8 @@ double torque_rate(const Problem& problem, const Vector3<double>& torque) {
     return rate;
 }
 
-/// About the fastest rate (1/s) at which w and q answer to a small change of theirs because of the loads: drag's decay,
-/// the angular frequency of springs and of forces and torques fixed in the world.
+/// Estimate of the fastest rate (1/s) at which w and q respond to a small perturbation because of the loads: decay by
+/// drag, angular frequencies due to springs and to forces and torques fixed in the world.
 double response_rate(const Problem& problem, const Segment& segment) {
     const Forcing<double>& f = segment.forcing;
     double rate = f.has_translational_drag ? f.specific_drag : 0;
@@ -175,7 +178,7 @@ double response_rate(const Problem& problem, const Segment& segment) {
         for (int i = 0; i < 3; ++i)
             rate = std::max(rate, std::abs(decay[i][0]) + std::abs(decay[i][1]) + std::abs(decay[i][2]));
     }
-    // m x e for any unit vector e
+    // |m x e| per component, for any unit vector e
     for (const Vector3<double>& m : f.field.moment)
         note(std::hypot(m[1], m[2]), std::hypot(m[2], m[0]), std::hypot(m[0], m[1]));
     for (const auto& spring : f.springs) note(spring.stiffness, spring.stiffness, spring.stiffness);
@@ -188,8 +191,8 @@ double response_rate(const Problem& problem, const Segment& segment) {
     return rate;
 }
 
-/// A series whose state and first coefficients are in extended precision, and only the rest, some millionths of a
-/// step's increment, by coefficients in binary64.
+/// A series with its state and first coefficients in extended precision. The remainder, some millionths of a step's
+/// increment, comes from binary64 coefficients.
 template <class SystemType>
 class ExtendedSeries {
   public:
@@ -213,7 +216,7 @@ class ExtendedSeries {
   private:
     using State = Numbers<SystemType::dimension, Extended>;
     using Values = Numbers<SystemType::dimension>;
-    static constexpr int extended = 4;  ///< the last of them
+    static constexpr int extended = 4;  ///< highest order in extended precision
 
     int size() const { return static_cast<int>(state_.size()); }
     State after(double h) const {
@@ -234,14 +237,14 @@ class ExtendedSeries {
 
     RecordedCoefficients<SystemType, true> coefficients_;
     Series<Extended> first_;
-    // near equilibrium the rounded state's coefficients can vanish where those of the state do not: beyond some 4/rate
-    // what is left of it would then grow
+    // Upper bound on the step, 4/rate. Near equilibrium the coefficients of the rounded state can vanish while those
+    // of the exact state do not; in longer steps the difference would grow.
     double longest_;
     State state_;
 };
 
-/// The exponent k of the unit of time 2^-k s in which a motion's fastest rate is near one. Zero where no coefficient
-/// leaves the range of binary64 without it.
+/// Exponent k of the time unit 2^-k s in which the motion's fastest rate is near one. Returns 0 if no coefficient
+/// leaves the range of binary64 without scaling.
 int exponent_of_rate(const Problem& problem) {
     if (problem.model()) return 0;
     double rate = problem.scales.angular_velocity;
@@ -253,14 +256,14 @@ int exponent_of_rate(const Problem& problem) {
     constexpr int harmless = 12, furthest = 1000;
     const int k = std::isfinite(rate) && rate > 0 ? std::ilogb(rate) : 0;
     if (std::abs(k) <= harmless) return 0;
-    // every time of the scene stays a normal number
+    // Keep every time of the scene a normal number.
     const int first =
         std::ilogb(problem.segments.front().end > 0 ? problem.segments.front().end : problem.scene.duration);
     const int last = std::ilogb(problem.scene.duration);
     return std::clamp(k, std::max(-furthest, -900 - first), std::min(furthest, 900 - last));
 }
 
-/// The same scene with time in units of 2^-k s: powers of two change no bit.
+/// Returns the scene with time in units of 2^-k s. Scaling by powers of two is exact.
 Scene in_units_of_rate(Scene scene, int k) {
     const auto scale = [k](auto& x, int power) {
         if constexpr (requires { x[0]; })
@@ -289,9 +292,9 @@ Scene in_units_of_rate(Scene scene, int k) {
     return scene;
 }
 
-/// One run on a series: steps of its own choosing, cut only at events and at the end; samples are looked up in the
-/// polynomial, so the steps do not depend on them. Time runs in units of 2^-exponent s, in which `scaled` is the
-/// problem; callers see seconds. Both problems must outlive the session.
+/// One run over a series. The series determines the steps, which are shortened only at events and at the end. Samples
+/// are evaluated from the polynomial, so they do not affect the steps. Internal time is in units of 2^-exponent s, in
+/// which `scaled` is posed; the interface uses seconds. Both problems must outlive the session.
 template <class Series, class SystemType>
 class TaylorSession {
   public:
@@ -303,13 +306,13 @@ class TaylorSession {
           per_unit_(std::scalbn(1.0, exponent)),
           tolerance_(tolerance) {}
 
-    /// Back to t = 0, all counts to zero.
+    /// Returns to t = 0 and resets all counts.
     void restart() {
         series_.reset();
         system_.initial(y_.data());
         t_ = 0, steps_ = 0;
     }
-    /// An event: impulses, then the loads of this segment.
+    /// Handles an event: applies the impulses and sets the loads of this segment.
     int enter(const Segment& of_problem) {
         const Segment& segment = scaled_->segments[of_problem.index];
         settle();
@@ -319,7 +322,8 @@ class TaylorSession {
         if (end_ > t_) series_.emplace(*scaled_, segment, system_, tolerance_).start(y_.data());
         return 0;
     }
-    /// One step, cut at the segment's end; below zero, and nothing has moved, where there is none.
+    /// Takes one step, shortened at the end of the segment. Returns a negative flag, without advancing, if no step is
+    /// possible.
     int step() {
         advance();
         ++steps_;
@@ -328,7 +332,7 @@ class TaylorSession {
         if (std::isnan(h)) return not_finite;
         const double next = t_ + h;
         if (!(next > t_)) return too_short;
-        // a remainder of a few rounding errors joins the step
+        // A remainder of a few rounding errors is merged into the step.
         t_ = next >= end_ - 1e-14 * (end_ - t_) ? end_ : next;
         return 0;
     }
@@ -351,14 +355,14 @@ class TaylorSession {
         return {Status::tolerance_not_met, fmt::format("step size below the spacing of numbers at t = {:g} s", time())};
     }
 
-    /// Since restart().
+    /// Counts since restart().
     long steps() const { return steps_; }
     long rhs_evaluations() const { return steps_; }
 
   private:
     static constexpr int not_finite = -1, too_short = -2;
 
-    // those of a system of the user's own are in seconds already
+    // User-defined systems are in seconds already.
     static Moment in_seconds(Moment bodies) { return bodies; }
     Sample in_seconds(Sample sample) const {
         sample.t *= unit_;
@@ -366,7 +370,7 @@ class TaylorSession {
         sample.velocity_W = per_unit_ * sample.velocity_W;
         return sample;
     }
-    // the series stays where the last step began until the next one or the end of its segment: samples lie between
+    // Until the next step or event the series stays at the start of the last step, so that samples can be evaluated.
     void settle() {
         if (!series_) return;
         advance();
@@ -385,9 +389,9 @@ class TaylorSession {
 
     const Problem *problem_, *scaled_;
     SystemType system_;
-    double unit_, per_unit_;  ///< s, 1/s
+    double unit_, per_unit_;  ///< s and 1/s
     double tolerance_;
-    double begin_ = 0, t_ = 0, end_ = 0;  ///< units: of the last step, now, of the segment
+    double begin_ = 0, t_ = 0, end_ = 0;  ///< scaled time: start of the last step, now, end of the segment
     long steps_ = 0;
     Numbers<SystemType::dimension> y_{system_.size()};
     std::optional<Series> series_;

@@ -15,7 +15,7 @@ constexpr double flat_ratio = 1e-6;
 
 using Unscaled = std::vector<Vector3<double>>;
 
-// coordinates of unit mean square along each axis
+// Coordinates with unit mean square along each axis.
 
 Unscaled unit_simplex() { return {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}; }
 
@@ -30,7 +30,7 @@ Unscaled unit_triangle(int flat_axis) {
 }
 
 Unscaled unit_box(int n) {
-    // nodes -1, .., 1 in n - 1 equal steps have the mean square (n + 1) / (3 (n - 1))
+    // Nodes -1, .., 1 in n - 1 equal steps have the mean square (n + 1) / (3 (n - 1)).
     const double scale = 1 / std::sqrt((n + 1.0) / (3.0 * (n - 1)));
     const auto node = [&](int i) { return scale * (2.0 * i / (n - 1) - 1); };
     Unscaled points;
@@ -86,7 +86,7 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
                 body.links.push_back({i, j, length(body.rest_B[i] - body.rest_B[j])});
 
     if (body.pivoted) {
-        // c_i = (1 + sum_k s_k u_ik / a_k) / N, with sum_i u_ik u_il = N delta_kl: then sum c_i a_k u_ik = s_k
+        // c_i = (1 + sum_k s_k u_ik / a_k) / N, with sum_i u_ik u_il = N delta_kl; then sum c_i a_k u_ik = s_k.
         const Vector3<double> s = rotate_back(q_BP, -problem.body.arm);
         for (int k = 0; k < 3; ++k)
             if (vanishes(k) && std::abs(s[k]) > flat_ratio * most)
@@ -130,7 +130,7 @@ Quaternion<double> best_rotation(const std::vector<Vector3<double>>& rest_B, con
     const Eigen::Vector4d top = solver.eigenvectors().col(3);
     Quaternion<double> q{top[0], top[1], top[2], top[3]};
 
-    // with u = R x: sum (u + delta x u) x d = 0, so that (sum (u.d) 1 - u d^T) delta = sum u x d
+    // With u = R x: sum (u + delta x u) x d = 0, so that (sum (u.d) 1 - u d^T) delta = sum u x d.
     const Matrix3<double> turned = rotation_matrix(q) * S;  // sum u d^T
     const double trace = turned[0][0] + turned[1][1] + turned[2][2];
     Matrix3<double> slope;

@@ -1,8 +1,9 @@
-// Bodies made of points at hard distances: a differential-algebraic system for IDA, in the stabilised form of index 2
-// (C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90):
+// Bodies made of points at fixed distances: a differential-algebraic system for IDA, in the stabilised form of index
+// 2 (C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90):
 //   r' = v - G^T mu,   v' = a(t, r, v) - G^T lambda,   0 = g(r),   0 = G(r) v
-// with g = (|d|^2 - l^2) / (2 l) for every link, sum c_i r_i for a pivot, and G = dg/dr. Masses are equal, so that
-// lambda is a force over a point's mass (m/s^2); mu (m/s) vanishes but for the integration's error.
+// with g = (|d|^2 - l^2) / (2 l) for every link, sum c_i r_i for a pivot, and G = dg/dr. Masses are equal, so lambda
+// is a force divided by a point's mass (m/s^2). mu (m/s) vanishes except for integration errors. ConstraintSession
+// drives IDA.
 #include <ida/ida.h>
 #include <ida/ida_ls.h>
 
@@ -39,8 +40,8 @@ class Constraints {
             for (int b = 0; b < 3; ++b) g[links_ + b] += body_->pivot_weights[i] * r[3 * i + b];
         return g;
     }
-    /// G(r): the links' rows are linear in r, so that gradient(v) r' = gradient(r) v, and d(G v)/dr = gradient(v); the
-    /// pivot's are constant, and left out where `pivot` is not set.
+    /// G(r). The rows of links are linear in r, so that gradient(v) r' = gradient(r) v and d(G v)/dr = gradient(v).
+    /// The rows of the pivot are constant, and zero if `pivot` is not set.
     Matrix gradient(const double* r, bool pivot = true) const {
         Matrix G = Matrix::Zero(count(), 3 * body_->count());
         for (int e = 0; e < links_; ++e) {
@@ -93,7 +94,7 @@ class ConstraintSession : public PointSession {
         void* memory = memory_.get();
         PointSession* base = this;
         N_VConst(0, rate_of_state_.get());
-        // multipliers are governed by the differential variables and left out of the error test
+        // The differential variables determine the multipliers, which are excluded from the error test.
         N_VConst(1, kind_.get());
         double* kind = N_VGetArrayPointer(kind_.get());
         std::fill(kind + 2 * n_, kind + dimension_, 0.0);
@@ -162,7 +163,7 @@ class ConstraintSession : public PointSession {
         void operator()(void* memory) const { IDAFree(&memory); }
     };
 
-    // lambda from d2g/dt2 = 0:  G G^T lambda = G a + dG/dt v;  mu = 0
+    // lambda from d2g/dt2 = 0:  G G^T lambda = G a + dG/dt v;  mu = 0.
     void make_consistent() {
         double *r = y(), *v = r + n_;
         Vector a = Vector::Zero(n_);
@@ -189,7 +190,7 @@ class ConstraintSession : public PointSession {
         Vector a = Vector::Zero(n);
         try {
             self->motion_.add_loads(t, y, a.data());
-        } catch (...) {  // C code lies between here and whoever called
+        } catch (...) {  // exceptions must not cross the C library
             self->thrown_ = std::current_exception();
             return -1;
         }
@@ -201,7 +202,7 @@ class ConstraintSession : public PointSession {
         VectorMap(F + 2 * n + m, m) = G * v;
         return self->judged(t, F, self->dimension_);
     }
-    // dF/dy + c dF/dy'; what a load changes with the state is slow and left to the iteration
+    // dF/dy + c dF/dy'. The loads' dependence on the state is slow and omitted.
     static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
                              N_Vector, N_Vector, N_Vector) {
         ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));

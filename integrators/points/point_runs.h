@@ -1,5 +1,4 @@
-// Runs of bodies made of points, with the options that Settings has no place for: the methods and the experiment call
-// them.
+// Runs of bodies made of points, with options that Settings does not have. The methods and the experiment call them.
 #pragma once
 
 #include "integrators/method.h"
@@ -7,21 +6,22 @@
 
 namespace polhode {
 
-/// What a run is asked for beyond Settings.
+/// Options of a run in addition to Settings.
 struct PointOptions {
     Arrangement arrangement{};
-    std::optional<double> stiffness{};  ///< N/m, of every spring; default_stiffness() where absent
-    /// The damping of the springs' slowest vibration as a share of the critical one. Where absent: 1 for CVODE, else 0.
+    std::optional<double> stiffness{};  ///< N/m, of every spring; default: default_stiffness()
+    /// Damping ratio of the springs' slowest vibration; 1 is critical. Default: 1 for CVODE, 0 otherwise.
     std::optional<double> damping_ratio{};
-    int iterations = 10;  ///< sweeps over the distances a step, of the position-based update
+    int iterations = 10;  ///< sweeps over the distances per step, for the position-based update
 };
 
-/// What a run gives.
+/// Result of a run.
 struct PointRun {
     Trajectory trajectory;
-    double largest_stretch = 0;  ///< the largest | |d| - l | / l over all samples and links
+    double largest_stretch = 0;  ///< largest | |d| - l | / l over all samples and links
 };
 
+/// The runs. Each returns an `unsupported` trajectory if the body cannot be made of points.
 PointRun point_springs_rk4(const Problem& problem, const Settings& settings, const PointOptions& options);
 PointRun point_springs_verlet(const Problem& problem, const Settings& settings, const PointOptions& options);
 PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& settings, const PointOptions& options);

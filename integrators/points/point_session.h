@@ -1,4 +1,4 @@
-// What the SUNDIALS sessions of bodies made of points share: the state, the clock, and an ear for messages.
+// Base of the SUNDIALS sessions for bodies made of points: state, time and the library's error messages.
 #pragma once
 
 #include <fmt/format.h>
@@ -25,29 +25,31 @@
 
 namespace polhode {
 
-/// Not to be moved: the library points into it.
+/// Must not be moved: the library holds pointers into it.
 class PointSession {
   public:
     PointSession(const PointSession&) = delete;
     PointSession& operator=(const PointSession&) = delete;
 
     double time() const { return t_; }
-    /// The motion at time(); how far the links are stretched there counts in largest_stretch().
+    /// The motion at time(). Its stretch is included in largest_stretch().
     Sample sample() { return sample_of(t_, y()); }
-    /// The motion alone.
+    /// The motion at time(), without recording its stretch.
     Sample look() { return motion_.sample(t_, y()); }
     double largest_stretch() const { return largest_stretch_; }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:
-    /// State: r and v of every point, then `more` numbers. Tolerances are absolute, R times each component's size: the
-    /// points' extent, and how fast the scene's largest rate moves them; so that flight far away costs no attitude.
+    /// State: r and v of every point, then `more` numbers. Tolerances are absolute: R times the size of each
+    /// component, which is the extent of the points for r, and that times the scene's largest rate for v. Distant
+    /// flight therefore does not reduce the accuracy of the attitude.
     PointSession(const Problem& problem, const PointBody& body, double tolerance, int more)
         : body_(&body),
           motion_(problem, body),
           n_(3 * body.count()),
           dimension_(2 * n_ + more),
-          // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+          // Values too small for binary64 were refused before. Below 1e-100 the weights, which are reciprocals, would
+          // overflow.
           tolerance_(std::max(tolerance, 1e-100)),
           rate_(std::max(problem.scales.angular_velocity, 1 / problem.scene.duration)),
           state_(owned(N_VNew_Serial(dimension_, context_))),
@@ -69,7 +71,7 @@ class PointSession {
         return motion_.sample(t, y);
     }
 
-    // as PointMotion's initial() and enter()
+    // Same as PointMotion::initial() and PointMotion::enter().
     Vector3<double> begin() {
         N_VConst(0, state_.get());
         evaluations_ = 0;
@@ -80,13 +82,13 @@ class PointSession {
         t_ = segment.begin, end_ = segment.end;
         return motion_.enter(segment, y());
     }
-    // a segment of a rounding error's length, which no solver can start on
+    // Covers a segment whose length is a rounding error, on which no solver can start.
     void leap() {
         for (int i = 0; i < n_; ++i) y()[i] += (end_ - t_) * y()[n_ + i];
         t_ = end_;
         message_.clear();
     }
-    // 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side
+    // Returns 0, or -1 (unrecoverable) if numbers are not finite: see SundialsSession::right_hand_side.
     int judged(double t, const double* numbers, int count) {
         if (all_finite({numbers, static_cast<std::size_t>(count)})) return 0;
         not_finite_at_ = t;
@@ -104,17 +106,17 @@ class PointSession {
                                                   moment(*not_finite_at_), library, said, last_state(sample()))};
         return {status, fmt::format("{}: {}", library, said)};
     }
-    // codes above zero are warnings
+    // Codes above zero are warnings.
     static void note_message(int code, const char*, const char*, char* text, void* session) {
         if (code <= 0) static_cast<PointSession*>(session)->message_ = text;
     }
 
     const PointBody* body_;
     PointMotion motion_;
-    int n_, dimension_;  ///< 3N; 6N and more
+    int n_, dimension_;  ///< 3N; 6N plus `more`
     double tolerance_;
-    double rate_;              ///< rad/s, the scene's largest
-    SundialsContext context_;  // before all that lives in it
+    double rate_;              ///< rad/s, largest rate of the scene
+    SundialsContext context_;  // declared before everything that uses it
     SundialsOwner<N_Vector> state_, absolute_, inside_;
     double t_ = 0, end_ = 0;
     long evaluations_ = 0;

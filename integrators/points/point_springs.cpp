@@ -1,4 +1,5 @@
-// Bodies made of points on stiff springs, by explicit steps: the Runge-Kutta scheme of order 4, and velocity Verlet.
+// Bodies made of points with stiff springs, integrated by explicit steps: Runge-Kutta of order 4 and velocity Verlet.
+// SpringStepper holds the state; Rk4 and Verlet are the steps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct Setup {
     double* largest_stretch;
 };
 
-/// Holds y = (r, v) and its rate under springs and loads.
+/// Holds y = (r, v) and computes its rate under springs and loads.
 class SpringStepper {
   public:
     SpringStepper(const Problem& problem, const Setup& setup)
@@ -54,7 +55,7 @@ class SpringStepper {
   protected:
     using Numbers = std::vector<double>;
 
-    // an unstable step may leave a heap of points that is finite, and no body any more
+    // An unstable step may leave a finite state in which the points no longer form a body.
     void look(double t) {
         if ((++steps_ & 15) == 0 && polhode::largest_stretch(*body_, y_.data()) > torn) torn_at_ = t;
     }
@@ -106,7 +107,7 @@ class Rk4 : public SpringStepper {
     Numbers k_, z_, sum_;
 };
 
-/// Kick, drift, kick. A load that depends on the rates sees those that the first kick's acceleration leads to.
+/// Kick, drift, kick. A load that depends on rates uses those predicted with the first kick's acceleration.
 class Verlet : public SpringStepper {
   public:
     static constexpr double stability = 2;
@@ -151,8 +152,8 @@ PointRun run(const Problem& problem, const Settings& settings, const PointOption
     return run;
 }
 
-// (theta, v, a): theta+ = theta + v + a/2, a+ = -s theta+ - c (v + a), v+ = v + (a + a+) / 2; by the powers of x in the
-// determinant of x - M.
+// (theta, v, a): theta+ = theta + v + a/2, a+ = -s theta+ - c (v + a), v+ = v + (a + a+) / 2. Computed from the
+// coefficients of the characteristic polynomial det(x - M).
 double verlet_pendulum_growth(double c, double s) {
     const double M[3][3] = {{1, 1, 0.5}, {-s / 2, 1 - (s + c) / 2, 0.5 - (s / 2 + c) / 2}, {-s, -s - c, -s / 2 - c}};
     const auto minor = [&](int i, int j) { return M[i][i] * M[j][j] - M[i][j] * M[j][i]; };

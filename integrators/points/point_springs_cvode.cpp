@@ -1,4 +1,4 @@
-// Bodies made of points on stiff springs by CVODE's backward differentiation formulas.
+// Bodies made of points with stiff springs, integrated by CVODE's backward differentiation formulas.
 #include "integrators/points/point_runs.h"
 #include "integrators/points/point_session.h"
 #include "integrators/points/spring_network.h"
@@ -28,8 +28,9 @@ class SpringSession : public PointSession {
         demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
         demand(CVodeSetJacFn(memory, fill_jacobian));
         demand(CVodeSetStabLimDet(memory, SUNTRUE));
-        // stiff springs make forces of what the iteration leaves: with CVODE's own 0.1 a tumbling box on springs of
-        // 10^6 N/m is 3e-4 rad off at R = 1e-8 after 2572 steps, and so 7e-6 rad after 1078
+        // Stiff springs turn iteration errors into forces. With CVODE's default of 0.1, a tumbling box on springs of
+        // 10^6 N/m has an error of 3e-4 rad at R = 1e-8 after 2572 steps; with this value it has 7e-6 rad after 1078
+        // steps.
         demand(CVodeSetNonlinConvCoef(memory, 1e-2));
         demand(CVodeSetMaxNonlinIters(memory, 6));
     }
@@ -92,13 +93,13 @@ class SpringSession : public PointSession {
         self->network_.accelerations(y, dy + self->n_);
         try {
             self->motion_.add_loads(t, y, dy + self->n_);
-        } catch (...) {  // C code lies between here and whoever called
+        } catch (...) {  // exceptions must not cross the C library
             self->thrown_ = std::current_exception();
             return -1;
         }
         return self->judged(t, dy, self->dimension_);
     }
-    // of the springs; what a load changes with the state is slow and left to the iteration
+    // Jacobian of the springs. The loads' dependence on the state is slow and omitted.
     static int fill_jacobian(double t, N_Vector state, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector,
                              N_Vector) {
         SpringSession* self = static_cast<SpringSession*>(static_cast<PointSession*>(session));

@@ -1,10 +1,10 @@
-// Bodies made of points at hard distances, by position-based dynamics as games do it.
+// Bodies made of points at fixed distances, by position-based dynamics as used in games.
 //
-// A step of length h: v += h a; r_old = r, r += h v; then, so many times over, each distance in turn (Gauss-Seidel)
-//   dlambda = (l - |d| - alpha/h^2 lambda) / (2/m + alpha/h^2),   alpha = 0: hard,   r_i += dlambda/m d/|d|, r_j the
-//   opposite
-// and v = (r - r_old) / h. What an event cuts off from a step may be as short as its rounding, by which nothing can be
-// divided: below a 64th of a step the points only go on.
+// A step of length h: v += h a; r_old = r, r += h v; then, `iterations` times, each distance in turn (Gauss-Seidel)
+//   dlambda = (l - |d| - alpha/h^2 lambda) / (2/m + alpha/h^2),   alpha = 0: hard,
+//   r_i += dlambda/m d/|d|, and the opposite for r_j
+// and v = (r - r_old) / h. The remainder of a step after an event may be as short as its rounding error, and cannot
+// be divided by. Below 1/64 of a step, the points only drift.
 #include <algorithm>
 #include <cmath>
 
@@ -62,7 +62,7 @@ class PositionBased {
     long rhs_evaluations() const { return sweeps_; }
 
   private:
-    // equal masses: each end goes half the way
+    // Masses are equal: each end moves half of the correction.
     void sweep(double* r) {
         ++sweeps_;
         for (const PointLink& link : setup_.body->links) {

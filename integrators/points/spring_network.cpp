@@ -62,12 +62,12 @@ void SpringNetwork::settle(const Vector3<double>& angular_velocity_W, double* y)
     const Vector3<double>& w = angular_velocity_W;
     const int n = body_->count();
     const PointCloud cloud = cloud_of(body_->point_mass, y, n);
-    // about the pivot, W's origin, where there is one
+    // About the pivot, W's origin, if there is one.
     const Vector3<double> origin = body_->pivoted ? Vector3<double>() : cloud.center;
     Matrix3<double> J = cloud.inertia;
     if (body_->pivoted) J = J + parallel_axis(n * body_->point_mass, cloud.center);
     const Vector3<double> w_rate = inverse(J) * cross(J * w, w);
-    // rigid motions, which no spring resists: their part of the stretch is to be none
+    // Rigid motions, which no spring resists: the stretch must have no component along them.
     Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(3 * n, body_->pivoted ? 3 : 6);
     Eigen::VectorXd needed(3 * n);
     for (int i = 0; i < n; ++i) {
@@ -94,14 +94,14 @@ void SpringNetwork::settle(const Vector3<double>& angular_velocity_W, double* y)
 
 SpringFrequencies spring_frequencies(const PointBody& body, double stiffness) {
     std::vector<double> rest(3 * body.rest_B.size());
-    // the pivot rests at the origin
+    // At rest the pivot is at the origin.
     Vector3<double> held;
     for (int i = 0; body.pivoted && i < body.count(); ++i) held = held + body.pivot_weights[i] * body.rest_B[i];
     for (int i = 0; i < body.count(); ++i) put(rest.data(), 3 * i, body.rest_B[i] - held);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(-SpringNetwork(body, stiffness).jacobian(rest.data()),
                                                                 Eigen::EigenvaluesOnly);
     const Eigen::VectorXd& squares = solver.eigenvalues();
-    // a rigid motion costs nothing: 6 of them, 3 about a pivot
+    // Rigid motions have zero frequency: 6 of them, or 3 with a pivot.
     const Eigen::Index rigid = body.pivoted ? 3 : 6;
     return {std::sqrt(std::max(0.0, squares[rigid])), std::sqrt(squares[squares.size() - 1])};
 }

@@ -1,7 +1,10 @@
-// Real numbers in radix 2^58, for the sums of products that Taylor coefficients consist of. A multiple-precision number
-// with an exponent in bits costs a shift, a normalisation and a rounding per product and per sum. Here exponents count
-// digits of 58 bits: products of digits are added in columns of 128 bits, without carries, and a sum is normalised
-// once. One digit more than the precision needs makes up for leading zero bits.
+// Real numbers in radix 2^58 for the sums of products of Taylor coefficients.
+//
+// A multiple-precision number with an exponent in bits costs a shift, a normalisation and a rounding per product and
+// per sum. Here exponents count digits of 58 bits. Products of digits are accumulated in columns of 128 bits without
+// carries, and a sum is normalised once. One extra digit compensates for leading zero bits.
+//
+// LimbReal is the number, LimbReal::Columns the accumulator of a sum of products.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +25,9 @@ namespace polhode {
 ///
 ///     sum of digit[i] 2^(58 (exponent + i - (size - 1))),   |digit[i]| <= 2^57,   digit[size - 1] != 0 except for zero
 ///
-/// The relative error of a product or sum is below 2^(-58 (size - 1)); that of a sum of products, relative to the
-/// largest, as many times as there are. Quotients, roots, sines and cosines are those of Real<decimals>. What is not
-/// finite is not a number, and so is what exceeds 2^(58 2^38).
+/// The relative error of a product or sum is below 2^(-58 (size - 1)). For a sum of products, this bound is relative
+/// to the largest product and multiplied by their number. Quotients, roots, sines and cosines are those of
+/// Real<decimals>. Infinite values and magnitudes above 2^(58 2^38) become NaN.
 template <unsigned decimals>
 class LimbReal {
   public:
@@ -36,14 +39,15 @@ class LimbReal {
     explicit LimbReal(int value) {
         if (value != 0) exponent_ = 0, digit_[size - 1] = value;
     }
-    /// Exact.
+    /// Exact conversion.
     explicit LimbReal(const Real<decimals>& x) {
         if (x == 0) return;
         if (!is_finite(x)) {
             make_nan();
             return;
         }
-        // |x| in [2^(e - 1), 2^e): the first digit is below 2^57, and at least 1 unless |x| is half the radix' power
+        // |x| in [2^(e - 1), 2^e): the first digit is below 2^57, and at least 1 unless |x| is half a power of the
+        // radix.
         exponent_ = floor_quotient(mpfr_get_exp(raw(x)), radix_bits);
         Real<decimals> rest;
         mpfr_mul_2si(raw(rest), raw(x), -radix_bits * exponent_, MPFR_RNDN);
@@ -58,7 +62,7 @@ class LimbReal {
         }
     }
 
-    /// Rounded to nearest.
+    /// Rounds to nearest.
     explicit operator Real<decimals>() const {
         Real<decimals> result(0);
         if (is_zero()) return result;
@@ -66,7 +70,7 @@ class LimbReal {
             mpfr_set_nan(raw(result));
             return result;
         }
-        // exact, then rounded once
+        // Exact, then rounded once.
         Real<(size * radix_bits + 2) * 301 / 1000 + 2> sum(0), term;
         for (int i = size; i-- > 0;) {
             mpfr_set_si_2exp(raw(term), digit_[i], radix_bits * (exponent_ + i - (size - 1)), MPFR_RNDN);
@@ -114,7 +118,7 @@ class LimbReal {
         sine = LimbReal(s), cosine = LimbReal(c);
     }
 
-    /// result = a b + c d, where a and c are often 1 or -1. The last argument is that of the general form.
+    /// result = a b + c d, where a and c are often 1 or -1. The last argument exists for the general interface.
     friend void combine(LimbReal& result, const LimbReal& a, const LimbReal& b, const LimbReal& c, const LimbReal& d,
                         LimbReal&) {
         Columns sum(std::max(a.exponent_ + b.exponent_, c.exponent_ + d.exponent_));
@@ -127,9 +131,9 @@ class LimbReal {
         add(a, b), add(c, d);
         result = sum.value();
     }
-    /// result = the sum of a[j] b[k - j] for j = 0..k; it is not one of them.
+    /// result = sum of a[j] b[k - j] for j = 0..k. `result` must not be one of these.
     friend void convolve(LimbReal& result, const LimbReal* a, const LimbReal* b, int k, LimbReal&) {
-        // of a square, each pair once
+        // For a square, each pair once.
         const bool square = a == b;
         const int terms = square ? (k + 1) / 2 : k + 1;
         std::int64_t largest = square && k % 2 == 0 ? 2 * a[k / 2].exponent_ : 2 * zero_exponent;
@@ -142,10 +146,10 @@ class LimbReal {
         }
         result = sum.value();
     }
-    /// x /= n, in place; n < 2^31.
+    /// x /= n in place; n < 2^31.
     friend void divide(LimbReal& x, unsigned long n) {
         if (x.is_zero() || x.is_nan()) return;
-        // half a digit at a time, one digit more than is kept, since the highest may vanish
+        // Half a digit at a time, with one digit more than is kept, since the highest may vanish.
         constexpr int half = radix_bits / 2;
         const auto divisor = static_cast<Digit>(n);
         Columns quotient(x.exponent_);
@@ -159,7 +163,7 @@ class LimbReal {
         }
         x = quotient.value();
     }
-    /// log2 |x| to a double's precision; -infinity for zero.
+    /// log2 |x| in double precision; -infinity for zero.
     friend double log2_magnitude(const LimbReal& x) {
         if (x.is_zero()) return -std::numeric_limits<double>::infinity();
         if (x.is_nan()) return std::numeric_limits<double>::quiet_NaN();
@@ -173,7 +177,7 @@ class LimbReal {
     using Digit = std::int64_t;
     __extension__ using Column = __int128;
 
-    // beyond the exponents of numbers: sums of one of these and a number's stay on their side of +-2^39
+    // Beyond the exponents of numbers. The sum of one of these and a number's exponent stays on its side of +-2^39.
     static constexpr std::int64_t zero_exponent = -(std::int64_t{1} << 40U), nan_exponent = std::int64_t{1} << 42U,
                                   most_exponent = std::int64_t{1} << 38U;
 
@@ -181,7 +185,7 @@ class LimbReal {
     std::int64_t exponent_ = zero_exponent;
 
     void make_nan() { exponent_ = nan_exponent, digit_[size - 1] = 1; }
-    /// 1 or -1 if it is that, or else 0.
+    /// Returns x if it is 1 or -1, otherwise 0.
     Digit unit() const {
         const Digit highest = digit_[size - 1];
         if (exponent_ != 0 || (highest != 1 && highest != -1)) return 0;
@@ -191,8 +195,8 @@ class LimbReal {
     }
     static std::int64_t floor_quotient(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-    // A sum of products and numbers, of which the largest has the exponent given (of a product, the sum of its
-    // factors'); column[i] has the weight 2^(58 (exponent + i - size)). Up to 2^12 products fit in.
+    // A sum of products and numbers. `exponent` is the largest exponent among them (for a product, the sum of its
+    // factors' exponents); column[i] has the weight 2^(58 (exponent + i - size)). Holds up to 2^12 products.
     struct Columns {
         std::int64_t exponent;
         std::array<Column, size + 1> column{};
@@ -222,7 +226,7 @@ class LimbReal {
             Column carry = 0;
             for (int i = 0; i < size + 3; ++i) {
                 if (i <= size) carry += column[i];
-                // the lowest bits with their sign
+                // The lowest bits, sign-extended.
                 constexpr unsigned above = 64 - radix_bits;
                 digits[i] = static_cast<Digit>(static_cast<std::uint64_t>(carry) << above) >> above;
                 carry = (carry - digits[i]) >> radix_bits;
@@ -246,7 +250,7 @@ class LimbReal {
                 ((wanted == static_cast<std::int64_t>(below) && (add_below<static_cast<int>(below)>(a, b), true)) ||
                  ...));
         }
-        // A product `below` digits under the largest; what is under the columns is left out.
+        // A product `below` digits under the largest one. Parts below the columns are dropped.
         template <int below>
         [[gnu::always_inline]] void add_below(const LimbReal& a, const LimbReal& b) {
 #pragma GCC unroll 16
@@ -258,7 +262,7 @@ class LimbReal {
     };
 };
 
-/// The type in which the Taylor coefficients of a solution in P are computed.
+/// The type for computing the Taylor coefficients of a solution in P.
 template <class P>
 struct SeriesScalar {
     using Type = P;
@@ -268,7 +272,7 @@ struct SeriesScalar<Real<decimals>> {
     using Type = LimbReal<decimals>;
 };
 
-/// The same operations with their factors in another scalar.
+/// The recording with its factors converted to another scalar.
 template <class T, class P>
 Recording<T> cast_recording(const Recording<P>& recording) {
     Recording<T> result;

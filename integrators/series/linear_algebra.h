@@ -1,8 +1,8 @@
-// Eigen with the same bits whatever a processor's instructions: to be included instead of Eigen's own headers.
+// Eigen with the same bits for every instruction set. Include this instead of Eigen's own headers.
 //
-// Where the compiler may use AVX or fused multiply-adds (-march=native), Eigen sums in wider vectors and rounds once
-// where it otherwise rounds twice, by intrinsics that -ffp-contract=off does not reach. It looks for them by the
-// compiler's macros, which it therefore does not get to see: it keeps to the baseline's vectors of two doubles, as in a
+// Where the compiler may use AVX or fused multiply-adds (-march=native), Eigen uses wider vectors and fused
+// operations via intrinsics, which -ffp-contract=off does not affect. Eigen detects these instruction sets by
+// compiler macros. The macros are hidden here, so that Eigen uses the baseline's vectors of two doubles, as in a
 // build without -march.
 #pragma once
 
@@ -17,7 +17,7 @@
 #undef __FMA__
 #undef __ARM_FEATURE_FMA
 #ifdef __aarch64__
-// its products of matrices ask for fused multiply-adds by name, whatever the macros say
+// Eigen's matrix products call fused multiply-adds by name, regardless of the macros.
 #include <arm_neon.h>
 #pragma push_macro("vfmaq_n_f64")
 #pragma push_macro("vfmaq_laneq_f64")

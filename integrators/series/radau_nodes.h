@@ -1,4 +1,4 @@
-// Radau IIA collocation tables of any number of stages, in any scalar (Hairer & Wanner, Solving ODEs II, IV.5).
+// Radau IIA collocation tables for any number of stages, in any scalar (Hairer & Wanner, Solving ODEs II, IV.5).
 #pragma once
 
 #include <cmath>
@@ -16,20 +16,23 @@ std::vector<P> legendre(const P& x, int n) {
     return value;
 }
 
+/// The collocation table of `stages` stages.
 template <class P>
 struct RadauNodes {
     int stages;
-    std::vector<P> c;        ///< nodes in (0, 1], the last one 1
-    std::vector<P> b;        ///< weights
-    std::vector<P> a;        ///< a[i * stages + j] = integral of the j-th Lagrange polynomial from 0 to c_i
-    std::vector<P> nodes;    ///< 0 and the c_i: where the collocation polynomial is known
-    std::vector<P> weights;  ///< barycentric, of `nodes`
-    std::vector<P> last;     ///< the polynomial's Legendre coefficient of degree `stages`: last . values at `nodes`
-    std::vector<P> last_but_one;  ///< its coefficient of degree stages - 1, from the values at the c_i (quadrature)
+    std::vector<P> c;             ///< nodes in (0, 1]; the last one is 1
+    std::vector<P> b;             ///< weights
+    std::vector<P> a;             ///< a[i * stages + j] = integral of the j-th Lagrange polynomial from 0 to c_i
+    std::vector<P> nodes;         ///< 0 and the c_i, where the collocation polynomial is known
+    std::vector<P> weights;       ///< barycentric weights of `nodes`
+    std::vector<P> last;          ///< Legendre coefficient of degree `stages`: dot product of `last` and the values at
+                                  ///< `nodes`
+    std::vector<P> last_but_one;  ///< Legendre coefficient of degree stages - 1, from the values at the c_i
+                                  ///< (quadrature)
 
     explicit RadauNodes(int s);
 
-    /// Lagrange's basis on `nodes` at theta.
+    /// Lagrange basis on `nodes` at theta.
     std::vector<P> basis(const P& theta) const { return lagrange(nodes, weights, theta); }
 
   private:
@@ -61,7 +64,7 @@ struct RadauNodes {
 template <class P>
 RadauNodes<P>::RadauNodes(int s) : stages(s), a(static_cast<std::size_t>(s) * s) {
     for (int i = 0; i < s; ++i) {
-        // zeros of P_{s-1} - P_s by Newton's method; the last is 1
+        // Zeros of P_{s-1} - P_s by Newton's method; the last one is 1.
         P x(std::cos(2 * std::numbers::pi * (s - 1 - i) / (2 * s - 1)));
         for (int iteration = 0; i < s - 1 && iteration < 12; ++iteration) {
             const std::vector<P> p = legendre(x, s);
@@ -74,7 +77,7 @@ RadauNodes<P>::RadauNodes(int s) : stages(s), a(static_cast<std::size_t>(s) * s)
         b.push_back((P(1) + x) / (P(2) * P(s) * P(s) * end * end));
     }
     const std::vector<P> own = barycentric(c);
-    // the rule integrates polynomials of degree 2 s - 2 exactly, so also Lagrange's on [0, c_i]
+    // The rule integrates polynomials of degree 2 s - 2 exactly, including the Lagrange polynomials on [0, c_i].
     for (int i = 0; i < s; ++i)
         for (int m = 0; m < s; ++m) {
             const std::vector<P> value = lagrange(c, own, c[i] * c[m]);
@@ -83,7 +86,7 @@ RadauNodes<P>::RadauNodes(int s) : stages(s), a(static_cast<std::size_t>(s) * s)
     nodes.assign(1, P(0));
     nodes.insert(nodes.end(), c.begin(), c.end());
     weights = barycentric(nodes);
-    // a Legendre polynomial on [0, 1] has the leading coefficient C(2 s, s)
+    // A Legendre polynomial on [0, 1] has the leading coefficient C(2 s, s).
     P leading(1);
     for (int k = 1; k <= s; ++k) leading *= P(s + k) / P(k);
     last_but_one.assign(1, P(0));

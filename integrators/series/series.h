@@ -1,6 +1,6 @@
-// Taylor coefficients of a recorded system's solution, order by order (Moore 1966; Griewank & Walther 2008, Evaluating
-// Derivatives, table 13.2): (k + 1) y_{k+1} = f_k, a product's k-th coefficient is the Cauchy sum of its factors' first
-// k + 1, and those of the other operations follow from products:
+// Taylor coefficients of a recorded system's solution, order by order (Moore 1966; Griewank & Walther 2008,
+// Evaluating Derivatives, table 13.2). (k + 1) y_{k+1} = f_k. The k-th coefficient of a product is the Cauchy sum of
+// the factors' first k + 1 coefficients. The other operations follow from products:
 //
 //   q = a / b:              b_0 q_k = a_k - sum of b_j q_{k-j},  j = 1..k
 //   r = sqrt a:           2 r_0 r_k = a_k - sum of r_j r_{k-j},  j = 1..k-1
@@ -20,7 +20,7 @@
 
 namespace polhode {
 
-/// result = the sum of a[j] b[k - j] for j = 0..k.
+/// result = sum of a[j] b[k - j] for j = 0..k.
 template <class T>
 void convolve(T& result, const T* a, const T* b, int k, T& scratch) {
     result = T(0);
@@ -28,13 +28,13 @@ void convolve(T& result, const T* a, const T* b, int k, T& scratch) {
         for (int j = 0; j <= k; ++j) add_product(result, a[j], b[k - j], scratch);
         return;
     }
-    // a square: each pair once
+    // For a square, each pair once.
     for (int j = 0; 2 * j < k; ++j) add_product(result, a[j], a[k - j], scratch);
     result += result;
     if (k % 2 == 0) add_product(result, a[k / 2], a[k / 2], scratch);
 }
 
-/// The k-th coefficient of a product for the machine's own numbers, whose sum stays in a register.
+/// The k-th coefficient of a product for built-in floating-point types, accumulated in a register.
 template <std::floating_point T>
 void convolve(T& result, const T* a, const T* b, int k, T&) {
     T sum = 0;
@@ -55,6 +55,7 @@ void combine(T& result, const T& a, const T& b, const T& c, const T& d, T& scrat
     add_product(result, c, d, scratch);
 }
 
+/// The Taylor coefficients of one solution, in the scalar T.
 template <class T>
 class Series {
   public:
@@ -67,17 +68,17 @@ class Series {
     }
 
     int order() const { return order_; }
-    /// For the expansions to come: at most that of the constructor.
+    /// Sets the order of later expansions, at most that given to the constructor.
     void set_order(int order) { order_ = std::min(order, static_cast<int>(stride_) - 1); }
     int dimension() const { return static_cast<int>(recording_.rates.size()); }
-    /// The k-th coefficient of the i-th state variable.
+    /// The k-th coefficient of state variable i.
     const T& coefficient(int i, int k) const { return row(i)[k]; }
 
     const Recording<T>& recording() const { return recording_; }
-    /// The first order() coefficients of a node of the tape; of a state variable order() + 1.
+    /// The first order() coefficients of a tape node; order() + 1 for a state variable.
     const T* node_coefficients(int node) const { return row(node); }
 
-    /// Expands the solution that starts at y, whose scalar may be another.
+    /// Expands the solution that starts at y, which may be of another scalar type.
     template <class P>
     void expand(const P* y) {
         const std::vector<TapeNode<T>>& nodes = recording_.tape.nodes;
@@ -119,8 +120,8 @@ class Series {
     Recording<T> recording_;
     int order_;
     std::size_t stride_;
-    std::vector<int> slope_;       // of a sine and its cosine: the row of a_1, 2 a_2, 3 a_3, ..
-    std::vector<T> coefficients_;  // node by node, order + 1 each, and room for more
+    std::vector<int> slope_;       // for a sine and its cosine: the row of a_1, 2 a_2, 3 a_3, ..
+    std::vector<T> coefficients_;  // node by node, order + 1 each, with padding
     T scratch_{0};
 
     T* row(int node) { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }

@@ -17,12 +17,12 @@ constexpr int constant = Traced<double>::constant;
 
 bool is_symmetric(const Node& node) { return node.kind == Kind::combination || node.kind == Kind::product; }
 
-// a sine's partner is no operand, and what a state is the number of is none
+// The partner of a sine or cosine is not an operand, nor is the index of a state.
 int first_operand(const Node& node) { return node.kind == Kind::state ? constant : node.a; }
 int second_operand(const Node& node) { return is_symmetric(node) || node.kind == Kind::quotient ? node.b : constant; }
 
-// The nodes' places in an order in which each comes behind its operands: those that lie equally deep together, by what
-// they do and to which places. No two are alike, for equal nodes are one.
+// Positions of the nodes in an order in which operands precede their users. Nodes are grouped by depth, then sorted
+// by operation and operand positions. Positions are unique because equal nodes are recorded once.
 std::vector<int> ranks(const std::vector<Node>& nodes) {
     std::vector<int> rank(nodes.size()), level(nodes.size(), 0);
     std::vector<std::vector<int>> levels;
@@ -34,14 +34,14 @@ std::vector<int> ranks(const std::vector<Node>& nodes) {
     }
     const auto key = [&](int i) {
         const Node& node = nodes[i];
-        // numbers by their bits: what is none has a place too
+        // Compare numbers by their bits, so that NaN has a place in the order too.
         auto factor_a = std::bit_cast<std::int64_t>(node.factor_a);
         auto factor_b = std::bit_cast<std::int64_t>(node.factor_b);
         int a = first_operand(node), b = second_operand(node);
         a = a >= 0 ? rank[a] : constant, b = b >= 0 ? rank[b] : constant;
         if (node.kind == Kind::state) a = node.a;
         if (is_symmetric(node) && a < b) std::swap(a, b), std::swap(factor_a, factor_b);
-        // measured: with what takes longest first, programs are as fast as in the order of a derivative's lines
+        // Measured: with the slowest operations first, programs are as fast as in the recorded order.
         return std::tuple(-static_cast<int>(node.kind), a, b, factor_a, factor_b);
     };
     int next = 0;
@@ -67,7 +67,7 @@ Recording<double> in_canonical_order(const Recording<double>& recording) {
         Node node = nodes[i];
         const int place = renamed[i] = static_cast<int>(ordered.size());
         if (node.kind == Kind::sine || node.kind == Kind::cosine) {
-            // the two of them, the sine first
+            // Sine and cosine are adjacent, sine first.
             const int sine = node.kind == Kind::sine ? i : node.b, cosine = nodes[sine].b;
             renamed[sine] = place, renamed[cosine] = place + 1;
             ordered.push_back({Kind::sine, renamed[node.a], place + 1, 0, 0});
@@ -76,7 +76,7 @@ Recording<double> in_canonical_order(const Recording<double>& recording) {
         }
         if (first_operand(node) >= 0) node.a = renamed[node.a];
         if (second_operand(node) >= 0) node.b = renamed[node.b];
-        // the lower one last, as it was recorded
+        // Put the operand of lower position last, as in recordings.
         if (is_symmetric(node) && node.a < node.b) std::swap(node.a, node.b), std::swap(node.factor_a, node.factor_b);
         ordered.push_back(node);
     }

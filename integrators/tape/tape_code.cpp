@@ -1,6 +1,11 @@
-// Code is one function of the memory: order 0, then for each order a call of the part that an order does, of which
-// there is one for each number of vector registers that its products fill. Registers are given to what is used next
-// (Belady 1966): what is used last of all, or no more, makes room.
+// Code generator for tape programs, x86-64 with AVX2 or AVX-512 (asmjit).
+//
+// The generated series code is one function of the memory block. It performs order 0, then calls one subroutine for
+// each later order. There is one subroutine for each number of quarter cache lines that the order's products fill.
+// The generated rate code evaluates the order-0 operations for eight states side by side.
+//
+// TapeCompiler emits the instructions. Before each part it lists all uses of each value. Registers are then assigned
+// on the fly: when none is free, the value whose next use is furthest away is evicted (Belady 1966).
 #include "integrators/tape/tape_code.h"
 
 #include <asmjit/x86.h>
@@ -24,7 +29,7 @@ constexpr int none = TapeProgram::none;
 
 class TapeCompiler {
   public:
-    /// `eight`: the program is for rates, and numbers are eight side by side.
+    /// `eight`: the program computes rates, and each number is eight numbers side by side.
     TapeCompiler(const TapeProgram& program, const TapeLayout& layout, bool careful, bool wide, bool eight,
                  asmjit::CodeHolder& holder)
         : eight_(eight),
@@ -78,7 +83,7 @@ class TapeCompiler {
     }
 
     void write_rates() {
-        // memory, start, now, scale, change
+        // Arguments: memory, start, now, scale, change.
         const std::array held{x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
         const std::array given{x86::rdi, x86::rsi, x86::rdx, x86::rcx, x86::r8};
         for (const x86::Gp& r : held) a_.push(r);
@@ -110,45 +115,45 @@ class TapeCompiler {
     const TapeProgram& program_;
     const TapeLayout& layout_;
     bool careful_, wide_;
-    int width_;  ///< numbers of a register
+    int width_;  ///< numbers per register
     x86::Assembler a_;
-    int most_;  ///< registers of a row
+    int most_;  ///< registers per row
     int row_count_;
-    // What can be in a register: slots, then for each row its newest coefficient in all lanes, then the row's
-    // registers.
+    // Register of each value, or `none`. Ids: the slots, then each row's newest coefficient broadcast to all lanes,
+    // then the registers of each row.
     std::vector<Register> place_;
-    std::vector<char> touched_;     // by row: its newest coefficient is in its lane
-    std::vector<char> persistent_;  // by slot: stored as soon as it is known
-    // what stays in registers from order to order: by row, the coefficients and the newest one; the sums
+    std::vector<char> touched_;     // by row: the newest coefficient is in its lane
+    std::vector<char> persistent_;  // by slot: store the value as soon as it is computed
+    // Registers kept from order to order: coefficients by row, newest coefficient by row, sums.
     std::vector<Register> row_home_, newest_home_, sum_home_;
     bool stores_all_ = false;
     int register_count_;
-    std::array<int, 32> held_{};     // by register: what it holds
-    std::array<bool, 32> dirty_{};   // it is not in memory
-    std::array<bool, 32> in_use_{};  // by the instruction at hand
-    // the places in the part at hand where each is used, one after another
+    std::array<int, 32> held_{};     // by register: the id of its value
+    std::array<bool, 32> dirty_{};   // by register: the value is not in memory
+    std::array<bool, 32> in_use_{};  // by register: used by the current instruction
+    // Instruction positions of all uses in the current part, grouped by id.
     std::vector<int> first_use_, uses_, next_;
-    int quarters_ = 2;    // of a cache line that products fill in the part at hand
-    bool inner_ = false;  // they are those of P
+    int quarters_ = 2;    // quarter cache lines that products fill in the current part
+    bool inner_ = false;  // the current products belong to P
 
     int vectors() const { return (4 * quarters_ + width_ - 1) / width_; }
-    /// Of a state: its coefficient of the order at hand.
+    /// Memory operand of a slot. For states: the coefficient of the current order.
     x86::Mem slot(int i) const {
         if (eight_) return is_start(i) ? x86::ptr(x86::r12, 64 * (i - program_.values[0])) : x86::ptr(x86::rbx, 64 * i);
         return i < program_.states ? x86::ptr(x86::r12, 8 * i) : x86::ptr(x86::rbx, 8 * i);
     }
-    // of eight: what is given, and that of it to which the increment is to be added
+    // For `eight`: whether slot i is an initial state, and whether its increment `now` must be added.
     bool is_start(int i) const { return eight_ && i >= program_.values[0] && i < program_.values[0] + program_.states; }
     bool is_moving(int i) const { return is_start(i) && program_.first_rates[i - program_.values[0]].from != none; }
     x86::Mem lanes_at(std::size_t base, int which, int vector) const {
         const std::size_t at = base + static_cast<std::size_t>(which) * layout_.lanes + vector * width_;
         return x86::ptr(x86::rbx, static_cast<int>(8 * at));
     }
-    /// Of a row's or a sum's part; the last is half as wide where that is enough.
+    /// Register for part `part` of a row or sum. The last part has half the width if that suffices.
     x86::Vec vec(Register r, int part = 0) const {
         return wide_ && quarters_ >= 2 * part + 2 ? x86::Vec(x86::zmm(r)) : x86::Vec(x86::ymm(r));
     }
-    /// As numbers are, alone or side by side.
+    /// Register for a number: a scalar, or eight side by side.
     x86::Vec number(Register r) const { return eight_ ? vec(r) : x86::Vec(x86::xmm(r)); }
     std::uint32_t instruction(std::uint32_t alone, std::uint32_t side_by_side) const {
         return eight_ ? side_by_side : alone;
@@ -164,8 +169,8 @@ class TapeCompiler {
 
     // --- registers
 
-    /// Gives small tapes registers of their own: the newest coefficients of states need not go through memory, sums and
-    /// rows need not be loaded and stored.
+    /// For small tapes, reserves registers for newest state coefficients, sums and rows. They then stay out of memory
+    /// between orders.
     void find_homes() {
         constexpr int working = 9, most = 40;
         const auto is_of_state = [this](const TapeProgram::Row& row) {
@@ -189,7 +194,7 @@ class TapeCompiler {
         std::fill(touched_.begin(), touched_.end(), 0);
         first_use_.assign(static_cast<std::size_t>(ids) + 1, 0);
     }
-    /// Runs the enumeration of uses twice: to count, and to note.
+    /// Runs the enumeration of uses twice: first to count them, then to record them.
     template <class Enumerate>
     void note_uses(Enumerate&& enumerate) {
         const int ids = static_cast<int>(place_.size());
@@ -232,7 +237,7 @@ class TapeCompiler {
         if (place_[id] != none && place_[id] != r) held_[place_[id]] = free_, dirty_[place_[id]] = false;
         held_[r] = id, place_[id] = r, dirty_[r] = dirty;
     }
-    /// Frees the register of what is used no more.
+    /// Frees the register of a value without further uses.
     void done(int id) {
         if (place_[id] == none || next_use(id) != never) return;
         held_[place_[id]] = free_, dirty_[place_[id]] = false, place_[id] = none;
@@ -254,7 +259,7 @@ class TapeCompiler {
             const Register r = take();
             const TapeProgram::Row& of = program_.rows[row];
             if (of.is_inner() && of.slot < program_.states)
-                // of the order before
+                // From the previous order.
                 a_.vbroadcastsd(vec(r), x86::ptr(x86::r12, 8 * (of.slot - layout_.states)));
             else if (!of.is_inner() && place_[of.slot] != none)
                 a_.vbroadcastsd(vec(r), x86::xmm(place_[of.slot]));
@@ -282,7 +287,7 @@ class TapeCompiler {
         in_use_[place_[id]] = true;
         return place_[id];
     }
-    /// Puts the newest coefficient in its lane.
+    /// Puts the newest coefficient into its lane.
     void touch(int row) {
         const Register x = fetch_newest(row);
         touched_[row] = 1;
@@ -314,13 +319,13 @@ class TapeCompiler {
 
     enum Mask { begun, both, newest_lane };
     x86::KReg mask(int vector, Mask which) const { return x86::k(1 + 3 * vector + which); }
-    // for each order: those of W, then those of P; one byte each for AVX-512, 32 where they are numbers
+    // By order: the masks of W, then those of P. One byte each for AVX-512, 32 bytes (a vector) each for AVX2.
     int mask_size() const { return wide_ ? 1 : 32; }
     int mask_count() const { return 2 * 3 * most_; }
     x86::Mem mask_at(int vector, Mask which) const {
         return x86::ptr(x86::r13, mask_size() * ((inner_ ? 3 * most_ : 0) + 3 * vector + which));
     }
-    // of which lanes, where the newest coefficient is in this one
+    // Bit mask of lanes, given the lane of the newest coefficient.
     static unsigned lanes(int lane, Mask which) {
         if (lane < 0) return 0;
         switch (which) {
@@ -371,7 +376,7 @@ class TapeCompiler {
         Register in;  ///< none: in memory
         x86::Mem at;
     };
-    /// In its register; in memory where it stands there and is used once more only.
+    /// Returns the operand in a register, or in memory if it is there and this is its last use.
     Operand operand(int id) {
         const bool last = next_[id] + 1 >= first_use_[id + 1];
         if (place_[id] == none && last && !is_moving(id)) return {none, slot(id)};
@@ -398,7 +403,7 @@ class TapeCompiler {
         for (const int id : {op.a, op.b, op.c})
             if (id != none) done(id);
     }
-    /// A register for the result: that of an operand that dies, or another.
+    /// Returns a register for the result: that of an operand without further uses, or a new one.
     Register result(std::initializer_list<std::pair<int, Register>> operands) {
         for (const auto& [id, r] : operands)
             if (id != none && r != none && dies(id)) {
@@ -445,7 +450,7 @@ class TapeCompiler {
             case Kind::sine_cosine:
                 if (is_moving(op.a)) store(x86::ptr(x86::rbx, 64 * op.a), fetch_scalar(op.a));
                 used(op.a);
-                // no register outlives a call
+                // All vector registers are caller-saved: store live values before the call.
                 for (Register r = 0; r < register_count_; ++r)
                     if (held_[r] >= 0 && dirty_[r] && (held_[r] == op.a || next_use(held_[r]) != never))
                         store(slot(held_[r]), r);
@@ -485,7 +490,7 @@ class TapeCompiler {
         int first = op.a, second = op.b;
         Operand a = operand(first), b = first == second ? a : operand(second);
         if (b.in == none && a.in != none) std::swap(a, b), std::swap(first, second);
-        // now a is the one in memory, if any is
+        // From here, `a` is the operand in memory if there is one.
         const Register right = in_register(b, second);
         if (first == second) a.in = right;
         const bool is_factor = op.c == op.a || op.c == op.b;
@@ -549,7 +554,7 @@ class TapeCompiler {
             visit(newest(pair.x), at), visit(newest(pair.y), at);
             for (const int row : {pair.x, pair.y}) {
                 for (int v = 0; v < vectors(); ++v) visit(lanes_of(row, v), at);
-                // it comes from its slot
+                // The newest coefficient is read from its slot.
                 if (!touched_[row] && !program_.rows[row].is_inner()) visit(program_.rows[row].slot, at);
                 touched_[row] = 1;
             }
@@ -583,8 +588,8 @@ class TapeCompiler {
         for (const TapeProgram::Operation& op : program_.begin) operate(op);
         integrate(program_.first_rates);
         stores_all_ = false;
-        // the rows' first lanes; the others mean nothing yet, but are stored alike: what is loaded soon comes from
-        // there
+        // Fill the first lane of each row. The other lanes are not meaningful yet but are stored too, so that later
+        // vector loads are forwarded from whole stores.
         for (int row = 0; row < row_count_; ++row) {
             if (program_.rows[row].is_inner()) continue;
             const Register kept = home(row_home_, row, 0), r = kept == none ? 0 : kept;
@@ -618,7 +623,7 @@ class TapeCompiler {
             used(rate.from), done(rate.from);
         }
     }
-    // the part of the first order has nothing in P yet
+    // In the subroutine of the first order, all P are still zero.
     void step(bool is_first) {
         note_uses([&](auto&& visit) {
             int at = 0;
@@ -645,7 +650,7 @@ class TapeCompiler {
     void add_products(const TapeProgram::Sum& sum) {
         const int vectors = this->vectors();
         const int which = static_cast<int>(&sum - program_.sums.data());
-        // four lanes are the narrowest vector
+        // The narrowest vector has four lanes.
         std::array<Register, TapeLayout::most_lanes / 4> p{}, u{};
         for (int v = 0; v < vectors; ++v) {
             p[v] = temporary(), u[v] = temporary();
@@ -704,7 +709,7 @@ class TapeCompiler {
                 release(m);
             }
         }
-        // each lane is one order less far from the next newest order
+        // Shift by one lane: every partial sum is now one order closer to its own.
         for (int v = 0; v < vectors; ++v) {
             const Register above = v + 1 < vectors ? p[v + 1] : none, r = home(sum_home_, which, v);
             if (wide_) {

@@ -1,4 +1,4 @@
-// Machine code for the programs of tapes, made when the tape is known.
+// Machine code compiled at run time for a tape program.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@
 
 namespace polhode {
 
-/// Code in memory of its own, which nobody may write to.
+/// Compiled code in its own executable, read-only memory.
 class TapeCode {
   public:
-    /// The memory knows how it is given back.
+    /// The deleter of `memory` releases it. `size` is in bytes.
     TapeCode(std::shared_ptr<void> memory, std::size_t size) : memory_(std::move(memory)), size_(size) {}
 
-    /// What TapeInterpreter::expand does, in memory of the layout that it was made for.
+    /// Same as TapeInterpreter::expand. `memory` must have the layout that the code was compiled for.
     void expand(double* memory) const { reinterpret_cast<void (*)(double*)>(memory_.get())(memory); }
-    /// What TapeInterpreter::add_rates does, with as much room.
+    /// Same as TapeInterpreter::add_rates, with the same memory requirements.
     void add_rates(double* memory, const TapeSubstep& substep) const {
         reinterpret_cast<void (*)(double*, const double*, const double*, const double*, double*)>(memory_.get())(
             memory, substep.start, substep.now, substep.scale, substep.change);
@@ -30,13 +30,14 @@ class TapeCode {
     std::size_t size_;  ///< bytes
 };
 
-/// Whether this process makes code: not with POLHODE_CODE=interpreted in its environment.
+/// Returns whether this process may compile code. Setting POLHODE_CODE=interpreted in the environment disables it.
 bool may_compile();
 
-/// The code, or nothing where none can be made: another architecture, no instructions for lanes, no memory for code.
+/// Compiles the series expansion. Returns nullptr if that is not possible: another architecture, an instruction set
+/// without vector registers, or no executable memory.
 std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
                                          InstructionSet instructions);
-/// Of a program for rates.
+/// Compiles the evaluation of rates. Returns nullptr in the same cases as compiled().
 std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram& program, InstructionSet instructions);
 
 }  // namespace polhode

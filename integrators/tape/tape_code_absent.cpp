@@ -1,4 +1,4 @@
-// Where no machine code is made: without asmjit, or for another architecture.
+// Stub for builds without asmjit or for other architectures: no machine code.
 #include "integrators/tape/tape_code.h"
 
 namespace polhode {

@@ -1,5 +1,11 @@
-// The interpreter's source, compiled for each set of instructions by a file of its own. Nothing here may become a
-// function that those files share: the linker would keep one, of instructions that not every processor has.
+// Source of the tape interpreter. One .cpp file for each instruction set includes it.
+//
+// Everything here must have internal linkage. The linker would merge shared functions and could keep a version with
+// instructions that the processor lacks.
+//
+// `Line` is eight doubles in one AVX-512 register, two AVX2 registers or an array. `Order` performs one order of the
+// recurrences in tape_program.h. Sums of products are updated as soon as a new coefficient is known, so that the
+// lanes of one order are independent of each other.
 #if defined(__AVX2__)
 #include <immintrin.h>
 #endif
@@ -12,7 +18,7 @@ namespace {  // NOLINT(cert-dcl59-cpp): so that each file that includes this has
 double fused(double a, double b, double c) { return __builtin_fma(a, b, c); }
 double root(double a) { return __builtin_sqrt(a); }
 
-/// Eight numbers side by side, in what registers there are.
+/// Eight numbers side by side in the available registers.
 #if defined(__AVX512F__)
 struct Line {
     __m512d v;
@@ -27,9 +33,9 @@ Line operator*(const Line& a, const Line& b) { return {_mm512_mul_pd(a.v, b.v)};
 Line operator/(const Line& a, const Line& b) { return {_mm512_div_pd(a.v, b.v)}; }
 Line root(const Line& a) { return {_mm512_maskz_sqrt_pd(0xFF, a.v)}; }
 Line magnitude(const Line& a) { return {_mm512_abs_pd(a.v)}; }
-/// Whether one is larger, or none at all.
+/// Returns whether any element is above the limit or NaN.
 bool any_above(const Line& a, double limit) { return _mm512_cmp_pd_mask(a.v, _mm512_set1_pd(limit), _CMP_NLE_UQ) != 0; }
-/// The first `count` of one, the rest of the other.
+/// The first `count` elements of `first`, the others of `rest`.
 Line first_of(int count, const Line& first, const Line& rest) {
     const unsigned taken = count >= 8 ? 0xFF : count <= 0 ? 0 : (1U << static_cast<unsigned>(count)) - 1;
     return {_mm512_mask_blend_pd(static_cast<__mmask8>(taken), rest.v, first.v)};
@@ -58,7 +64,7 @@ bool any_above(const Line& a, double limit) {
     return _mm256_movemask_pd(
                _mm256_or_pd(_mm256_cmp_pd(a.low, most, _CMP_NLE_UQ), _mm256_cmp_pd(a.high, most, _CMP_NLE_UQ))) != 0;
 }
-/// The first `count` of one, the rest of the other.
+/// The first `count` elements of `first`, the others of `rest`.
 Line first_of(int count, const Line& first, const Line& rest) {
     const __m256i end = _mm256_set1_epi64x(count);
     const auto taken = [&](long long from) {
@@ -96,15 +102,17 @@ bool any_above(const Line& a, double limit) {
     for (const double x : a.v) is_above |= !(x <= limit);
     return is_above;
 }
-/// The first `count` of one, the rest of the other.
+/// The first `count` elements of `first`, the others of `rest`.
 Line first_of(int count, const Line& first, const Line& rest) { return by_each([&](int i) { return i < count ? first.v[i] : rest.v[i]; }); }
 // clang-format on
 #endif
 Line operator-(const Line& a) { return eight(-0.0) - a; }
 
-/// Sines and cosines of eight numbers, written to where none of them stands. With x = k pi/2 + r, |r| <= pi/4, by two
-/// parts of pi/2, of which the first leaves an exact difference (Cody & Waite 1980), and the polynomials of fdlibm (Sun
-/// Microsystems 1993, k_sin.c and k_cos.c), in pairs of terms (Estrin 1960); beyond 10^5 by the library's functions.
+/// Sines and cosines of eight numbers. The outputs must not overlap the input. The argument is reduced to x = k pi/2
+/// + r,
+/// |r| <= pi/4, with pi/2 in two parts, of which the first gives an exact difference (Cody & Waite 1980). The
+/// polynomials are those of fdlibm (Sun Microsystems 1993, k_sin.c and k_cos.c), evaluated in pairs of terms (Estrin
+/// 1960). Beyond |x| = 10^5 the C library's functions are called.
 void find_sines_cosines(const double* x, double* sines, double* cosines) {
     constexpr double largest = 1e5, whole = 0x1.8p52;
     const Line angle = loaded(x), one = eight(1);
@@ -137,7 +145,7 @@ void find_four_sines_cosines(const double* x, double* sines, double* cosines) {
     __builtin_memcpy(sines, sine, 4 * sizeof *x), __builtin_memcpy(cosines, cosine, 4 * sizeof *x);
 }
 
-/// What an operation but a sine or a sum finds, of a number or of eight.
+/// Result of any operation except sine_cosine and sum, for one number or eight.
 template <class Number>
 Number found(TapeProgram::Kind kind, const Number& a, const Number& b, const Number& c) {
     using Kind = TapeProgram::Kind;
@@ -163,7 +171,7 @@ Number found(TapeProgram::Kind kind, const Number& a, const Number& b, const Num
     }
 }
 
-/// One order's work on memory: `states` are the coefficients of the order before.
+/// The work of one order on `memory`. `states` are the coefficients of the previous order.
 template <int lanes>
 class Order {
     static constexpr int lines = lanes / 8;
@@ -204,7 +212,7 @@ class Order {
         const TapeProgram::Row& of = program_.rows.data()[row];
         return of.is_inner() && of.slot < program_.states ? states_[of.slot] : memory_[of.slot];
     }
-    /// A row, with its newest coefficient in the lane.
+    /// A row with its newest coefficient in its lane.
     struct Lanes {
         Line line[lines];
     };
@@ -212,21 +220,21 @@ class Order {
         double* const at = memory_ + layout_.rows + static_cast<std::size_t>(row) * layout_.lanes;
         Lanes result{};
         for (int v = 0; v < lines; ++v) {
-            // all are stored, as they will be loaded: a load that takes in one number's store alone would wait for it
+            // Store whole lines: a later vector load that overlaps a recent scalar store would stall.
             const Line old = loaded(at + 8 * v);
             result.line[v] = first_of(lane - 8 * v, old, first_of(lane + 1 - 8 * v, x, old));
             store(result.line[v], at + 8 * v);
         }
         return result;
     }
-    // what the newest order, in that lane, adds to a sum of this and of later orders
+    // Adds the contributions of the newest order (in lane `lane`) to this sum and to the sums of later orders.
     void add_products(int which, int lane) {
         double* const sum = memory_ + layout_.sums + static_cast<std::size_t>(which) * layout_.lanes;
         const TapeProgram::Sum& of = program_.sums.data()[which];
         const Line zero = eight(0);
         Line p[lines], u[lines];
         for (int v = 0; v < lines; ++v) {
-            // those that have begun
+            // Keep only the partial sums that already have contributions.
             p[v] = first_of(lane - 1 - 8 * v, loaded(sum + 8 * v), zero);
             u[v] = zero;
         }
@@ -244,7 +252,7 @@ class Order {
                 u[v] = i == of.first ? y_m * x.line[v] : fused(y_m, x.line[v], u[v]);
             }
         }
-        // both of j < lane, one of j = lane
+        // Both products for lanes j < lane, only one for j = lane.
         for (int v = 0; v < lines; ++v) p[v] = first_of(lane - 8 * v, p[v] + u[v], p[v]);
         alignas(64) double shifted[lanes];
         for (int v = 0; v < lines; ++v) store(p[v], shifted + 8 * v);
@@ -320,7 +328,7 @@ void add_rates_of(const TapeProgram& program, double* memory, const TapeSubstep&
     }
 }
 
-// even and odd degrees beside each other: half the time that each waits for the one before
+// Even and odd degrees form two independent chains, which halves the latency.
 void sum_states(const double* coefficients, int states, int order, int from, double h, double* sums) {
     constexpr int line = TapeLayout::line;
     const Line hh = eight(h * h);
@@ -329,7 +337,7 @@ void sum_states(const double* coefficients, int states, int order, int from, dou
         Line even = degree(order), odd = degree(order - 1);
         int k = order - 2;
         for (; k > from; k -= 2) even = fused(even, hh, degree(k)), odd = fused(odd, hh, degree(k - 1));
-        // of the degree `from`, or of the one after it, is the last of one of the two
+        // The last coefficient of one chain has degree `from`, that of the other from + 1.
         if (k == from)
             even = fused(even, hh, degree(k)), store(fused(odd, eight(h), even), sums + first);
         else

@@ -1,4 +1,4 @@
-// Where a program's numbers stand in memory, for the interpreter and for machine code.
+// Memory layout of a tape program's numbers, shared by the interpreter and compiled code.
 #pragma once
 
 #include <algorithm>
@@ -9,21 +9,21 @@
 
 namespace polhode {
 
-/// In units of eight bytes from the beginning of a cache line on: the slots, then for each row and each sum as many
-/// lanes as an order has products, then the coefficients of the states, order by order.
+/// Offsets in units of eight bytes from the start of a cache line: the slots, then the lanes of each row and of each
+/// sum (as many lanes as an order has products), then the coefficients of the states, order by order.
 struct TapeLayout {
-    static constexpr int line = 8;  ///< numbers
+    static constexpr int line = 8;  ///< numbers per cache line
     static constexpr int most_order = 32;
-    static constexpr int most_lanes = 16;  ///< two lines, of that order
+    static constexpr int most_lanes = 16;  ///< two lines, at most_order
 
     int order;
-    /// Of a row: lane j holds the j-th coefficient, of an inner one lane j - 1. Of a sum: lane j is what the order j
-    /// later has so far, of an inner one lane j - 1.
+    /// Lanes per row or sum. Lane j of a row holds coefficient j, or j + 1 in a row of P. Lane j of a sum accumulates
+    /// the value for j orders later, or j + 1 in a sum of P.
     int lanes;
-    int states;  ///< the numbers from one order's coefficients to the next
+    int states;  ///< stride from one order's coefficients to the next, in numbers
     std::size_t rows, sums, coefficients, end;
 
-    /// `order_` is from 2 to most_order.
+    /// Requires 2 <= order_ <= most_order; throws std::invalid_argument otherwise.
     TapeLayout(const TapeProgram& program, int order_) : order(order_), lanes(lanes_of(order_)) {
         if (order < 2 || order > most_order) throw std::invalid_argument("a series is of order 2 to 32");
         states = whole(program.states);
@@ -32,7 +32,7 @@ struct TapeLayout {
         coefficients = sums + program.sums.size() * static_cast<std::size_t>(lanes);
         end = coefficients + static_cast<std::size_t>(states) * static_cast<std::size_t>(order + 1);
     }
-    /// The lanes that products fill in the order k: those of later orders up to the last but one.
+    /// Number of lanes that products fill in order k, for later orders up to the last but one.
     int filled(int k) const { return std::max(std::min(k, order - 1 - k) + 1, std::min(k - 1, order - k)); }
     static constexpr int whole(int n) { return (n + line - 1) / line * line; }
     static constexpr int lanes_of(int order) { return whole((order - 1) / 2 + 1); }

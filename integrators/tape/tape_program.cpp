@@ -1,3 +1,8 @@
+// Compiles a recording to a TapeProgram by the recurrences in tape_program.h.
+//
+// TapeProgrammer first merges sums and products that only one sum uses (dissolve), then emits the operations of order
+// 0 (begin, begin_sum) and those of each later order (decode, decode_sum, fold). The terms of a sum are ordered by an
+// estimate of when they become available, in cycles, so that the longest dependency is added last.
 #include "integrators/tape/tape_program.h"
 
 #include <algorithm>
@@ -58,7 +63,7 @@ class TapeProgrammer {
             program_.rates.push_back(
                 {changes ? later_rate(rates_[i].node) : constant(0), changes ? program_.first_rates[i].factor : none});
         }
-        // those of P first
+        // The sums of P come first.
         program_.sums = inner_;
         program_.inner = static_cast<int>(inner_.size());
         program_.sums.insert(program_.sums.end(), whole_.begin(), whole_.end());
@@ -67,7 +72,7 @@ class TapeProgrammer {
     }
 
   private:
-    /// share * x, the share in a slot or 1, times -1 if negative
+    /// x times the number in slot `share` (`none`: 1), times -1 if `negative`
     struct Term {
         int share;
         bool negative;
@@ -84,13 +89,13 @@ class TapeProgrammer {
     const std::vector<Traced<double>>& rates_;
     std::vector<int> row_of_, inner_row_of_;  // by node
     std::vector<int> value_of_;               // by node: the slot of coefficient 0
-    std::vector<int> now_of_;  // by node: the slot of the coefficient of the order at hand; none: dissolved
+    std::vector<int> now_of_;  // by node: the slot of the coefficient of the current order; none: merged into a sum
     std::vector<int> inverse_of_;
-    std::vector<int> uses_;         // by node: once by a sum alone, or twice and more
-    std::vector<double> scale_of_;  // by node: what its value is still to be multiplied by, of rates alone
+    std::vector<int> uses_;         // by node: 1 for each use by a sum, 2 for each other use
+    std::vector<double> scale_of_;  // by node: pending factor of the value, for rates only
     std::vector<TapeProgram::Sum> inner_, whole_;
-    std::vector<double> arrival_;               // by slot: about the cycles from an order's beginning
-    std::map<std::uint64_t, int> constant_of_;  // by bits
+    std::vector<double> arrival_;               // by slot: estimated cycles from the start of the order
+    std::map<std::uint64_t, int> constant_of_;  // by bits of the value
 
     int count() const { return static_cast<int>(nodes_.size()); }
     int slot() {
@@ -112,7 +117,7 @@ class TapeProgrammer {
     bool is_sum(int i) const {
         return nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
     }
-    // places for all but the sums and products that are used by one sum alone
+    // Assigns slots to all nodes except sums and products that only one sum uses.
     void dissolve() {
         uses_.assign(nodes_.size(), 0);
         for (const Node& node : nodes_) {
@@ -128,7 +133,7 @@ class TapeProgrammer {
         inverse_of_.assign(nodes_.size(), none);
     }
 
-    // the value of a node
+    // Emits the value of a node.
     void begin(int i) {
         const Node& node = nodes_[i];
         const int to = value_of_[i], a = node.a >= 0 ? value_of_[node.a] : none;
@@ -179,7 +184,7 @@ class TapeProgrammer {
         program_.rows.push_back({slot, value});
         return static_cast<int>(program_.rows.size()) - 1;
     }
-    /// P of the one pair.
+    /// P of a single pair.
     int inner_sum(int x, int y) {
         const int first = static_cast<int>(program_.pairs.size()), to = slot();
         program_.pairs.push_back({x, y, none, false});
@@ -199,7 +204,7 @@ class TapeProgrammer {
         return to;
     }
 
-    // the node's coefficient of the order at hand
+    // Emits the node's coefficient of the current order.
     void decode(int i) {
         const Node& node = nodes_[i];
         std::vector<Term> terms;
@@ -226,7 +231,7 @@ class TapeProgrammer {
             case Node::Kind::cosine: {
                 const bool is_sine = node.kind == Node::Kind::sine;
                 if (program_.order == none) program_.order = slot(), program_.inverse_order = slot();
-                // the row of k times the argument's coefficients
+                // Row of k times the coefficients of the argument.
                 if (is_sine) slope_ = new_row(step_with(Kind::multiply, program_.order, now_of_[node.a]), none);
                 sum = {step_with(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order),
                        !is_sine};
@@ -235,18 +240,18 @@ class TapeProgrammer {
         }
         fold(sum, terms, now_of_[i]);
     }
-    /// The slot of a rate that states, as they change, leave as it is.
+    /// Slot of a rate. A rate that is a state itself is copied first, because integration overwrites states.
     int later_rate(int node) {
         return node < program_.states ? step_with(Kind::add, constant(0), now_of_[node]) : now_of_[node];
     }
-    int slope_ = none;  // of the last sine
+    int slope_ = none;  // row of the last sine's argument, see decode()
 
-    /// weight * x * y of nodes, or of x alone, or the number itself.
+    /// weight * x * y for nodes x and y; without y, weight * x; without both, the weight itself.
     struct Part {
         int x, y;
         double weight;
     };
-    // of a sum or a product, with all that is dissolved into it
+    // Parts of a sum or product, with everything that is merged into it.
     std::vector<Part> parts_of(int i) const {
         std::vector<Part> parts;
         std::vector<std::pair<int, double>> open{{i, 1.0}};
@@ -266,7 +271,7 @@ class TapeProgrammer {
         }
         return parts;
     }
-    // the value of a sum or a product, products added by fused operations
+    // Emits the value of a sum or product; products are added with fused multiply-adds.
     void begin_sum(int i) {
         if (now_of_[i] == none) return;
         std::vector<Part> parts = parts_of(i);
@@ -277,7 +282,7 @@ class TapeProgrammer {
             return last;
         };
         std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) { return known(a) < known(b); });
-        // a factor of them all is left for the end
+        // A common factor of all parts is multiplied in at the end.
         const double common = std::abs(parts.front().weight);
         const bool is_common =
             std::all_of(parts.begin(), parts.end(), [&](const Part& part) { return std::abs(part.weight) == common; });
@@ -296,7 +301,7 @@ class TapeProgrammer {
     bool is_rate(int i) const {
         return std::any_of(rates_.begin(), rates_.end(), [i](const auto& rate) { return rate.node == i; });
     }
-    // sum +- weight x y; the weight is positive
+    // sum +- weight x y, weight > 0.
     Signed with(Signed sum, const Part& part, double weight) {
         const bool negative = part.weight < 0;
         if (part.x == none) return with_begun(sum, constant(weight), none, negative);
@@ -306,7 +311,7 @@ class TapeProgrammer {
         return with_begun(sum, weight == 1 ? x : begin_with(Kind::multiply, constant(weight), x), value_of_[part.y],
                           negative);
     }
-    // sum +- x y, or x alone
+    // sum +- x y, or sum +- x without y.
     Signed with_begun(Signed sum, int x, int y, bool negative) {
         const bool alike = sum.negative == negative;
         if (sum.slot == none) return {y == none ? x : begin_with(Kind::multiply, x, y), negative};
@@ -315,7 +320,7 @@ class TapeProgrammer {
         return {program_.begin.back().to, sum.negative};
     }
 
-    // a sum or a product in an order
+    // Emits the W of a sum or product in the current order; appends its other parts to `terms`.
     Signed decode_sum(int i, std::vector<Term>& terms) {
         struct Product {
             int x, y;
@@ -348,11 +353,11 @@ class TapeProgrammer {
         return {step_with(Kind::multiply, constant(std::abs(weight)), to), weight < 0};
     }
 
-    // to = sum + all terms, the latest last
+    // to = sum + all terms, the last available term last.
     void fold(Signed sum, std::vector<Term>& terms, int to) {
         std::stable_sort(terms.begin(), terms.end(),
                          [&](const Term& a, const Term& b) { return arrival_[a.x] < arrival_[b.x]; });
-        // one that is not negative first, if there is one
+        // Start with a term that is not negative, if there is one.
         if (sum.slot == none) {
             const auto positive = std::find_if(terms.begin(), terms.end(), [](const Term& t) { return !t.negative; });
             if (positive != terms.end()) std::rotate(terms.begin(), positive, positive + 1);
@@ -368,7 +373,7 @@ class TapeProgrammer {
             arrival_[to] = arrival_[sum.slot];
             return;
         }
-        // a single term of factor 1 has no place of its own; what ends negative is turned
+        // A single term of factor 1 needs a copy; a negative result changes sign.
         if (sum.negative)
             step(Kind::subtract, to, constant(0), sum.slot);
         else

@@ -43,7 +43,7 @@ std::uint64_t hash_of(const Recording<double>& recording) {
     return hash;
 }
 
-/// Of the tapes of a process: forgotten all at once where they grow beyond what is kept.
+/// Process-wide cache of tapes. Cleared completely when it would exceed `most` bytes.
 class Shelf {
   public:
     std::shared_ptr<const PreparedTape> find(std::uint64_t hash, const Recording<double>& recording,
@@ -102,7 +102,7 @@ std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording,
 }
 
 int best_order(const TapeProgram& program, double tolerance) {
-    // additions and multiplications of four numbers at most, about
+    // Approximate operation counts, for vectors of at most four numbers.
     const double once = static_cast<double>(program.begin.size()) + 250;
     const double each = static_cast<double>(program.step.size() + 2 * program.rates.size());
     const double lanes = 2.0 * static_cast<double>(program.pairs.size() + program.sums.size()) +

@@ -1,5 +1,5 @@
-// The Taylor coefficients of a recorded system in binary64: by machine code made for it, where code may be made, and by
-// an interpreter elsewhere, with the same bits.
+// Taylor coefficients of a recorded system in binary64. They are computed by compiled machine code if the process may
+// compile code, otherwise by an interpreter with the same bits.
 #pragma once
 
 #include <cstddef>
@@ -12,36 +12,36 @@
 
 namespace polhode {
 
-/// How series are computed: whatever it is, the bits are the same.
+/// How series are computed. The implementation options do not change the bits.
 struct TapeOptions {
     InstructionSet instructions = instruction_set();
-    bool compiled = may_compile();  ///< machine code, where the processor is one that it can be made for
-    bool careful = false;           ///< as in ExpandTape
-    int order = 0;                  ///< from 2 to TapeLayout::most_order; 0: that of least work at the tolerance
+    bool compiled = may_compile();  ///< compile to machine code if the processor is supported
+    bool careful = false;           ///< see TapeInterpreter::expand
+    int order = 0;                  ///< 2 to TapeLayout::most_order; 0: the order of least work at the tolerance
     double tolerance = 1e-12;
     TapeProgram::Purpose purpose = TapeProgram::Purpose::series;
 
     bool operator==(const TapeOptions&) const = default;
 };
 
-/// A tape made ready once: what many series of the same system share.
+/// A tape prepared for evaluation. Series of the same system share it.
 struct PreparedTape {
     TapeProgram program;
     TapeLayout layout;
     TapeOptions options;
-    std::shared_ptr<const TapeCode> code;  ///< none: interpreted
+    std::shared_ptr<const TapeCode> code;  ///< null: interpreted
 
     PreparedTape(const Recording<double>& recording, const TapeOptions& options_);
 };
 
-/// The one of this process for an equal recording and options, made at the first call. By any number of threads.
+/// Returns the process-wide tape for an equal recording and equal options, built on the first call. Thread-safe.
 std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording, const TapeOptions& options);
 
-/// The order of least work for a time, with steps as long as the tolerance admits (Jorba & Zou 2005, 3.1: where a
-/// step's work is as the order squared, this is 1 - log(tolerance) / 2).
+/// Returns the order of least work per unit of time, with steps as long as the tolerance allows. If the work per step
+/// grew as the square of the order, this would be 1 - log(tolerance) / 2 (Jorba & Zou 2005, 3.1).
 int best_order(const TapeProgram& program, double tolerance);
 
-/// The coefficients of a recorded system's solution up to an order.
+/// Taylor coefficients of a recorded system's solution, up to a given order.
 class TapeSeries {
   public:
     explicit TapeSeries(const Recording<double>& recording, const TapeOptions& options = {});
@@ -60,16 +60,16 @@ class TapeSeries {
         else
             interpreter_->expand(tape_->program, tape_->layout, tape_->options.careful, memory);
     }
-    /// The k-th coefficients of all state variables, and zeros up to the next multiple of TapeLayout::line.
+    /// The k-th coefficients of all state variables, padded with zeros to a multiple of TapeLayout::line.
     const double* coefficients(int k) const {
         return memory_.data() + tape_->layout.coefficients +
                static_cast<std::size_t>(k) * static_cast<std::size_t>(tape_->layout.states);
     }
-    /// The sum of y_k h^(k - from) from k = from < order() on: into as many numbers as coefficients() has.
+    /// Sums y_k h^(k - from) over k = from .. order(), from < order(). `sums` has the padded size of coefficients().
     void sum(int from, double h, double* sums) const {
         interpreter_->sum(coefficients(0), tape_->layout.states, order(), from, h, sums);
     }
-    /// The k-th coefficient of the i-th state variable.
+    /// The k-th coefficient of state variable i.
     double coefficient(int i, int k) const { return coefficients(k)[i]; }
 
   private:
@@ -91,9 +91,9 @@ class TapeRates {
         else
             interpreter_->add_rates(tape_->program, memory_.data(), substep);
     }
-    /// The rates of the states y alone.
+    /// Computes only the rates of the states y.
     void find(const double* y, double* rates);
-    /// Whether the rate of the i-th variable is zero always.
+    /// Returns whether the rate of variable i is identically zero.
     bool is_parameter(int i) const { return tape_->program.first_rates[i].from == TapeProgram::none; }
 
   private:

@@ -2,8 +2,8 @@
 //
 // SensitivitySession extends CvodeSession by one column per direction of the initial state in minimal coordinates
 // (attitude as a rotation vector, w, p, v). Rates come from dual numbers, or from central differences for a
-// user-defined torque. The staggered method solves the columns after the state; both are under error control (A. C.
-// Hindmarsh et al., CVODES user guide).
+// user-defined torque. The staggered method solves the columns after the state; both are under error control (Hindmarsh
+// et al. 2005; Feehery, Tolsma & Barton 1997).
 #pragma once
 
 #include <cvodes/cvodes.h>

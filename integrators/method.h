@@ -40,15 +40,14 @@ struct Settings {
     /// duration. The run always ends at the duration. A fixed step is rounded down in each interval between them.
     std::vector<double> times{};
     /// Limits of one integration. A run that exceeds one is `failed`, with Trajectory::limit_reached and a message that
-    /// names the limit. The limits are checked before each step and between attempts at a step. The defaults end any
-    /// run within about an hour.
+    /// names the limit. They are checked before each step and between attempts at one. The defaults end any run within
+    /// about an hour.
     long max_steps = 1'000'000'000;
     long max_evaluations = 10'000'000'000;  ///< right-hand-side evaluations
     double seconds_limit = 3600;            ///< processor time of the thread, s; checked every 10 ms or every step
     /// false: takes the same steps but records only the last sample (used for timings).
     bool record = true;
-    /// Number of repetitions of the integration per call; the time is divided by it. For runs near the clock's
-    /// resolution.
+    /// Repetitions of the integration per call; the time is divided by it. For runs near the clock's resolution.
     int repetitions = 1;
     Formulation formulation = Formulation::reduced;  ///< formulation in which solve() poses a scene
 };
@@ -88,8 +87,7 @@ struct Method {
     std::string_view name{};           ///< letters, digits and _; includes a discrete order
     std::string_view documentation{};  ///< one Markdown paragraph; the table of methods shows its first sentence
     std::string_view source{};         ///< author, year, publication
-    /// Description of its origin, if the source does not give it a name: "article: update_body_orientation, as
-    /// printed".
+    /// Description of its origin if the source does not name it: "article: update_body_orientation, as printed".
     std::string_view described_as{};
     std::string_view conserves{};     ///< invariants that it preserves by construction: "nothing", "|q|", ..
     Control control = Control::none;  ///< which accuracy setting it takes
@@ -116,13 +114,11 @@ struct Method {
     /// instead of `solve`, with `context`.
     Trajectory (*solve_in)(const void* context, const Problem&, const Settings&) = nullptr;
     const void* context = nullptr;  ///< first argument of `solve_in`
-    /// For methods that are not part of the program: distinguishes stored results from those of another method of this
-    /// name.
+    /// For methods outside the program: distinguishes stored results from those of another method of this name.
     std::string_view identity{};
 };
 
-/// Returns `methods` with unset members taken from `common`, except name, documentation, described_as and the solve
-/// functions.
+/// Returns `methods` with unset members taken from `common`, except name, documentation, described_as and solve.
 template <std::size_t count>
 constexpr std::array<Method, count> sharing(const Method& common, const Method (&methods)[count]) {
     std::array<Method, count> all{};

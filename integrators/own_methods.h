@@ -1,4 +1,4 @@
-// Registration of user-defined methods beside those of the program.
+// Registration of user-defined methods in addition to those of the program.
 #pragma once
 
 #include <memory>

@@ -2,8 +2,7 @@
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
 // advances both by DOP853 with step control. Dual numbers give df/dy S, own_directions columns per evaluation. Norms
-// are taken in minimal coordinates (minimal()). For more than most_full_directions directions, directions() mixes them
-// at random.
+// are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>

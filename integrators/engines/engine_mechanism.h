@@ -48,8 +48,7 @@ struct EngineMechanism {
 /// possible: springs, dampers and motors, and loads other than constant gravity and impulses at t = 0.
 EngineMechanism engine_mechanism(const Problem& problem);
 
-/// Why an engine does not support the mechanism: the first type of joint or loop that its hello does not list. Empty if
-/// it supports all.
+/// Why an engine does not support the mechanism: the first joint or loop type that its hello lacks. Empty if none.
 std::string joints_not_taken(const EngineMechanism& mechanism, const EngineHello& hello);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.

@@ -13,7 +13,7 @@
 
 namespace polhode {
 
-/// Information about an engine, beside a trajectory.
+/// Information that an engine provides in addition to trajectories.
 struct EngineReport {
     std::string fault;                 ///< why there is no information; otherwise empty
     EngineHello hello;                 ///< version, settings and joint types of the engine

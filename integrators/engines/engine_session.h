@@ -20,8 +20,7 @@ class EngineSession {
     /// Does not start a process.
     explicit EngineSession(std::vector<std::string> command) : command_(std::move(command)) {}
 
-    /// Sends a request and returns the answer, with a limit of `seconds`. Sets `hello` to the process's hello if it has
-    /// started.
+    /// Sends a request and returns the answer, with a limit of `seconds`. Sets `hello` if the process has started.
     LineAnswer ask(const std::string& request, double seconds, EngineHello& hello);
     /// Returns the hello of a process, starting one if necessary.
     LineAnswer greet(EngineHello& hello);

@@ -11,8 +11,7 @@
 namespace polhode {
 
 /// Command line of an engine. In every argument {samples}, {step}, {tolerance} and {directory} are replaced by the
-/// number of sample intervals N, the step (s), the relative tolerance and the directory to which the scene's paths are
-/// relative.
+/// number of sample intervals N, the step (s), the relative tolerance and the directory of the scene's relative paths.
 struct EngineCommand {
     std::vector<std::string> arguments;       ///< program, searched on the PATH if it has no slash, and its arguments
     std::vector<std::string> by_step{};       ///< appended for a fixed step, e.g. {"--step", "{step}"}
@@ -23,8 +22,7 @@ struct EngineCommand {
 /// A method that runs `command` once per trajectory. The scene's JSON is its standard input. Its standard output must
 /// be a trajectory file (CSV, columns by name: t, q, w in world axes, p or o, v) with the N + 1 samples t = k T / N, to
 /// within 1e-12 T. Columns of position and velocity may be missing if the body has a pivot. `description` gives name,
-/// documentation, source and support of planes; its control follows from which of `by_step` and `by_tolerance` are
-/// given.
+/// documentation, source and support of planes; its control follows from `by_step` and `by_tolerance`.
 ///
 /// A run is `failed`, with the reason in the message, if the command is missing, crashes, exits with a code other than
 /// 0, or prints no trajectory, a trajectory at other times or more than `most_bytes`. It is `failed` with

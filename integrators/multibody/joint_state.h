@@ -1,5 +1,4 @@
-// Base of steppers in joint coordinates (Stepper in integrators/run/march.h): the state (x, x') of a tree, its events
-// and its samples.
+// Base of steppers in joint coordinates (Stepper in run/march.h): the state (x, x') of a tree, its events and samples.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,7 @@
 // Linear stability of one step: the largest factor by which it multiplies its argument.
 //
 // On y' = lambda y a step is a function of z = h lambda; for a Runge-Kutta method it is the number R(z). On a damped
-// pendulum, theta'' = -gamma theta' - k theta, it is a matrix in c = h gamma and s = h^2 k, acting on (theta, h
-// theta').
+// pendulum, theta'' = -gamma theta' - k theta, it is a matrix in c = h gamma and s = h^2 k on (theta, h theta').
 #pragma once
 
 #include <complex>
@@ -13,8 +12,7 @@ namespace polhode {
 /// |x|; infinite if x is NaN, as after an overflow.
 double magnitude(std::complex<double> x);
 
-/// |R(z)|, R(z) = 1 + z b^T (1 - z A)^-1 (1, .., 1), with `b.size()` stages. A is stored by rows, zero above its
-/// diagonal.
+/// |R(z)|, R(z) = 1 + z b^T (1 - z A)^-1 (1, .., 1), `b.size()` stages. A is stored by rows, zero above its diagonal.
 double runge_kutta_growth(std::span<const double> A, std::span<const double> b, std::complex<double> z);
 
 /// |1 + z|: explicit Euler method.

@@ -20,8 +20,7 @@ bool damps(const Problem& problem) {
     });
 }
 
-// The largest |lambda| of the decaying eigenvalues. Eigenvalues of pure rotation lie on the imaginary axis up to
-// rounding.
+// The largest |lambda| of the decaying eigenvalues. Those of pure rotation lie on the imaginary axis up to rounding.
 double decay_rate(const std::vector<std::complex<double>>& eigenvalues) {
     double rate = 0;
     for (const std::complex<double>& lambda : eigenvalues)
@@ -73,8 +72,7 @@ Stiffness stiffness(const Problem& problem) {
         const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
         const Vector3<double>& w = samples[k].angular_velocity_B;
         found.decays += (before + after) / 2 * decay_rate(eigenvalues(problem, samples[k]));
-        // right end only: a spin that decays before the next sample rotates the body far less than the trapezoidal rule
-        // gives
+        // right end only: a spin that decays before the next sample rotates the body far less than the trapezoid
         found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
     }
     return found;

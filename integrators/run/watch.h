@@ -73,8 +73,7 @@ class Stopwatch {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Why the motion has diverged (a value is not finite, or the energy exceeds `bound`), with the time; empty if it has
-/// not.
+/// Why the motion has diverged (a value is not finite, or the energy exceeds `bound`), with the time; or empty.
 std::string divergence(const Problem& problem, const Bodies& bodies, double bound);
 
 /// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes. Appended to messages of failures.
@@ -125,8 +124,7 @@ class Watch {
     /// Number of steps over all repetitions.
     long steps() const { return budget_.steps(); }
 
-    /// True if a step may be taken; `evaluations` is the number of right-hand-side evaluations in this repetition so
-    /// far.
+    /// True if a step may be taken; `evaluations` is the number of right-hand-side evaluations in this repetition.
     bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
     /// True if another attempt or a separate step for a sample may be made; `evaluations` as for may_step().
     bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }

@@ -1,4 +1,4 @@
-// SUNDIALS version and build flags, for provenance and for the remark beside every timing.
+// SUNDIALS version and build flags, for provenance and for the remark on every timing.
 #pragma once
 
 #include <string>

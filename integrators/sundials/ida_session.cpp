@@ -28,8 +28,7 @@ IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tole
       system_(problem.scene, start_, starting_coordinates(problem), maximal::LoopRows::independent),
       equations_(system_, index),
       n_(equations_.unknowns()),
-      // tolerances too small for binary64 are rejected elsewhere; below this value the weights (reciprocals) would
-      // overflow
+      // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
       tolerance_(std::max(tolerance, 1e-100)),
       state_(owned(N_VNew_Serial(n_, context_))),
       rate_of_state_(owned(N_VNew_Serial(n_, context_))),

@@ -100,8 +100,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
     };
     using Tangent = Dual<directions>;
 
-    // Index in y of direction i >= 3. In y the components of w precede those of q; here they follow the rotation
-    // vector.
+    // Index in y of direction i >= 3. In y, w precedes q; here w follows the rotation vector.
     static constexpr int component_of(int i) { return i < 3 + SystemType::rates ? i - 3 : i + 1; }
 
     // the derivative at t = 0, by columns: dq = 1/2 q (0, e_i), then each scale along its own axis

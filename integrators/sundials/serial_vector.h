@@ -43,8 +43,7 @@ N_Vector made(SUNContext context, int size) {
 }
 
 /// A square matrix for the vector y of N components, and its solver; nullptr if there is not enough memory. N is 3, 7,
-/// 13 or run_time. They are compiled in linear_solvers.cpp, because Eigen's fixed-size factorisations take long to
-/// compile.
+/// 13 or run_time. Compiled in linear_solvers.cpp, because Eigen's fixed-size factorisations compile slowly.
 template <int N>
 SUNMatrix matrix_for(N_Vector y, SUNContext context);
 template <int N>

@@ -55,8 +55,7 @@ class SundialsSession {
     SundialsSession(const Problem& problem, double tolerance)
         : problem_(&problem),
           system_(problem),
-          // tolerances too small for binary64 are rejected elsewhere; below this value the weights (reciprocals) would
-          // overflow
+          // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
           tolerance_(std::max(tolerance, 1e-100)) {
         system_.initial(y());
         system_.scales(Vector::data(absolute_.get()));

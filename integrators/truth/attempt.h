@@ -1,5 +1,4 @@
-// One attempt at the reference: the motion is computed by two formulations with different orders and steps, and
-// compared.
+// One attempt at the reference: two formulations, with different orders and steps, are computed and compared.
 #pragma once
 
 #include <string>
@@ -65,7 +64,7 @@ bool closed_form_serves(const Problem& problem);
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
 /// Compares a Taylor series of Euler's equations with the closed form. For motions that depend on a component of w that
-/// is so small beside the others that momenta in world axes cannot represent it.
+/// is too small, compared with the others, for momenta in world axes to represent it.
 Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
                                           double local_digits);
 

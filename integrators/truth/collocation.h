@@ -3,8 +3,7 @@
 // CollocationStep solves the stage equations by Newton's iteration. The residual is computed in the working precision;
 // the Jacobian is assembled and factored in double. This is iterative refinement, which gains about ten digits per
 // iteration. collocate() controls the step by the last Legendre coefficients of the collocation polynomial.
-// collocation() follows a scene from event to event. Reference: E. Hairer and G. Wanner, Solving ODEs II, IV.5 and
-// IV.8.
+// collocation() follows a scene from event to event. See E. Hairer and G. Wanner, Solving ODEs II, IV.5 and IV.8.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +24,7 @@ struct CollocationSettings {
     long max_steps;
 };
 
-/// One integration step with its working storage. Form: multiprecision; Linear: the same formulation in double.
+/// One integration step with its working storage. form_ computes in multiprecision, linear_ in double.
 template <class P, template <class> class FormOf>
 class CollocationStep {
   public:

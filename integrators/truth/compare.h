@@ -24,7 +24,7 @@
 namespace polhode::truth {
 
 /// Lengths that the blocks would have if the bodies rotated by one radian during the run. Lengths that are negligible
-/// beside them are round-off; differences are then relative to the natural sizes.
+/// compared with them are round-off; differences are then relative to the natural sizes.
 template <class P>
 struct NaturalSizes {
     P angular_velocity{0}, position{0}, velocity{0};
@@ -147,7 +147,7 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
     return truth;
 }
 
-/// Quantities that a formulation of several bodies provides beside the motions, at every sample time or not at all.
+/// Further quantities that a formulation of several bodies provides, at every sample time or not at all.
 template <class P>
 struct Beside {
     std::vector<std::vector<Reaction<P>>> reactions;  ///< of all joints, then of all loops
@@ -272,8 +272,7 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
     Beside<P> beside = beside_first;
     if (beside_second.reactions.empty()) beside.reactions.clear();
     if (!beside.reactions.empty()) {
-        // If the motions agree, the reactions agree to a few digits less. Larger differences mean undetermined
-        // components.
+        // the reactions agree to a few digits less than the motions; larger differences mean undetermined components
         const double undetermined = std::max(1e-12, 1e4 * difference);
         difference = std::max(difference, disagreement(problem.scene, beside, beside_second, undetermined));
     }

@@ -12,7 +12,7 @@ namespace {
 
 using P = Real<50>;
 
-// terms below 2^-60 of a block's scale are negligible beside the rounding to binary64
+// terms below 2^-60 of a block's scale are negligible compared with the rounding to binary64
 constexpr double negligible = 0x1p-60;
 constexpr long most_steps = 100'000;
 

@@ -21,8 +21,7 @@ class DenseTruth {
     std::string message;  ///< why it is unavailable, or how it was computed
     double bound = 0;     ///< as Reference::bound: difference of the two formulations plus rounding to binary64
 
-    /// The motion at t, s, 0 <= t <= the requested end; at the time of an event, the motion after it. Low parts are
-    /// zero. Thread-safe.
+    /// The motion at t in [0, end], s; at the time of an event, after it. Low parts are zero. Thread-safe.
     ReferenceSample at(double t) const;
 
     std::size_t pieces() const { return pieces_.size(); }

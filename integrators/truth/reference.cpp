@@ -121,8 +121,7 @@ double digits_of_momenta(const Problem& problem) {
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
-// Repeats attempts until the digits agree. The next attempt adds the digits that the last one lost (its local digits
-// minus those that agreed).
+// Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
     if (!scene.planes.empty() && is_strongly_damped(problem))
@@ -138,8 +137,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
                         "cancellation in 100 digits; a tensor about the centre of mass that is larger beside "
                         "the mass times the pivot's distance squared loses fewer",
                         digits));
-    // Momenta without digits for a rate let that rate grow without bound. If there is a closed form, it is used
-    // instead.
+    // Momenta that do not represent a rate let it grow without bound. A closed form, if there is one, is used instead.
     const double beside = digits_of_momenta(problem);
     if (beside + digits > 50) local = std::max(local, least_broad_digits);
     const bool without_momenta = beside + digits > 100 && !is_long(problem) && truth::closed_form_serves(problem);

@@ -27,7 +27,7 @@ Reference reference(const Scene& scene, long samples, int digits = 25, double se
 
 /// Computes the reference at the given times, s, which must increase from 0 or later. The run ends at the last time,
 /// which may exceed the scene's duration. Throws std::invalid_argument if there are no times or they are out of order.
-/// Otherwise as the overload above.
+/// Otherwise as reference() for equally spaced samples.
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25,
                     double seconds_limit = truth_seconds);
 

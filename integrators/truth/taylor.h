@@ -2,8 +2,7 @@
 // the step (A. Jorba and M. Zou 2005, Exp. Math. 14, 99); samples come from the polynomial; steps end at events.
 //
 // taylor() records a formulation's right-hand side (Series), expands it at each step and returns a Run. A formulation
-// that satisfies MeetsPlanes also stops at the first contact in a step (impact_within()) and applies the impact
-// (meet()).
+// that satisfies MeetsPlanes also stops at the first contact in a step and applies the impact (meet()).
 #pragma once
 
 #include <fmt/format.h>
@@ -43,7 +42,7 @@ struct TaylorSettings {
 
 /// Settings of the two runs of a reference with `digits` digits per step. The work order^2 / step is minimal near order
 /// = ln(10) / 2 digits (Jorba & Zou 2005). The fine run has a higher order, a smaller tolerance and steps shortened by
-/// an incommensurate factor.
+/// the factor 0.93.
 struct TaylorRuns {
     TaylorSettings coarse, fine;
 

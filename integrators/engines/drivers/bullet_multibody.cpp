@@ -35,8 +35,7 @@ class MultibodyWorld {
         world_.addMultiBody(&body_);
         set_velocities(body.w, body.v);
         if (body.pivot) {
-            // only bodies with a collider belong to an island, and only islands are solved; this collider touches
-            // nothing
+            // only bodies with a collider belong to an island, and only islands are solved; it touches nothing
             collider_.setCollisionShape(&shape_);
             body_.setBaseCollider(&collider_);
             world_.addCollisionObject(&collider_, 0, 0);
@@ -87,8 +86,7 @@ class MultibodyWorld {
     std::unique_ptr<btMultiBodyPoint2Point> joint_;
 };
 
-/// The trees of a mechanism, one btMultiBody each. The base is fixed if the tree is attached to the world, otherwise it
-/// is the free body.
+/// One btMultiBody per tree of a mechanism. Its base is the free body, or fixed if the tree is attached to the world.
 class MultibodyMechanism {
   public:
     explicit MultibodyMechanism(const Mechanism& known) : places_(known.bodies.size()) {

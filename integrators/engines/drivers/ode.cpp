@@ -201,8 +201,7 @@ class OdeMechanism {
 };
 
 std::string version() {
-    // the library reports only "ODE ODE_OPT_.. ODE_double_precision" and no version number; this one is from the
-    // headers
+    // from the headers: the library reports only "ODE ODE_OPT_.. ODE_double_precision" and no version number
     return POLHODE_ODE_VERSION;
 }
 

@@ -1,7 +1,6 @@
 // Ball arithmetic: a Ball is a midpoint and a radius that together enclose a real number with certainty (Arb;
 // F. Johansson 2017, IEEE Transactions on Computers 66, 1281). A Bound is an upper bound whose operations round upward.
-// WorkingPrecision sets the precision of the thread. Only the .cpp files of the certified reference include this
-// header.
+// WorkingPrecision sets the precision of the thread. Only .cpp files of the certified reference include this header.
 #pragma once
 
 #include <arb.h>

@@ -41,8 +41,7 @@ std::string decimal_above(const Bound& bound) {
     if (!bound.is_finite()) return "inf";
     long exponent = static_cast<long>(std::floor(bound.log2_near() * std::log10(2.0)));
     for (;; ++exponent) {
-        // the least integer not below bound 10^(1 - exponent): two digits, or three if the estimated exponent is too
-        // small
+        // the least integer not below bound 10^(1 - exponent): two digits, or three if the exponent is too small
         const Ball x = scaled(bound.ball(), 1 - exponent);
         Integer above;
         Ball upper;

@@ -154,8 +154,7 @@ class Certifier {
             }
             return any;
         };
-        // A minimum loss of 24 bits decides most scenes. Only the others compute kappa, which costs a numerical
-        // solution.
+        // A minimum loss of 24 bits decides most scenes. Only the others compute kappa, a numerical solution.
         sensitivity_bits_ = 24;
         if (!choose()) return;
         sensitivity_bits_ += truth::kappa_bits(problem);
@@ -351,7 +350,7 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
             bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
             continue;
         }
-        // rounding to decimals may increase the radius; one more bit covers it
+        // rounding to decimals may increase the radius by half; one more bit covers it
         const double excess = excess_bits(attempt.columns, digits) + 1;
         if (excess > 0) {
             bits = static_cast<double>(result.working_bits) +

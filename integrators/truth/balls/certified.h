@@ -46,7 +46,7 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
                                        double seconds_limit = truth_seconds);
 
 /// Computes the motion at the given times, s. Throws std::invalid_argument unless the times increase, the first is
-/// >= 0 and the last is at most the scene's duration. Digits, availability and other errors: see the overload above.
+/// >= 0 and the last is at most the scene's duration. Otherwise as certified_reference() for equally spaced samples.
 CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
                                        double seconds_limit = truth_seconds);
 

@@ -32,8 +32,7 @@ struct CertifiedAttempt {
     std::vector<CertifiedColumns> columns;  ///< one row per sample and body
 };
 
-/// log2 of the largest kappa along the motion, as an estimate for the precision. If it is too low, one more attempt
-/// runs.
+/// log2 of the largest kappa along the motion: an estimate for the precision. If it is too low, an attempt is repeated.
 double kappa_bits(const Problem& problem);
 
 /// Encloses the motion of a tree of bodies without loops at the thread's working precision. Parallelepipeds carry the

@@ -1,10 +1,9 @@
 // Closed-form rotation of a free rigid body in ball arithmetic. The formulas are documented in free.h.
 //
 // AsymmetricRotation::from() orders the principal axes by the side of the separatrix, computes the constants of the
-// motion and reduces u0 by quarter periods. state() evaluates w, the tilt and the integral G at one time through theta
+// motion and reduces u0 by quarter periods. state() evaluates w, the tilt and the integral G at one time by theta
 // functions and Carlson's R_J (van Zon & Schofield 2007, J. Comput. Phys. 225, 145). principal_axes() encloses the
-// moments by Rump's method and the axes by cross products. free_rotation() selects the permanent, symmetric or general
-// case.
+// moments by Rump's method and the axes by cross products. free_rotation() selects the kind of rotation.
 #include "integrators/truth/balls/free.h"
 
 #include <acb.h>

@@ -33,8 +33,8 @@ void divided(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slo
     }
 }
 
-/// J = df/dy of a recorded system, stored by rows, by forward propagation of gradients along the tape. T is double, or
-/// Ball. Balls that contain a set of states give a J that contains all Jacobians of the set.
+/// J = df/dy of a recorded system, stored by rows, by forward propagation of gradients along the tape. T is double or
+/// Ball; balls that enclose a set of states give a J that encloses all Jacobians of the set.
 template <class T>
 std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
     using Kind = typename TapeNode<T>::Kind;

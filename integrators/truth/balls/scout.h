@@ -1,5 +1,4 @@
-// Jacobians along an approximate motion, in doubles, from which the plan of a proof is made. The proof does not depend
-// on their accuracy.
+// Jacobians along an approximate motion, in doubles, for planning a proof. The proof does not depend on their accuracy.
 #pragma once
 
 #include <algorithm>

@@ -225,7 +225,7 @@ namespace {
 // Bounds for one step from an exact point; lengths in the norm.
 struct StepBounds {
     Ball h;
-    Bound local;           ///< distance from the polynomial of the motion that starts at the point, before growth
+    Bound local;           ///< error of the polynomial from the point, before its growth within the step
     Bound growth, at_end;  ///< growth factors of an error of the point: maximum within the step, and at its end
     Bound largest;         ///< distance of the motion from the polynomial, including the errors before the step
 };

@@ -93,7 +93,7 @@ struct Method {
     Control control = Control::none;  ///< which accuracy setting it takes
     bool planes = false;              ///< supports impacts on planes; otherwise scenes with planes are `unsupported`
     bool own_systems = false;  ///< supports systems other than one body (motion/own_system.h); otherwise `unsupported`
-    int order = 0;             ///< claimed order at a fixed step; 0 = variable. Measured by tests/order_test.cpp
+    int order = 0;  ///< claimed order at a fixed step; 0 = variable. Measured by tests/integrators/order_test.cpp
     /// Solves a problem. Called once per trajectory, with settings that solve() has validated.
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
     /// Linear stability: the spectral radius of one step on y' = lambda y, as a function of z = h lambda.

@@ -15,7 +15,7 @@ struct EngineBody {
     Vector3<double> moments;      ///< kg m^2
     Quaternion<double> q_BP;      ///< its axes to those of the scene's body
     Quaternion<double> q;         ///< its axes to world axes at t = 0
-    Vector3<double> w_W, p_W, v;  ///< at t = 0, after impulses at t = 0; world axes, rad/s, m, m/s
+    Vector3<double> w_W, p_W, v;  ///< at t = 0, after the impulses at that time; world axes, rad/s, m, m/s
 };
 
 /// A joint or the closure of a loop between two bodies, or a body and the world, in its configuration at t = 0, where

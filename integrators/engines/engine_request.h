@@ -13,14 +13,13 @@ namespace polhode {
 /// A scene in the terms that every engine supports: a free body whose origin is its centre of mass and whose axes are
 /// its principal axes, with an optional pivot and planes.
 struct EngineScene {
-    Scene free;               ///< without pivot, planes and shape; starts as the scene does
-    Vector3<double> moments;  ///< kg m^2
-    Quaternion<double> q_BP;  ///< its axes to those of the scene's body
-    std::optional<Vector3<double>>
-        pivot;                          ///< point fixed at the world's origin: from the centre of mass, in its axes, m
-    std::vector<Plane> planes;          ///< unit normals
-    std::vector<Vector3<double>> hull;  ///< corners of the body's convex hull if there are planes; in its axes, m
-    std::optional<double> ball;         ///< radius of a ball about the centre of mass, instead of the hull, m
+    Scene free;                            ///< without pivot, planes and shape; starts as the scene does
+    Vector3<double> moments;               ///< kg m^2
+    Quaternion<double> q_BP;               ///< its axes to those of the scene's body
+    std::optional<Vector3<double>> pivot;  ///< fixed at the world's origin: from the centre of mass, in its axes, m
+    std::vector<Plane> planes;             ///< unit normals
+    std::vector<Vector3<double>> hull;     ///< corners of the body's convex hull if there are planes; in its axes, m
+    std::optional<double> ball;            ///< radius of a ball about the centre of mass, instead of the hull, m
 };
 
 /// Converts the scene of a problem. A tensor that is already diagonal keeps its axes. Throws std::invalid_argument with

@@ -1,9 +1,9 @@
 // Variants of fixed-step methods in binary32: the same steppers, with the scalar type as a parameter.
 //
-// Rounded to 24 bits are the state, the body's constants and the loads (once each), the step length, and the result of
-// every operation of a step. Times, events and impulses stay in binary64. Samples are widened without further rounding.
+// The state, the body's constants and the loads (once each), the step length and the result of every operation of a
+// step are rounded to 24 bits. Times, events and impulses stay in binary64. Samples are widened without rounding.
 //
-// Binary32<System> is a system over floats. with_binary32() adds NAME_float32 behind each method of a family;
+// Binary32<System> is a system over floats. with_binary32() adds NAME_float32 after each method of a family;
 // MethodInBinary32 derives its descriptor at compile time.
 #pragma once
 

@@ -166,8 +166,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     };
     struct Nothing {};
     std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
-    long copied_at = 0, copied_interval = 0,
-         copied_step = 0;  // steps before the copy in this repetition, and its position
+    long copied_at = 0, copied_interval = 0, copied_step = 0;  // steps before the copy, and its position
     EventQueue<Segment> events_of_copy = events;
     // The motion diverged within the first `reached` steps of this repetition. Finds the step and counts up to it.
     const auto diverge = [&](long reached, std::string what) {

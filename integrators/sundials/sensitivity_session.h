@@ -171,9 +171,9 @@ class SensitivitySession : public CvodeSession<SystemType> {
         }
     }
 
-    // Weights of the state or of a column of its derivative: each component relative to its scale, times the length of
-    // the whole if that exceeds 1. A growing column is thus controlled relative to its size, and components near zero
-    // are not over-resolved.
+    // Weights of the state or of a column of its derivative: the tolerated error of a component is its scale, times the
+    // length of the whole if that exceeds 1, times R. A growing column is thus controlled relative to its size, and
+    // components near zero are not over-resolved.
     static int weigh(N_Vector vector, N_Vector weight, void* session) {
         const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
         const double* value = Vector::data(vector);

@@ -158,8 +158,7 @@ class MomentumForm {
     const Scene* scene_;
     MassProperties<P> body_;
     P mass_;
-    Vector3<P> reference_,
-        to_center_;  // body point that L refers to, and the vector from it to the centre of mass; body axes
+    Vector3<P> reference_, to_center_;  // body point that L refers to; from it to the centre of mass; body axes
     Matrix3<P> inertia_, inverse_inertia_;
     std::vector<const Load*> acting_;
 

@@ -170,7 +170,7 @@ int serve(const Driver& driver) {
     return serve(driver, march_world<World>, march_mechanism<Several>);
 }
 
-/// Converts an engine's vector, in double or float.
+/// Converts an engine's vector of double or float.
 template <class V>
 Vector3<double> vector_of(const V& v) {
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};

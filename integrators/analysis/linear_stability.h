@@ -14,8 +14,8 @@ namespace polhode {
 std::optional<double> linear_growth(const Method& method, std::complex<double> z);
 
 /// The largest r with linear_growth(r exp(i angle)) <= 1 on all of [0, r], within 1e-6. Returns 0 if it exceeds 1 at
-/// once and infinity if it does not exceed 1 up to r = 1e8. Windows of instability narrower than about 1e-3 and
-/// excesses below 1e-12 are not detected. Empty if the method provides no growth function.
+/// once and infinity if it does not exceed 1 up to r = 1e8. Not detected: excesses below 1e-12, and windows of
+/// instability narrower than the scan step (1e-3 up to r = 100, then 1 % of r). Empty if the method has no growth.
 std::optional<double> stable_length(const Method& method, double angle);
 
 /// stable_length() along the negative real axis: the largest stable h |lambda| of drag.

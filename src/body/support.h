@@ -32,7 +32,7 @@ struct SupportPiece {
         }
         return height;
     }
-    /// The furthest point along -n (m). The centre of the face for a disc that lies flat.
+    /// The furthest point along -n (m). For a disc that lies flat, its centre.
     Vector3<S> lowest_point(const Vector3<S>& n) const {
         Vector3<S> point = center - radius * n;
         if (!extended) return point;

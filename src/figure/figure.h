@@ -9,19 +9,16 @@
 namespace polhode {
 
 struct Curve {
-    std::string label;   ///< in the legend; curves with the same label share one entry over all panels; empty: no
-                         ///< entry
+    std::string label;   ///< in the legend; one entry per label over all panels; empty: none
     int color = 0;       ///< colour index (figure/curve_style.h): one per family of methods, the same in every figure
     int mark = 0;        ///< mark index: one per member of the family
     int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one per setting
     bool points = true;  ///< draw marks (at a dozen points if there are more than 40); false: line only
-    bool cut = false;    ///< the curve was cut short: drawn with a ring at its last point and an arrow, explained in
-                         ///< the legend
+    bool cut = false;    ///< the curve was cut short: a ring and an arrow at its end, explained in the legend
     std::vector<double> x, y;  ///< points that are not drawable (axis.h) are skipped: not finite, beyond 1e300, or
                                ///< not positive on a logarithmic axis
     bool line = true;          ///< false: marks only, at every point
-    std::string group{};       ///< "runge_kutta": the group by which split_figure.h splits figures with too many
-                               ///< curves
+    std::string group{};       ///< "runge_kutta": the group by which split_figure.h splits figures
 };
 
 /// A reference line, thin, grey and dashed, with its name beside it if the curves leave room. It does not extend the
@@ -72,8 +69,7 @@ struct Figure {
     std::string title;
     int columns = 1;  ///< panels per row
     std::vector<Panel> panels;
-    std::string note;  ///< text below the panels: what readers must know (why a curve was cut, an unoptimised
-                       ///< library)
+    std::string note;  ///< text below the panels: why a curve was cut, an unoptimised library, ..
     /// All panels share one range of axes that covers all of them. They are placed close together, and only the left
     /// and bottom ones have labels.
     bool shared_axes = false;

@@ -33,7 +33,7 @@ GnuplotTerminal::GnuplotTerminal(const std::string& name) : svg_(name == "svg") 
     }
 }
 
-// SVG: pixels of 1/96 inch, as in CSS. PDF: 4/3 points, since Pango assumes 96 per inch.
+// SVG: pixels of 1/96 inch, as in CSS. PDF: units of 4/3 points, since Pango assumes 96 per inch.
 double GnuplotTerminal::font_size(double points) const {
     return svg_ ? std::round(points * 40 / 3) / 10 : points * 3 / 4;
 }

@@ -1,6 +1,6 @@
 // Table: CSV writer and reader (RFC 4180), JSON writer, selection of columns. The Markdown and LaTeX writers are in
-// table_markup.cpp and table_latex.cpp. CsvReader is a recursive-descent parser over the whole text, which counts
-// lines for its errors; read_csv() passes on its records one at a time.
+// table_markup.cpp and table_latex.cpp. CsvReader scans the whole text and counts lines for
+// its errors; read_csv() passes on its records one at a time.
 
 #include "table/table.h"
 

@@ -1,4 +1,4 @@
-// Vectors, quaternions and the like, as scene files have them.
+// Vectors, quaternions and other values of scene files.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// A number > 0; `what` names it in the message: "the mass".
+/// Parses a number > 0; `what` names it in the message ("the mass").
 double positive(const JsonNode& node, const char* what);
 
 inline Vector3<double> vector3(const JsonNode& node) {
@@ -30,7 +30,7 @@ inline std::array<double, 2> two_numbers(const JsonNode& node) {
     return {e[0]->number(), e[1]->number()};
 }
 
-/// As canonical JSON: each number as its shortest decimal that reads back to the same binary64.
+/// Canonical JSON: each number as the shortest decimal that reads back to the same binary64.
 std::string write_json(const Vector3<double>& v);
 std::string write_json(const Quaternion<double>& q);
 std::string write_json(const std::array<double, 2>& pair);

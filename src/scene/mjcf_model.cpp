@@ -17,8 +17,7 @@ using tinyxml2::XMLNode;
 
 constexpr std::size_t most_files = 1000;                       // files included or attached by one robot
 constexpr std::size_t largest_total = 4 * largest_robot_file;  // bytes in all these files
-constexpr int deepest = 300;                                   // nesting of elements after expansion of included
-                                                               // files
+constexpr int deepest = 300;                                   // nesting of elements, with included files
 
 std::string normal_path(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
 

@@ -35,8 +35,7 @@ struct ShellOf {
     }
     Extent<Wide> operator()(const Box& s) const {
         const Vector3<Wide> a = cast<Wide>(s.half_extents);
-        const Vector3<Wide> faces(a[1] * a[2], a[2] * a[0], a[0] * a[1]);  // faces normal to x, y, z: area / 8 of
-                                                                           // each pair
+        const Vector3<Wide> faces(a[1] * a[2], a[2] * a[0], a[0] * a[1]);  // area / 8 of each pair of faces
         const Wide whole = faces[0] + faces[1] + faces[2];
         Vector3<Wide> mean;
         for (int i = 0; i < 3; ++i) mean[i] = a[i] * a[i] * (faces[i] + (whole - faces[i]) / Wide(3)) / whole;

@@ -1,10 +1,10 @@
 // Inverse mass matrix of a tree in the pose as written.
 //
 // Each degree of freedom k moves a subtree with the angular velocity w_k and the velocity v_k of the point at the
-// world's origin. With the subtree's mass m, first moment s and tensor J about the origin, its momenta are P_k = m
-// v_k + w_k x s and L_k = J w_k + s x v_k, and M_jk = w_j . L_k + v_j . P_k for all j above k (composite rigid
-// bodies: R. Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 6). The factorisation M = L^T D L preserves
-// the zeros of the tree.
+// world's origin. With the subtree's mass m, first moment s and tensor J about the origin, its momenta are
+// P_k = m v_k + w_k x s and L_k = J w_k + s x v_k, and M_jk = w_j . L_k + v_j . P_k for all j above k (composite
+// rigid bodies: R. Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 6). The factorisation M = L^T D L
+// preserves the zeros of the tree.
 #include "scene/mjcf_springs.h"
 
 #include <fmt/format.h>

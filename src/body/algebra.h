@@ -172,7 +172,7 @@ Vector3<S> vector_part(const Quaternion<S>& q) {
     return {q.x, q.y, q.z};
 }
 
-/// q|^2 R(q), a quadratic form in q. For a unit quaternion this is the rotation matrix from body to world axes.
+/// |q|^2 R(q), a quadratic form in q. For a unit quaternion this is the rotation matrix from body to world axes.
 template <class S>
 Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
     const S ww = q.w * q.w, xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
@@ -184,7 +184,7 @@ Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
     return m;
 }
 
-/// q|^2 R(q)^T e_b: row b of rotation_matrix(q). For a unit quaternion this is the world axis b in body axes.
+/// |q|^2 R(q)^T e_b: row b of rotation_matrix(q). For a unit quaternion this is the world axis b in body axes.
 template <class S>
 Vector3<S> world_axis(const Quaternion<S>& q, int b) {
     const auto twice = [](const S& s) { return s + s; };
@@ -197,7 +197,7 @@ Vector3<S> world_axis(const Quaternion<S>& q, int b) {
     return {twice(q.x * q.z - q.w * q.y), twice(q.y * q.z + q.w * q.x), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
 }
 
-/// q|^2 R(q) v. For a unit quaternion this is the body vector v in world axes.
+/// |q|^2 R(q) v. For a unit quaternion this is the body vector v in world axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     // (w^2 - u.u) v + 2 (u.v) u + 2 w u x v
@@ -207,7 +207,7 @@ Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     return scale * v + (twice_projection * u + twice_w * cross(u, v));
 }
 
-/// q|^2 R(q)^T v. For a unit quaternion this is the world vector v in body axes.
+/// |q|^2 R(q)^T v. For a unit quaternion this is the world vector v in body axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate_back(const Quaternion<S>& q, const Vector3<V>& v) {
     return rotate(conjugate(q), v);

@@ -38,7 +38,7 @@ template <class S>
 S length(const Vector3<S>& v) {
     return square_root(dot(v, v));
 }
-/// v| without overflow or underflow of its square.
+/// |v| without overflow or underflow of its square.
 template <class S>
 S hypotenuse(const Vector3<S>& v) {
     return std::hypot(v[0], v[1], v[2]);

@@ -23,7 +23,7 @@ Matrix3<S> skew(const Vector3<S>& a) {
     return m;
 }
 
-/// q| without overflow or underflow of its square.
+/// |q| without overflow or underflow of its square.
 double norm(const Quaternion<double>& q);
 
 template <class S>

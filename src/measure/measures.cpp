@@ -25,7 +25,7 @@ S angle_of(const Quaternion<S>& r) {
 template <class S>
 S norm_error(const ComparedBody<S>& c) {
     if (c.orthogonality_defect) return S(*c.orthogonality_defect);
-    // q| - 1 = (|q|^2 - 1) / (|q| + 1), without cancellation in binary64
+    // |q| - 1 = (|q|^2 - 1) / (|q| + 1), without cancellation in binary64
     const S square = squared_norm(c.own.q);
     return magnitude(S(square - S(1))) / (square_root(square) + S(1));
 }

@@ -74,8 +74,8 @@ struct Segment : Leg {
     std::vector<PosedImpulse<double>> impulses;  ///< applied at `begin`
     Forcing<double> forcing;                     ///< in posed axes
     AxisEquations<double> about_axis;            ///< for principal_axis_rotation
-    Vector3<double> position_W;                  ///< centre of mass at `begin`, m, if its translation has a closed form
-    Vector3<double> velocity_W;                  ///< its velocity at `begin` after impulses, m/s, likewise
+    Vector3<double> position_W;                  ///< closed-form translation: centre of mass at `begin`, m
+    Vector3<double> velocity_W;  ///< closed-form translation: its velocity at `begin` after impulses, m/s
 };
 
 /// Estimates of the largest |w|, |p| and |v| (SI) over the run, by which absolute tolerances are multiplied.

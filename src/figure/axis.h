@@ -14,7 +14,7 @@ struct Tic {
 struct Axis {
     bool logarithmic = false;
     double low = 0, high = 1;
-    int factor_exponent = 0;  ///< multiply the labels of a linear axis by 10^this
+    int factor_exponent = 0;  ///< value = label times 10^this, on a linear axis
     std::vector<Tic> tics;
 };
 

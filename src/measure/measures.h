@@ -71,8 +71,7 @@ enum Known : unsigned {
     known_angular_velocity = 2,  ///< the angular velocity
     known_position = 4,          ///< the position
     known_velocity = 8,          ///< the velocity
-    known_center = 16,           ///< position and velocity of the centre of mass, which about a pivot may follow from
-                                 ///< the attitude
+    known_center = 16,           ///< position and velocity of the centre of mass; a pivot and the attitude suffice
     known_reactions = 32,        ///< the joint reactions
     known_free_system = 64,      ///< no joint connects the bodies to the world
 };

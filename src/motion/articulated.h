@@ -44,8 +44,7 @@ struct LinkWork {
     Pair6<S> bias;  ///< velocity-dependent accelerations, in addition to the parent's and the joint's
     ArticulatedInertia<S> inertia;
     Pair6<S> U;                  ///< revolute, prismatic: torque and force for unit joint acceleration
-    Symmetric3<S> inverse;       ///< revolute, prismatic: 1 / D in xx; spherical: J^-1; free: inverse of the Schur
-                                 ///< complement
+    Symmetric3<S> inverse;       ///< revolute, prismatic: 1 / D in xx; spherical: J^-1; free: Schur complement^-1
     Symmetric3<S> inverse_mass;  ///< free: M^-1
     Vector3<S> force;            ///< generalized force on the joint, minus the part balanced by the link's n0, f0
     Pair6<S> acceleration;

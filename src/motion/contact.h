@@ -41,8 +41,7 @@ class ContactGeometry {
   public:
     std::vector<ContactPlane<S>> planes;
     std::vector<SupportPiece<S>> pieces;  ///< positions are relative to the centre of mass
-    S reach = S(0);                       ///< upper bound of the distance of the body's points from the centre of
-                                          ///< mass, m
+    S reach = S(0);                       ///< bound of the distance of all points from the centre of mass, m
 
     bool any() const { return !planes.empty() && !pieces.empty(); }
     std::size_t size() const { return planes.size() * pieces.size(); }

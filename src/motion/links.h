@@ -47,12 +47,11 @@ template <class P>
 struct Link {
     int parent = world_link;
     LinkJoint kind = LinkJoint::revolute;
-    int joint = -1;        ///< index in scene.joints; -1 for a free base
-    int axis = 0;          ///< index of the axis in a universal joint
-    int base = -1;         ///< free base: index in scene.bodies
-    int coordinate = 0;    ///< index of its coordinates in y: x; q; or q and the origin's position in W
-    int rate = 0;          ///< index of its rates in y: x'; w relative to the parent; or w and the origin's velocity
-                           ///< in W
+    int joint = -1;      ///< index in scene.joints; -1 for a free base
+    int axis = 0;        ///< index of the axis in a universal joint
+    int base = -1;       ///< free base: index in scene.bodies
+    int coordinate = 0;  ///< index in y of its coordinates: x; q; or q and the origin's position in W
+    int rate = 0;        ///< index in y of its rates: x'; w relative to the parent; or w and the origin's velocity in W
     Quaternion<P> q_turn;  ///< link axes at coordinate zero to the parent link's axes
     Matrix3<P> turn;       ///< `q_turn` as a matrix
     Vector3<P> place;      ///< the joint's point, from the parent's origin, in the parent link's axes
@@ -89,8 +88,7 @@ struct Links {
     std::vector<Carried<P>> bodies;  ///< in the order of the scene
     std::vector<int> order;          ///< indices of bodies: each follows the body that carries it
     std::vector<int> carrier;        ///< for each body: index in scene.joints; -1 for a free base
-    std::vector<int> link_of_joint;  ///< for each joint: its link (the last one of a universal joint); world_link if
-                                     ///< it does not move
+    std::vector<int> link_of_joint;  ///< per joint: its (last) link; world_link if it does not move
     int coordinates = 0, rates = 0;  ///< sizes of the state y = (coordinates, rates)
 };
 

@@ -17,8 +17,7 @@ enum class Status {
     ok,                 ///< reached its end
     unsupported,        ///< not started: the method cannot represent the scene
     diverged,           ///< a number is not finite, or the energy is beyond all bounds
-    tolerance_not_met,  ///< reported by the solver; in tables also a tolerance-driven run that ends more than 1 rad
-                        ///< off
+    tolerance_not_met,  ///< reported by the solver; in tables also a run by tolerance that ends > 1 rad off
     failed,             ///< any other failure; the message gives the reason
 };
 
@@ -161,15 +160,14 @@ struct ReferenceSystem {
 
 /// The reference solution (ground truth), with which other motions are compared.
 struct Reference {
-    bool available = false;                ///< false: there is no reference, and only `message` is set
-    std::string message;                   ///< why there is no reference, or how it was computed
-    double bound = 0;                      ///< error bound: largest of the attitude's error (rad) and the other blocks'
-                                           ///< relative errors
-    std::vector<Pair> impact_times;        ///< times of impacts on the scene's planes, s
-    double impact_time_error = 0;          ///< largest error of impact_times, s
-    int bodies = 1;                        ///< number of bodies at each time
-    std::vector<ReferenceSample> samples;  ///< at each sample time one per body
-    std::vector<ReferenceSystem> system;   ///< several bodies: one per sample time; else empty
+    bool available = false;                 ///< false: there is no reference, and only `message` is set
+    std::string message;                    ///< why there is no reference, or how it was computed
+    double bound = 0;                       ///< largest error: of the attitude (rad), of the other blocks (relative)
+    std::vector<Pair> impact_times;         ///< times of impacts on the scene's planes, s
+    double impact_time_error = 0;           ///< largest error of impact_times, s
+    int bodies = 1;                         ///< number of bodies at each time
+    std::vector<ReferenceSample> samples;   ///< at each sample time one per body
+    std::vector<ReferenceSystem> system;    ///< several bodies: one per sample time; else empty
     std::vector<Reaction<Pair>> reactions;  ///< if known, in the order of Trajectory::reactions
 
     /// The number of sample times.

@@ -23,8 +23,8 @@ std::string reactions_csv(const Trajectory& trajectory, std::span<const std::str
 
 /// One line of a trajectory file, unconverted.
 struct TrajectoryRow {
-    double t = 0;                        ///< body to world, of any nonzero length
-    Quaternion<double> q;                ///< body to world, of any length but zero
+    double t = 0;                        ///< s
+    Quaternion<double> q;                ///< body to world, of any nonzero length
     Vector3<double> angular_velocity_W;  ///< rad/s, world axes
     Vector3<double> position_W;          ///< centre of mass, or the body's origin, m
     Vector3<double> velocity_W;          ///< centre of mass, m/s
@@ -42,8 +42,7 @@ struct TrajectoryFile {
     bool has_position = false;          ///< px, py, pz
     bool has_origin = false;            ///< ox, oy, oz in place of px, py, pz: position_W is the body's origin
     bool has_velocity = false;          ///< vx, vy, vz
-    std::string read_past;              ///< what was tolerated and skipped ("line 1 begins with a byte order mark"),
-                                        ///< or empty
+    std::string read_past;              ///< what was skipped: "line 1 begins with a byte order mark", ..
 
     /// The number of rows at each time.
     std::size_t bodies_at_once() const { return bodies.empty() ? 1 : bodies.size(); }

@@ -55,8 +55,7 @@ struct EulerTurn {
     std::array<int, 3> axes{0, 1, 2};
     Vector3<double> angles;
     bool in_degrees = false;
-    bool about_turned_axes = false;  ///< each axis is rotated by the previous rotations (intrinsic); otherwise fixed
-                                     ///< axes
+    bool about_turned_axes = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
 };
 /// The inertial of a robot description. Its frame is relative to the link; the tensor is about the centre of mass in
 /// the axes of the inertial's frame.

@@ -57,7 +57,7 @@ struct Robot {
     std::vector<RobotLink> links;
     std::vector<RobotJoint> joints;  ///< form trees; a link without a joint is a root
     bool roots_are_free = false;     ///< the format's rule for roots without a joint: free, or fixed to the world
-    std::vector<RobotPose> places;   ///< pose of each root link in the world, if the file gives one
+    std::vector<RobotPose> places;   ///< per link: pose in the world, if given; used for roots only
     RobotNotes omitted;              ///< constructs that may change the motion but are not modelled
     RobotNotes assumed;              ///< values that the file does not state, or that were repaired
     /// Gravity given by the file or its format (m/s^2, world axes). Empty if the file does not state it (URDF,

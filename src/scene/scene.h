@@ -192,8 +192,7 @@ struct Joint {
     std::array<double, 2> rate{};         ///< rate at t = 0, rad/s or m/s
     Quaternion<double> orientation;       ///< spherical: J at t = 0; normalised when used
     Vector3<double> angular_velocity;     ///< spherical, at t = 0: child relative to parent, child axes, rad/s
-    bool dependent = false;               ///< the initial state is adjusted until the loops close; only for joints
-                                          ///< with one coordinate
+    bool dependent = false;               ///< adjust the initial state until the loops close; only if one coordinate
     std::array<double, 2> stiffness{};    ///< k: generalized force -k (x - rest), N m/rad or N/m
     std::array<double, 2> rest{};         ///< rad or m; angles count full revolutions
     Quaternion<double> rest_orientation;  ///< spherical: torque on the child -2 k r_w r_v, r = rest* J, child axes

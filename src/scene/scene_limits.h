@@ -11,8 +11,7 @@ inline constexpr std::size_t most_vertices = 3'000'000;      ///< per mesh
 inline constexpr std::size_t most_corners = 1000;            ///< per face of a mesh, and words per line
 inline constexpr std::size_t largest_mesh_file = 256 << 20;  ///< bytes
 inline constexpr std::size_t largest_robot_file = 16 << 20;  ///< bytes; URDF, MJCF, SDFormat
-inline constexpr std::size_t most_bodies = 10'000;           ///< per scene or robot; also the limit of joints and of
-                                                             ///< loops
+inline constexpr std::size_t most_bodies = 10'000;           ///< bodies, joints or loops of a scene or robot
 inline constexpr std::size_t most_loads = 10'000;            ///< per scene
 inline constexpr std::size_t most_planes = 1000;             ///< per scene
 inline constexpr std::size_t longest_scene_name = 200;       ///< bytes; name of a scene, body, joint or loop

@@ -20,8 +20,7 @@ namespace {
 
 constexpr double shape_tolerance = 1e-12;  // relative to the largest moment: triangle inequality, symmetry
 constexpr double least_moment = 1e-30;     // relative to the largest moment, for moments found by diagonalisation
-constexpr double start_tolerance = 1e-12;  // relative to the body's reach: penetration at the start that rounding can
-                                           // cause
+constexpr double start_tolerance = 1e-12;  // relative to the body's reach: initial penetration due to rounding
 
 template <class S>
 bool is_diagonal(const Matrix3<S>& J) {

@@ -162,7 +162,7 @@ struct ReferenceSystem {
 struct Reference {
     bool available = false;                 ///< false: there is no reference, and only `message` is set
     std::string message;                    ///< why there is no reference, or how it was computed
-    double bound = 0;                       ///< largest error: of the attitude (rad), of the other blocks (relative)
+    double bound = 0;                       ///< bound of the errors: attitude (rad), other blocks (relative)
     std::vector<Pair> impact_times;         ///< times of impacts on the scene's planes, s
     double impact_time_error = 0;           ///< largest error of impact_times, s
     int bodies = 1;                         ///< number of bodies at each time

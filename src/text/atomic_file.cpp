@@ -1,3 +1,7 @@
+// Atomic replacement of files on POSIX: write a temporary file beside the target, fsync() it, rename() it, fsync()
+// the folder. Names of temporaries identify host, process, process start time and a counter, so that
+// remove_abandoned() can tell whether the writer still runs.
+
 #include "text/atomic_file.h"
 
 #include <fcntl.h>

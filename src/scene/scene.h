@@ -77,9 +77,9 @@ struct Drag {
     std::string body = "";       ///< name of the body that it acts on; empty in a scene of one body
 };
 
-/// A torsional spring. With r = q_rest* q, scalar part r_w and vector part r_v, its potential is 2 k |r_v|^2 = k (1 -
-/// cos angle), where angle is that between the attitude and the rest orientation. Its torque in body axes is -2 k r_w
-/// r_v.
+/// A torsional spring. With r = q_rest* q, scalar part r_w and vector part r_v, its potential is
+/// 2 k |r_v|^2 = k (1 - cos angle), where angle is that between the attitude and the rest orientation. Its torque in
+/// body axes is -2 k r_w r_v.
 struct Spring {
     double stiffness = 0;                 ///< k, N m
     Quaternion<double> rest_orientation;  ///< q_rest, body to world; normalised when used
@@ -183,8 +183,7 @@ struct Joint {
     std::string child;                      ///< a body's name; each body is the child of at most one joint
     Vector3<double> parent_point;           ///< m, from the parent's origin, its axes
     Vector3<double> child_point;            ///< m, from the child's origin, its axes
-    Quaternion<double> parent_orientation;  ///< q0, child axes at coordinate zero to parent axes; normalised when
-                                            ///< used
+    Quaternion<double> parent_orientation;  ///< q0: child axes at coordinate zero to parent axes; normalised
     /// Revolute, prismatic: axes[0], in the child's axes. Universal: axes[0] in the middle frame (which has the
     /// child's axes when the second angle is zero), axes[1] in the child's axes. Any nonzero length.
     std::array<Vector3<double>, 2> axes;

@@ -15,6 +15,7 @@ bool contains(const Shape& shape, const Vector3<double>& point);
 struct Bounds {
     Vector3<double> low, high;
 };
+/// The axis-aligned bounding box of the shape, in its own axes (m).
 Bounds bounds(const Shape& shape);
 
 /// The cell centres of an n x n x n grid over the bounds that are inside the shape. The mass (kg) is shared equally.

@@ -26,6 +26,7 @@ Matrix3<S> skew(const Vector3<S>& a) {
 /// |q| without overflow or underflow of its square.
 double norm(const Quaternion<double>& q);
 
+/// The determinant of m.
 template <class S>
 S determinant(const Matrix3<S>& m) {
     return dot(m[0], cross(m[1], m[2]));
@@ -43,6 +44,7 @@ Quaternion<S> quaternion_from_rotation_vector(const Vector3<S>& v);
 /// 0 and pi.
 Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q);
 
+/// A rotation by an angle about an axis, right-handed.
 struct AxisAngle {
     Vector3<double> axis{0, 0, 1};  ///< unit
     double angle = 0;               ///< rad
@@ -93,6 +95,7 @@ Matrix3<double> nearest_rotation(const Matrix3<double>& A);
 /// first six are Tait-Bryan sequences, the last six proper Euler sequences.
 enum class EulerSequence { xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz };
 
+/// All twelve sequences.
 inline constexpr std::array<EulerSequence, 12> euler_sequences{
     EulerSequence::xyz, EulerSequence::xzy, EulerSequence::yxz, EulerSequence::yzx,
     EulerSequence::zxy, EulerSequence::zyx, EulerSequence::xyx, EulerSequence::xzx,

@@ -73,10 +73,12 @@ struct Extent {
     Matrix3<S> spread;
 };
 
+/// Six times the signed volume of a tetrahedron (m^3), by the order of its vertices.
 inline Wide six_volumes(const Tetrahedron& s) {
     const auto edge = [&](int i) { return cast<Wide>(s.vertices[i]) - cast<Wide>(s.vertices[0]); };
     return dot(edge(1), cross(edge(2), edge(3)));
 }
+/// Whether the signed volume is negative.
 inline bool is_left_handed(const Tetrahedron& s) { return six_volumes(s) < 0; }
 
 // Only sums of positive terms, so that nothing cancels, even in a thin shell.
@@ -181,6 +183,7 @@ inline const char* name_of(const Shape& shape) {
     return names[shape.index()];
 }
 
+/// The geometry of a shape, in the scalar S.
 template <class S>
 Extent<S> extent(const Shape& shape) {
     return std::visit(ExtentOf<S>{}, shape);
@@ -197,6 +200,7 @@ MassProperties<S> uniform_body(const Extent<S>& e, const S& mass) {
     return body;
 }
 
+/// The mass properties of a uniform shape of this mass (kg).
 template <class S>
 MassProperties<S> of_mass(const Shape& shape, const S& mass) {
     return uniform_body(extent<S>(shape), mass);

@@ -16,6 +16,7 @@
 
 namespace polhode {
 
+/// A piece { c + A u + r b : |u| <= 1, |b| <= 1 } of a convex hull.
 template <class S>
 struct SupportPiece {
     Vector3<S> center;      ///< m
@@ -133,6 +134,7 @@ struct SupportOf {
     }
 };
 
+/// Pieces whose convex hull is that of the shape, from its origin (m).
 template <class S>
 std::vector<SupportPiece<S>> support(const Shape& shape) {
     return std::visit(SupportOf<S>{}, shape);

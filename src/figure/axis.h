@@ -6,11 +6,13 @@
 
 namespace polhode {
 
+/// A tic of an axis.
 struct Tic {
     std::string position;  ///< decimal
     std::string label;     ///< gnuplot enhanced text, "10^{−12}"; empty for a minor tic
 };
 
+/// The range of an axis and its tics.
 struct Axis {
     bool logarithmic = false;
     double low = 0, high = 1;

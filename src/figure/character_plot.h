@@ -7,6 +7,7 @@
 
 namespace polhode {
 
+/// Size and colour of a character plot.
 struct CharacterPlot {
     int width = 100;     ///< columns, at least 40
     int rows = 16;       ///< height of a panel's frame, at least 4

@@ -43,6 +43,7 @@ struct PlainStyle {
     int color = 0;  ///< in an order in which neighbours differ most
     int mark = 0;   ///< cycles through the first six
 };
+/// The style of the curve with this index.
 PlainStyle plain_style(int place);
 
 /// Sets a curve's colour and mark from a PlainStyle or a method's style.

@@ -8,6 +8,7 @@
 
 namespace polhode {
 
+/// A curve of a panel.
 struct Curve {
     std::string label;   ///< in the legend; one entry per label over all panels; empty: none
     int color = 0;       ///< colour index (figure/curve_style.h): one per family of methods, the same in every figure
@@ -31,6 +32,7 @@ struct Guide {
 /// Number of shades. 0 is the lightest and means best; each is darker than the one before, also in greyscale.
 constexpr int shade_count = 8;
 
+/// A class of outcomes in a map.
 struct MapClass {
     std::string label;  ///< in the legend, one entry over all panels
     int shade = 0;
@@ -43,10 +45,12 @@ struct OutcomeMap {
     std::vector<MapClass> classes;  ///< all are in the legend, even if they do not occur
 };
 
+/// The ends of an axis.
 struct Limits {
     double low = 0, high = 1;
 };
 
+/// One plot of a figure.
 struct Panel {
     std::string title, x_label, y_label;  ///< labels include units: "time (s)"
     bool log_x = true, log_y = true;

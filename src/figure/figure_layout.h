@@ -8,10 +8,12 @@
 
 namespace polhode {
 
+/// A rectangle on the page, points.
 struct Rectangle {
     double left = 0, top = 0, right = 0, bottom = 0;
 };
 
+/// An entry of the legend and its position.
 struct LegendEntry {
     std::string label;
     const Curve* curve = nullptr;  ///< the first curve with this label; null for the cut-curve symbol and for a class
@@ -19,6 +21,7 @@ struct LegendEntry {
     double x = 0, y = 0;           ///< left end of the sample, middle of the text line
 };
 
+/// Positions of all parts of a figure.
 struct FigureLayout {
     double width = 0, height = 0;
     std::vector<Rectangle> plots;  ///< the frame of each panel, without labels and title
@@ -32,6 +35,7 @@ struct FigureLayout {
 inline constexpr double text_size = 7, title_size = 8, figure_title_size = 9;
 inline constexpr double line_height = 10, legend_sample = 22;
 
+/// Computes the layout of a figure.
 FigureLayout layout_of(const Figure& figure);
 
 /// Estimated text width in points for a wide sans-serif such as DejaVu Sans, with a margin because fonts differ.

@@ -6,6 +6,7 @@
 
 namespace polhode {
 
+/// The result of running gnuplot.
 struct GnuplotRun {
     std::string output;  ///< standard output of gnuplot
     std::string fault;   ///< why the output is unusable (gnuplot's own message if it has one), or empty

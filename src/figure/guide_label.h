@@ -14,6 +14,7 @@ struct Point {
     double x = 0, y = 0;
 };
 
+/// The position of a label.
 struct GuideLabel {
     double x = 0, y = 0;      ///< start or end of the text, and its middle line
     bool ends_there = false;  ///< the text ends at x; otherwise it begins there

@@ -7,6 +7,7 @@
 
 namespace polhode {
 
+/// A fitted power law of an error.
 struct Growth {
     double exponent;     ///< p of error ~ t^p: least-squares slope of log(envelope) over log(t)
     double uncertainty;  ///< half the difference between the exponents of the first and the second half in log(t)
@@ -17,6 +18,7 @@ struct Growth {
 struct Envelope {
     std::vector<double> t, error;
 };
+/// The envelope of |error| at times t >= `from` (s).
 Envelope error_envelope(const std::vector<double>& t, const std::vector<double>& error, double from = 0);
 
 /// Fits the growth of the envelope over the last two decades before M reaches `saturation` (about 1 rad for an

@@ -7,6 +7,7 @@
 
 namespace polhode {
 
+/// A fitted order of convergence.
 struct ObservedOrder {
     double order;     ///< least-squares slope of log(error) over log(step)
     int points;       ///< number of fitted points of the asymptotic range

@@ -8,10 +8,11 @@
 
 namespace polhode {
 
+/// The class of a run.
 enum class Outcome {
     accurate,           ///< attitude within 1e-3 rad of the reference at every sample
     close,              ///< within 0.1 rad
-    wrong_but_bounded,  ///< further off, although no invariant shows it
+    wrong_but_bounded,  ///< further off, but stable: see is_stable()
     damped_to_rest,     ///< the body stopped while the true one moves on
     diverged,           ///< reported by the solver, or finite to the end but not stable: see is_stable()
     tolerance_not_met,
@@ -19,6 +20,7 @@ enum class Outcome {
     unsupported,  ///< not run
     no_truth,     ///< no reference to compare with
 };
+/// All outcomes.
 inline constexpr std::array outcomes{Outcome::accurate,       Outcome::close,       Outcome::wrong_but_bounded,
                                      Outcome::damped_to_rest, Outcome::diverged,    Outcome::tolerance_not_met,
                                      Outcome::failed,         Outcome::unsupported, Outcome::no_truth};

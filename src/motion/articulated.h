@@ -50,6 +50,7 @@ struct LinkWork {
     Pair6<S> acceleration;
 };
 
+/// The inverse of a regular symmetric matrix, by cofactors.
 template <class S>
 Symmetric3<S> inverse(const Symmetric3<S>& m) {
     const S xx = m.yy * m.zz - m.yz * m.yz, xy = m.xz * m.yz - m.xy * m.zz, xz = m.xy * m.yz - m.xz * m.yy;
@@ -58,6 +59,7 @@ Symmetric3<S> inverse(const Symmetric3<S>& m) {
             xz * per, (m.xy * m.xz - m.xx * m.yz) * per};
 }
 
+/// A symmetric matrix as a full matrix.
 template <class S>
 Matrix3<S> full_matrix(const Symmetric3<S>& m) {
     return {{Vector3<S>(m.xx, m.xy, m.xz), Vector3<S>(m.xy, m.yy, m.yz), Vector3<S>(m.xz, m.yz, m.zz)}};

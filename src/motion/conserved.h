@@ -8,6 +8,7 @@
 
 namespace polhode {
 
+/// The kind of a conserved quantity.
 enum class ConservedKind {
     energy,
     angular_momentum,

@@ -28,6 +28,7 @@ struct Gap {
     S distance = S(0), rate = S(0);
 };
 
+/// A plane normal_W . x = offset with its contact coefficients.
 template <class S>
 struct ContactPlane {
     Vector3<S> normal_W;  ///< unit

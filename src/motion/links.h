@@ -32,6 +32,7 @@ struct Symmetric3 {
     S xx = S(0), yy = S(0), zz = S(0), xy = S(0), xz = S(0), yz = S(0);
 };
 
+/// The symmetric matrix with the upper triangle of m.
 template <class S>
 Symmetric3<S> symmetric_part(const Matrix3<S>& m) {
     return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};

@@ -93,6 +93,7 @@ struct Tape {
     }
 };
 
+/// A traced number: factor * node, or the constant `factor`.
 template <class T>
 class Traced {
   public:

@@ -26,10 +26,12 @@ struct GivenBody {
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
 };
+/// A uniform body with a shape.
 struct ShapedBody {
     Shape shape;
     Amount amount;
 };
+/// A body of point masses.
 struct PointsBody {
     std::vector<PointMass<double>> points;
 };
@@ -70,6 +72,7 @@ struct ImportedBody {
 
 using MadeOf = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
+/// The description of a body and its mass properties.
 struct BodySource {
     MadeOf made_of;
     MassProperties<Wide> wide;  ///< the resulting mass properties, to 113 bits
@@ -130,6 +133,7 @@ struct MassPropertiesOf {
     }
 };
 
+/// The mass properties of a source, in the scalar S.
 template <class S>
 MassProperties<S> mass_properties(const BodySource& source) {
     if constexpr (std::is_same_v<S, Wide>) {

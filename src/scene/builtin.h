@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+/// A built-in text and its name.
 struct BuiltinText {
     std::string_view name, text;
 };

@@ -10,6 +10,7 @@
 
 namespace polhode {
 
+/// Converts the joints of MJCF bodies and adds them to a robot.
 class MjcfJoints {
   public:
     MjcfJoints(const RobotXml& xml, Robot& robot) : xml_(xml), robot_(robot), names_(xml, "joint") {}

@@ -18,6 +18,7 @@
 
 namespace polhode {
 
+/// A model with its settings and assets.
 struct MjcfModel {
     const XMLElement* root = nullptr;
     RobotFiles files;  ///< relative to the folder of the model's file

@@ -20,6 +20,7 @@ struct MjcfScope {
     std::string name(const std::string& own) const { return prefix + own + suffix; }
 };
 
+/// The parts of one body.
 struct MjcfParts {
     struct Part {
         const XMLElement* at = nullptr;

@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+/// A joint with a springdamper attribute.
 struct MjcfSpringDamper {
     const XMLElement* at = nullptr;
     std::size_t joint = 0;  ///< index of the joint in the robot

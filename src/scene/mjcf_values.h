@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+/// The source of inertia: <compiler inertiafromgeom>.
 enum class MjcfInertia { from_geoms, from_inertials, either };
 
 /// MJCF's <compiler>. If there are several elements, the last value of each attribute applies.
@@ -28,6 +29,7 @@ struct MjcfCompiler {
     bool exact_meshes = false;                  ///< exactmeshinertia
     bool fits_box = false;                      ///< fitaabb
 };
+/// Reads the settings of <compiler> elements. Throws InputError.
 MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root);
 
 /// The orientation of an element by quat, axisangle, euler, xyaxes or zaxis; the identity if it has none of these.

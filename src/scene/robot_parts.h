@@ -12,6 +12,7 @@
 
 namespace polhode {
 
+/// Reads the robot of a file, by format. Throws InputError.
 Robot urdf_robot(const RobotXml& xml, const XMLElement& root);
 /// Resolves included files and <default> in the document of `root`.
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root);

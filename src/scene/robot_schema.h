@@ -18,6 +18,7 @@ namespace polhode {
 class RobotXml;
 using tinyxml2::XMLElement;
 
+/// How the importer treats a construct.
 enum class RobotVerdict {
     modelled,    ///< part of the scene
     irrelevant,  ///< no effect on the motion of rigid bodies without contact
@@ -38,6 +39,7 @@ struct RobotConstruct {
     bool (*has_effect)(const XMLElement&) = nullptr;
 };
 
+/// The table of each format.
 std::span<const RobotConstruct> urdf_constructs();
 std::span<const RobotConstruct> mjcf_constructs();
 std::span<const RobotConstruct> sdf_constructs();
@@ -48,6 +50,7 @@ struct RobotFormat {
     const char* root;  ///< tag of the root element
     std::span<const RobotConstruct> (*constructs)();
 };
+/// All formats.
 std::span<const RobotFormat> robot_formats();
 
 /// Adds to `omitted` every construct of the file that the table lists as omitted, and every element and attribute

@@ -24,18 +24,22 @@ struct RobotPose {
     Vector3<Wide> position;  ///< m
     Quaternion<Wide> turn;   ///< unit quaternion
 };
+/// The product of poses, the inverse pose, and a pose applied to a point (m).
 RobotPose operator*(const RobotPose& outer, const RobotPose& inner);
 RobotPose inverse(const RobotPose& pose);
 Vector3<Wide> operator*(const RobotPose& pose, const Vector3<Wide>& point);
 
+/// A link as read from a file.
 struct RobotLink {
     std::string name;
     std::string place;                         ///< in the file, for messages: "line 12"
     std::optional<MassProperties<Wide>> mass;  ///< in the link's frame
 };
 
+/// How a joint lets its child move.
 enum class RobotMotion { revolute, prismatic, spherical, universal, fixed, free };
 
+/// A joint as read from a file.
 struct RobotJoint {
     static constexpr std::size_t world = static_cast<std::size_t>(-1);
 
@@ -53,6 +57,7 @@ struct RobotJoint {
 /// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.
 using RobotNotes = std::map<std::string, std::vector<std::string>>;
 
+/// A robot as read from a file.
 struct Robot {
     std::vector<RobotLink> links;
     std::vector<RobotJoint> joints;  ///< form trees; a link without a joint is a root

@@ -72,6 +72,7 @@ class RobotXml {
     std::shared_ptr<std::deque<RobotOrigin>> origins_ = std::make_shared<std::deque<RobotOrigin>>();
 };
 
+/// Three numbers of v, starting at index `from`.
 inline Vector3<double> three_of(const std::vector<double>& v, std::size_t from = 0) {
     return {v[from], v[from + 1], v[from + 2]};
 }

@@ -21,8 +21,10 @@
 
 namespace polhode {
 
+/// The kind of an entity; merged: a model merged into its parent.
 enum class SdfKind { world, model, merged, link, joint, frame };
 
+/// A named frame.
 struct SdfEntity {
     SdfKind kind = SdfKind::frame;
     const XMLElement* at = nullptr;
@@ -34,6 +36,7 @@ struct SdfEntity {
     RobotPose local;  ///< pose in the frame of its scope, once known
 };
 
+/// A name space.
 struct SdfScope {
     std::string prefix;     ///< prefix of the names in it
     std::size_t frame = 0;  ///< the entity named "__model__" or "world"
@@ -47,6 +50,7 @@ struct SdfScope {
 /// Thrown at the first <include> by an SdfTree that was constructed with read_includes = false.
 struct SdfNeedsInclude {};
 
+/// All frames of a file.
 class SdfTree {
   public:
     static constexpr std::size_t world = 0;  ///< index of the world's entity and of its scope

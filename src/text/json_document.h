@@ -16,6 +16,7 @@
 
 namespace polhode {
 
+/// The type of a JSON value.
 enum class JsonKind { null, boolean, number, string, array, object };
 
 /// One value. It belongs to its document and must not outlive it.

@@ -12,10 +12,11 @@
 
 namespace polhode {
 
-/// Reads the robot of a file, by format. Throws InputError.
+/// Reads the robot of a URDF file. Throws InputError.
 Robot urdf_robot(const RobotXml& xml, const XMLElement& root);
-/// Resolves included files and <default> in the document of `root`.
+/// Reads the robot of an MJCF file; resolves included files and <default> in the document of `root`. Throws InputError.
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root);
+/// Reads the robot of an SDFormat file. `model`: the model to read; empty: all models. Throws InputError.
 Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string& model);
 
 /// The mass properties of one link: an inertial as written in the file, or properties computed from shapes.

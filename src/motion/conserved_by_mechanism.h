@@ -15,7 +15,7 @@ namespace polhode {
 ///
 /// - The energy, if only potentials act, at all times.
 /// - For a system without joints to the world: the momentum p and the angular momentum L about its centre of mass. If
-///   the loads change one of them along a single direction, its part across that direction.
+///   the loads change one of them along a single direction, its component perpendicular to it.
 /// - For a system tied to the world: L along a line u through the world's origin. The system must be attached only by
 ///   hinges along u or spherical joints at points of u, without springs, dampers and motors, and gravity must be
 ///   parallel to u.

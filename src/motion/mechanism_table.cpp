@@ -1,3 +1,7 @@
+// Reads tables of initial states and parameters of mechanisms. ColumnMaker lists the columns of each joint and body;
+// each column refers to a number in a Scene. MechanismTableReader parses the header and the rows with CsvLines,
+// builds each row's scene and validates it. A row that fails is refused, and reading continues.
+
 #include "motion/mechanism_table.h"
 
 #include <fmt/format.h>
@@ -16,7 +20,7 @@ namespace {
 
 constexpr std::size_t largest_table = std::size_t{4} << 30, longest_name = 200;
 
-// The columns of one joint or body.
+// Creates the columns of one joint or body.
 class ColumnMaker {
   public:
     ColumnMaker(std::vector<MechanismColumn>& all, std::string owner) : all_(all), owner_(std::move(owner)) {}
@@ -25,13 +29,13 @@ class ColumnMaker {
     void alone(const char* name, Number number, std::function<void(Scene&)> prepare = {}) {
         all_.push_back({owner_ + "." + name, owner_ + "." + name, std::move(number), std::move(prepare), true});
     }
-    // what the mechanism is, not how it starts
+    // a parameter of the mechanism, not of its initial state
     template <class Number>
     void constant(const char* name, Number number, std::function<void(Scene&)> prepare = {}) {
         alone(name, std::move(number), std::move(prepare));
         all_.back().is_start = false;
     }
-    // `part(scene, i)` of a block
+    // `part(scene, i)`: the i-th number of a block
     template <class Part>
     void block(std::initializer_list<const char*> names, Part part) {
         std::vector<std::string> full;
@@ -84,7 +88,7 @@ void add_joint(std::vector<MechanismColumn>& all, const Scene& scene, std::size_
 void add_body(std::vector<MechanismColumn>& all, const Scene& scene, std::size_t b) {
     const std::string& name = scene.bodies[b].name;
     ColumnMaker make(all, name);
-    // what it is made of says no more what its mass is
+    // without its source: the description no longer determines the mass
     make.constant(
         "mass", [b](Scene& s) -> double& { return s.bodies[b].body.mass; },
         [b](Scene& s) { s.bodies[b].body.source = nullptr; });
@@ -101,7 +105,7 @@ void add_body(std::vector<MechanismColumn>& all, const Scene& scene, std::size_t
     vector({"vx", "vy", "vz"}, &Initial::velocity_W);
 }
 
-// One file, line by line.
+// Parses one file, line by line.
 class MechanismTableReader {
   public:
     MechanismTableReader(std::string_view text, const std::string& file, const Scene& scene)
@@ -184,7 +188,7 @@ class MechanismTableReader {
     const std::string& file_;
     const Scene& scene_;
     const std::vector<MechanismColumn> known_;
-    std::vector<std::size_t> places_;  // of each cell: 0 the id, else 1 + that in known_
+    std::vector<std::size_t> places_;  // per cell: 0 for the id, else 1 + index in known_
     MechanismTable result_;
 };
 

@@ -1,4 +1,4 @@
-// What the columns of trajectory files mean.
+// Descriptions of the columns of trajectory files.
 #pragma once
 
 #include <span>
@@ -6,14 +6,14 @@
 
 namespace polhode {
 
-/// Columns that stand together.
+/// A group of columns.
 struct TrajectoryColumns {
     std::string_view names;    ///< "wx,wy,wz"
     std::string_view unit;     ///< "rad/s"
-    std::string_view meaning;  ///< for people, without a full stop
+    std::string_view meaning;  ///< for readers, without a full stop
 };
 
-/// Those of the files that solve and truth write and check reads, in their order.
+/// The column groups of the files that solve and truth write and check reads, in order.
 inline std::span<const TrajectoryColumns> trajectory_columns() {
     static constexpr TrajectoryColumns all[] = {
         {"t", "s", "the time; a sample at the time of an impulse shows the motion after it"},
@@ -34,7 +34,7 @@ inline std::span<const TrajectoryColumns> trajectory_columns() {
     return all;
 }
 
-/// The one line that files carry: which frame, which point, which way q maps.
+/// The comment line of trajectory files: frames, reference point and direction of q.
 inline constexpr std::string_view trajectory_comment =
     "# SI; q maps body to world; w, p and v in world axes, p and v of the centre of mass\n";
 

@@ -21,7 +21,7 @@ std::string trajectory_csv(const Trajectory& trajectory, std::span<const std::st
     }
     if (trajectory.status != Status::ok) {
         text += std::string("# ") + name_of(trajectory.status);
-        // a message is one line; a comment must be
+        // a comment must be one line
         for (const char c : ": " + trajectory.message) text += c == '\n' || c == '\r' ? ' ' : c;
         text += '\n';
     }
@@ -46,7 +46,7 @@ std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>
 }
 
 std::vector<Sample> samples_of(const TrajectoryFile& file, std::span<const Vector3<double>> centers_of_mass) {
-    // (1/|q|^2) times a vector turned by q
+    // (1/|q|^2) times a vector rotated by q
     const auto scaled = [](const Quaternion<Wide>& q, const Vector3<Wide>& turned) {
         return cast<double>((Wide(1) / squared_norm(q)) * turned);
     };

@@ -1,4 +1,8 @@
 // The strict reader of trajectory files.
+//
+// Reader parses the header into columns and each line into a TrajectoryRow. With a column `body`, the rows of one
+// time are stored in the order of the bodies: begin_moment() and end_moment() delimit them and check that each body
+// has exactly one row.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,8 +25,8 @@ constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 struct Column {
     const char* name;
-    double* (*place)(TrajectoryRow&);  // nullptr: read past
-    int block;                         // columns of one block stand together
+    double* (*place)(TrajectoryRow&);  // nullptr: skipped
+    int block;                         // the columns of a block must appear together
 };
 
 enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, block_body, blocks };
@@ -56,7 +60,7 @@ const std::vector<Column>& known_columns() {
     return columns;
 }
 
-// One file, line by line.
+// Parses one file, line by line.
 class Reader {
   public:
     Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion,
@@ -73,7 +77,7 @@ class Reader {
         if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
         header();
         while (lines_.next()) {
-            // as many as there are lines of this length
+            // estimated from the length of this line
             if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
@@ -126,9 +130,9 @@ class Reader {
         result_.has_velocity = seen[block_v] > 0;
     }
 
-    // the quaternion's columns as they stand
+    // assigns the quaternion's columns by their order
     void take_quaternion_in_order() {
-        std::size_t next = quaternion_ == QuaternionColumns::scalar_first ? 0 : 1;  // of w, x, y, z
+        std::size_t next = quaternion_ == QuaternionColumns::scalar_first ? 0 : 1;  // index in w, x, y, z
         for (std::size_t i = 0; i < columns_.size(); ++i)
             if (columns_[i]->block == block_q) places_[i] = known_columns()[1 + next++ % 4].place;
     }
@@ -167,7 +171,7 @@ class Reader {
             sample_of_body(row, same_moment, cells[body_column_]);
     }
 
-    // Into the place of its body at its time.
+    // Stores a row at the index of its body at this time.
     void sample_of_body(const TrajectoryRow& row, bool same_moment, std::string_view name) {
         if (!same_moment) begin_moment();
         const auto known = index_.find(name);
@@ -194,7 +198,7 @@ class Reader {
                  "give a line for each body at each time");
         there_.resize(bodies_.size()), there_[body] = 1;
         last_line_ = lines_.number();
-        // the rows of a moment that are still to come have its time already
+        // rows of this time that are not read yet get its time now
         TrajectoryRow to_come;
         to_come.t = row.t;
         result_.rows.resize(moment_ + bodies_.size(), to_come);
@@ -205,7 +209,7 @@ class Reader {
         moment_ = result_.rows.size();
         there_.assign(bodies_.size(), 0);
     }
-    // The bodies at the first time are those of the file.
+    // The bodies at the first time define the file's bodies.
     void end_moment() {
         if (moment_ == 0) in_file_ = there_;
         for (std::size_t body = 0; body < bodies_.size(); ++body)
@@ -215,7 +219,7 @@ class Reader {
                                  shortest_decimal(result_.rows.back().t)),
                      "give a line for each body at each time");
     }
-    // Takes out the places of bodies that the file does not have.
+    // Removes the rows of bodies that the file does not have.
     void leave_out_missing() {
         const std::size_t count = bodies_.size();
         if (std::ranges::find(in_file_, 0) == in_file_.end()) return;
@@ -232,16 +236,16 @@ class Reader {
     CsvLines lines_;
     const std::string& file_;
     QuaternionColumns quaternion_;
-    std::vector<const Column*> columns_;               // in the file's order
-    std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
+    std::vector<const Column*> columns_;               // in file order
+    std::vector<double* (*)(TrajectoryRow&)> places_;  // per column
     std::size_t body_column_ = nowhere;
-    bool bodies_known_;                                      // to the caller
-    std::vector<std::string> bodies_;                        // names, in the order of the rows of a moment
-    std::map<std::string, std::size_t, std::less<>> index_;  // of a name
-    std::size_t moment_ = 0;                                 // the first row of the moment at hand
-    std::vector<char> there_;                                // which of the bodies have a row in it
-    std::vector<char> in_file_;                              // which have a row at the first time
-    long last_line_ = 0;                                     // of a body's row
+    bool bodies_known_;                                      // whether the caller gave the names
+    std::vector<std::string> bodies_;                        // names, in the order of the rows at one time
+    std::map<std::string, std::size_t, std::less<>> index_;  // index by name
+    std::size_t moment_ = 0;                                 // first row at the current time
+    std::vector<char> there_;                                // whether each body has a row at the current time
+    std::vector<char> in_file_;                              // whether each body has a row at the first time
+    long last_line_ = 0;                                     // line of the last row of a body
     TrajectoryFile result_;
 };
 

@@ -22,6 +22,8 @@ class InputFile {
     const std::optional<std::size_t>& size() const { return size_; }
     /// The next bytes, at most `count`: how many there were, 0 at the end alone. Throws InputError.
     std::size_t read(char* bytes, std::size_t count);
+    /// The next `count` bytes: how many there were, fewer at the end alone. Throws InputError.
+    std::size_t read_fully(char* bytes, std::size_t count);
     /// Goes on at an offset from the beginning of a regular file. Throws InputError.
     void seek(std::size_t offset);
     /// Throws InputError: what is wrong with the file.

@@ -1,13 +1,12 @@
-// The same mechanism by the row: the table of other starts that an ensemble of several bodies is solved from.
+// The columns and rows of a table from which an ensemble of mechanisms starts: numbers of the scene by their names.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
-#include "motion/ensemble_table.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -28,27 +27,19 @@ struct MechanismColumn {
 /// `B.qw,..`, `B.wx,..`, `B.px,..`, `B.vx,..` as in the table of one body.
 std::vector<MechanismColumn> mechanism_columns(const Scene& scene);
 
-/// What a table says. Columns that it lacks are the scene's.
+/// The scene with a number in place of each column's own.
+Scene scene_with(const Scene& scene, const std::vector<MechanismColumn>& columns, std::span<const double> numbers);
+
+/// Rows of such a table.
 struct MechanismTable {
     std::vector<MechanismColumn> columns;  ///< those that it has, in its order, without id
     std::vector<double> numbers;           ///< row by row
-    std::vector<std::string> ids;          ///< of the column `id`, as they stand; empty without it
-    std::vector<std::size_t> row_numbers;  ///< of each row, counted from 1, the refused ones too
-    std::vector<RefusedRow> refused;       ///< in the file's order
 
-    std::size_t rows() const { return row_numbers.size(); }
+    std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
     /// Whether all rows are motions of the same mechanism.
     bool only_starts() const;
     /// The scene of a row, k < rows().
     Scene scene_of(const Scene& scene, std::size_t k) const;
 };
-
-/// Reads a table: a header, then a line a mechanism; columns by name, in any order. Faults as of ensemble tables; a row
-/// whose scene breaks a rule (see validate) is refused and stops no other. Whether loops close is not looked at. Throws
-/// InputError, also where no row is left.
-MechanismTable parse_mechanism_table(std::string_view text, const std::string& file, const Scene& scene);
-
-/// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
-MechanismTable read_mechanism_table(const std::string& path, const Scene& scene);
 
 }  // namespace polhode

@@ -237,13 +237,9 @@ class EnsembleRun {
                             static_cast<double>(rows_) / solving, mechanism_ ? "starts" : "bodies");
         text +=
             fmt::format("tables   {:.3f} s to read, {:.3f} s to write; {:.3f} s in all\n", reading_, writing_, in_all_);
-        text += "status  ";
-        const char* separator = " ";
-        for (const auto& [status, rows] : count_) {
-            text += fmt::format("{}{} {}", separator, rows, name_of(status));
-            separator = ", ";
-        }
-        text += '\n' + first_failure_;
+        std::vector<std::string> ends;
+        for (const auto& [status, rows] : count_) ends.push_back(fmt::format("{} {}", rows, name_of(status)));
+        text += fmt::format("status   {}\n{}", listed(ends), first_failure_);
         for (const RefusedRow& row : refusals_)
             text += fmt::format("refused  row {}: {}\n", row.row, one_line(row.fault, 500));
         if (refused_ > refusals_.size())
@@ -312,12 +308,11 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command->add_option("--duration", options->duration, "T in s, in place of the scene's");
     command->add_option("--threads", options->threads, "Threads (default: as many as the machine runs at once)");
     command
-        ->add_option("--max-steps", options->max_steps,
-                     "A body that needs more steps between two events ends as failed")
+        ->add_option("--max-steps", options->max_steps, "A row that needs more steps between two events ends as failed")
         ->capture_default_str();
     command
         ->add_option("--max-seconds", options->max_seconds,
-                     "Likewise, of its thread's time, for a body that is solved by itself")
+                     "A row that is solved by itself and needs more seconds of its thread's time ends as failed")
         ->capture_default_str();
     command
         ->add_option("--samples", options->samples,
@@ -331,9 +326,11 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command->add_option("--shard", options->shard,
                         "I/N: solves part I of N of the rows into OUTPUT.part-I-of-N, with a .json that says of what; "
                         "polhode merge puts the parts together");
-    command->add_option("--output", options->output,
-                        "File to write, in place of stdout; one that ends in .npy is written as NumPy's structured "
-                        "array, one record per row, time and body");
+    command->add_option(
+        "--output", options->output,
+        "File to write, in place of stdout; one that ends in .npy is written as NumPy's structured "
+        "array, one record per row, time and body: row and status (<i8), t, qw .. vz (<f8), for several "
+        "bodies body (its name), and id if the table is .npy");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }

@@ -307,7 +307,7 @@ MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const 
     }
     merged.parts = order.size();
     if (merged.rows == merged.refused)
-        throw InputError(name, "", "has no row that is a body", "give a table of bodies");
+        throw InputError(name, "", "has no row that was solved", "correct the table's rows");
     AtomicStream stream(merged.output);
     std::string header;
     NpyHeader npy_header;

@@ -35,6 +35,7 @@ struct MechanismTable {
     std::vector<MechanismColumn> columns;  ///< those that it has, in its order, without id
     std::vector<double> numbers;           ///< row by row
 
+    /// How many rows there are.
     std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
     /// Whether all rows are motions of the same mechanism.
     bool only_starts() const;

@@ -1,13 +1,12 @@
-// Tables of initial states and parameters from which ensembles of mechanisms are solved.
+// The columns and rows of a table from which an ensemble of mechanisms starts: numbers of the scene by their names.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
-#include "motion/ensemble_table.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -31,27 +30,20 @@ struct MechanismColumn {
 ///   `B.vx,..` as in the table of one body.
 std::vector<MechanismColumn> mechanism_columns(const Scene& scene);
 
-/// The contents of a table. Columns that it does not have keep the scene's values.
+/// The scene with a number in place of each column's own.
+Scene scene_with(const Scene& scene, const std::vector<MechanismColumn>& columns, std::span<const double> numbers);
+
+/// Rows of such a table.
 struct MechanismTable {
     std::vector<MechanismColumn> columns;  ///< the table's columns in order, without id
     std::vector<double> numbers;           ///< row by row
-    std::vector<std::string> ids;          ///< the column `id`, unchanged; empty if there is none
-    std::vector<std::size_t> row_numbers;  ///< number of each row, counted from 1 including refused rows
-    std::vector<RefusedRow> refused;       ///< in file order
 
-    std::size_t rows() const { return row_numbers.size(); }
+    /// How many rows there are.
+    std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
     /// Whether all rows are motions of the same mechanism.
     bool only_starts() const;
     /// The scene of row k < rows().
     Scene scene_of(const Scene& scene, std::size_t k) const;
 };
-
-/// Parses a table: a header, then one line per mechanism, with columns by name in any order. Faults are those of
-/// ensemble tables (motion/ensemble_table.h). A row whose scene breaks a rule (see validate) is refused; the others
-/// are read. Does not check whether loops close. Throws InputError, also if no row is left.
-MechanismTable parse_mechanism_table(std::string_view text, const std::string& file, const Scene& scene);
-
-/// Reads and parses a file of at most 4 GiB. Throws InputError, also if it cannot be read.
-MechanismTable read_mechanism_table(const std::string& path, const Scene& scene);
 
 }  // namespace polhode

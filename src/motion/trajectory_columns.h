@@ -1,8 +1,12 @@
 // Descriptions of the columns of trajectory files.
 #pragma once
 
+#include <array>
+#include <iterator>
 #include <span>
 #include <string_view>
+
+#include "motion/trajectory.h"
 
 namespace polhode {
 
@@ -34,7 +38,17 @@ inline std::span<const TrajectoryColumns> trajectory_columns() {
     return all;
 }
 
-/// The comment line of trajectory files: frames, reference point and direction of q.
+/// The columns of a sample, in the order in which motion_numbers() gives their numbers.
+inline constexpr std::string_view motion_columns[] = {"t",  "qw", "qx", "qy", "qz", "wx", "wy",
+                                                      "wz", "px", "py", "pz", "vx", "vy", "vz"};
+
+/// A sample by its columns.
+inline std::array<double, std::size(motion_columns)> motion_numbers(const Sample& s) {
+    const Vector3<double> w = angular_velocity_W(s), &p = s.position_W, &v = s.velocity_W;
+    return {s.t, s.q.w, s.q.x, s.q.y, s.q.z, w[0], w[1], w[2], p[0], p[1], p[2], v[0], v[1], v[2]};
+}
+
+/// The one line that files carry: which frame, which point, which way q maps.
 inline constexpr std::string_view trajectory_comment =
     "# SI; q maps body to world; w, p and v in world axes, p and v of the centre of mass\n";
 

@@ -62,6 +62,12 @@ std::size_t InputFile::read(char* bytes, std::size_t count) {
     }
 }
 
+std::size_t InputFile::read_fully(char* bytes, std::size_t count) {
+    std::size_t got = 0;
+    while (const std::size_t more = got < count ? read(bytes + got, count - got) : 0) got += more;
+    return got;
+}
+
 void InputFile::seek(std::size_t offset) {
     if (::lseek(descriptor_, static_cast<off_t>(offset), SEEK_SET) < 0)
         refuse(fmt::format("cannot be read: {}", std::strerror(errno)));

@@ -22,7 +22,9 @@ class InputFile {
     const std::optional<std::size_t>& size() const { return size_; }
     /// Reads the next bytes, at most `count`. Returns their number, 0 only at the end. Throws InputError.
     std::size_t read(char* bytes, std::size_t count);
-    /// Continues at this offset from the start of a regular file. Throws InputError.
+    /// The next `count` bytes: how many there were, fewer at the end alone. Throws InputError.
+    std::size_t read_fully(char* bytes, std::size_t count);
+    /// Goes on at an offset from the beginning of a regular file. Throws InputError.
     void seek(std::size_t offset);
     /// Throws InputError with this fault of the file.
     [[noreturn]] void refuse(const std::string& fault) const;

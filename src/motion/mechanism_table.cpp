@@ -1,6 +1,5 @@
 // Reads tables of initial states and parameters of mechanisms. ColumnMaker lists the columns of each joint and body;
-// each column refers to a number in a Scene. MechanismTableReader parses the header and the rows with CsvLines,
-// builds each row's scene and validates it. A row that fails is refused, and reading continues.
+// each column refers to a number in a Scene.
 
 #include "motion/mechanism_table.h"
 

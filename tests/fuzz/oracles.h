@@ -272,8 +272,8 @@ inline void mechanisms(std::string_view text) {
     require_scenes(table->mechanisms, scene);
 }
 
-/// A line that names columns, then a table with names of its own: refused by one line, or a table with ours, which
-/// stays as it is. `check` and `plot` read it so.
+/// A line that names columns, then a table of another program: refused by one line, or read and written under polhode's
+/// names. `check` and `plot` read it so.
 inline void columns(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string table(text.substr(std::min(end + 1, text.size())));
@@ -284,11 +284,13 @@ inline void columns(std::string_view text) {
         require_one_line(error.what());
     }
     for (const bool several : {false, true}) {
-        const auto own = parsed([&] { return own_columns(table, "fuzz", names, several); });
-        if (!own) continue;
-        for (const std::string& remark : own->remarks) require_one_line(remark);
-        const auto again = parsed([&] { return own_columns(own->text, "fuzz", {}, several); });
-        if (!own->remarks.empty()) require(again && again->text == own->text, "what is ours does not stay as it is");
+        const auto found = parsed([&] { return find_foreign_columns(table, "fuzz", names, several); });
+        if (!found) continue;
+        for (const std::string& remark : found->remarks) require_one_line(remark);
+        auto file = parsed([&] { return parse_foreign_trajectory(table, "fuzz", found->columns); });
+        if (!file) continue;
+        file->read_past.clear();
+        require(parse_trajectory(write_trajectory(*file), "written") == *file, "a foreign table does not read back");
     }
     parsed([&] {
         CheckedFile checked;

@@ -46,9 +46,6 @@ class SundialsSession {
     /// The same where the caller keeps the time: time() may differ from t by rounding.
     auto sample_at(double t) { return system_.motion(t, y()); }
 
-    /// The time at which the right-hand side was not finite, since restart().
-    std::optional<double> not_finite_at() const { return not_finite_at_; }
-
   protected:
     /// Relative tolerance R, absolute tolerance R times each component's scale.
     /// Throws std::bad_alloc where there is no memory for it.

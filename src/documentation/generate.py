@@ -16,7 +16,7 @@ TOP = HERE.parents[1]
 # the tree's own pages in the order in which they are shown
 INCLUDED = [
     "README.md", "experiments/README.md", "experiments/robots.md", "experiments/scenes/README.md", "integrators/README.md",
-    "results/README.md", "src/README.md", "tests/README.md", "CHANGELOG.md", "CONTRIBUTING.md",
+    "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
 ]  # fmt: skip
 
 

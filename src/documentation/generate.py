@@ -53,7 +53,7 @@ def included_pages(pages: Pages) -> None:
     )
     pages.write(
         "results.md",
-        "# Published tables\n\nThe tables that [What was found](tree/results/README.md) quotes.\n\n"
+        "# Published tables\n\nThe tables that [Results](tree/results/README.md) quotes.\n\n"
         f"```{{toctree}}\n:maxdepth: 1\n\n{results}\n```\n",
     )
 

@@ -68,6 +68,10 @@ class Pages:
             inside, path = inside / "README.md", path / "README.md"
         if inside.parts[0] == ".." or not path.is_file():
             return words
+        if inside.parent == Path("src/documentation") and inside.name != "README.md" and path.suffix == ".md":
+            # a page of this directory is at the top of the folder
+            anchor = f"#{anchor}" if anchor else ""
+            return f"{image}[{words}]({os.path.relpath(inside.name, Path('tree') / origin)}{anchor})"
         if image or path.suffix != ".md":
             self.copy(path, f"tree/{inside}")
             suffix = ""

@@ -1,4 +1,4 @@
-// What was considered and left out.
+// Methods that were considered and omitted, with reasons.
 #include "integrators/method.h"
 
 namespace polhode {

@@ -1,4 +1,4 @@
-// Methods from outside the tree among polhode's own.
+// Registration of user-defined methods in addition to those of the program.
 #pragma once
 
 #include <memory>
@@ -8,17 +8,16 @@
 
 namespace polhode {
 
-/// Puts methods behind those of methods(), where every command and experiment finds them by name. To be called before
-/// anything has asked for methods(), else std::logic_error is thrown; std::invalid_argument where a name is taken. They
-/// outlive whatever uses them.
+/// Appends methods to methods(), so that every command and experiment finds them by name. They must outlive all users.
+/// Throws std::logic_error if methods() was called before, std::invalid_argument if a name is already in use.
 void add_methods(std::span<const Method> own);
 
-/// Whether there are any that were put there so.
+/// True if add_methods() has added any.
 bool has_own_methods();
 
-/// Puts a method behind those of methods(), or in the place of the one that was put there so under its name, at any
-/// time: lists that were given out before stay as they are. Methods are kept as long as the program runs. Its identity
-/// tells its results from others'. Throws std::invalid_argument where the name is one of the program's own or empty.
+/// Appends a method to methods(), or replaces an earlier one that was added under this name, at any time. Lists that
+/// were returned before stay unchanged. Methods are kept until the program ends. The identity distinguishes stored
+/// results. Throws std::invalid_argument if the name is empty or belongs to a method of the program.
 void add_method(std::shared_ptr<const Method> method);
 
 }  // namespace polhode

@@ -1,3 +1,8 @@
+// Conditioning of a mechanism by its variational equation.
+//
+// Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
+// advances both by DOP853 with step control. Dual numbers give df/dy S, own_directions columns per evaluation. Norms
+// are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>
@@ -25,11 +30,11 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr int most_full_directions = 40, mixed_directions = 16;
 constexpr double variation_tolerance = 1e-8;
-// of a central difference: its error is the square of this, rounding's 1e-16 over it
+// step of central differences: their truncation error is its square, their rounding error 1e-16 divided by it
 constexpr double difference = 1e-5;
 constexpr double most_prompt_steps = 20'000;
 
-// The state y of a mechanism with columns S = dy/da, stepped along together.
+// The state y of a mechanism and the columns S = dy/da, advanced together.
 class Variation {
   public:
     Variation(const Problem& problem)
@@ -47,7 +52,7 @@ class Variation {
     bool mixed() const { return mixed_; }
     double work_of_a_step() const { return size() * std::ceil(static_cast<double>(columns()) / own_directions); }
 
-    // What happens at an event: an impulse changes y, and S by its derivative.
+    // Processes an event: an impulse changes y, and S by its derivative.
     void enter(double t) {
         std::vector<double> y = y_;
         std::shared_ptr<const ErasedModel> next = model_->entered(t, y.data());
@@ -60,7 +65,7 @@ class Variation {
         y_ = std::move(y), model_ = std::move(next);
     }
 
-    // Goes on by at most h, which is the next step's size then; returns the time gone, 0 where a step was taken back.
+    // Advances by at most h and sets h to the next step. Returns the time advanced, or 0 if the step was rejected.
     double step(double& h) {
         const int n = size(), m = columns();
         if (!(h > 0) || !std::isfinite(h)) return 0;
@@ -100,14 +105,14 @@ class Variation {
         return done;
     }
 
-    // || d state(t) / d state(0) ||, both in minimal coordinates in units of their scales.
+    // || d state(t) / d state(0) ||, in minimal coordinates in units of their scales.
     double state() const { return spectral_norm(minimal(S_)); }
 
-    // Rad of the body that answers most.
+    // Norm of the attitude rows of the body with the largest response, rad.
     double attitude() const {
         std::vector<Matrix> turns;
         for (int c = 0; c < columns(); ++c) {
-            // rates turn nothing, however large they are in their own units
+            // normalised by the coordinates alone: rates do not rotate anything, however large they are in their units
             const double size = minimal(S_.col(c)).topRows(links_.rates).norm();
             if (!(size > 0) || !std::isfinite(size)) continue;
             const Eigen::VectorXd along = S_.col(c) / size;
@@ -131,7 +136,7 @@ class Variation {
 
   private:
     Links<double> links_;
-    std::vector<double> scales_, units_;  // units_: the scales, but of angles 1 rad
+    std::vector<double> scales_, units_;  // units_: the scales, but 1 rad for angles
     std::shared_ptr<const ErasedModel> model_;
     std::vector<double> y_;
     Matrix S_;
@@ -140,7 +145,7 @@ class Variation {
     static Quaternion<double> quaternion_at(const double* q) { return {q[0], q[1], q[2], q[3]}; }
     static Eigen::Index index(int i) { return static_cast<Eigen::Index>(i); }
 
-    // Changes of y as changes of what has as many parts as the mechanism has freedoms, in units of the scales.
+    // Converts changes of y to minimal coordinates, in units of the scales.
     Matrix minimal(const Matrix& changes) const {
         Matrix small(2 * links_.rates, changes.cols());
         for (Eigen::Index c = 0; c < changes.cols(); ++c) {
@@ -163,7 +168,7 @@ class Variation {
         return small;
     }
 
-    // The changes of y of the minimal coordinates, each by the unit of its scale.
+    // The changes of y for unit changes of each minimal coordinate.
     Matrix unit_changes() const {
         Matrix all = Matrix::Zero(size(), Eigen::Index{2} * links_.rates);
         Eigen::Index column = 0;
@@ -186,7 +191,7 @@ class Variation {
         return all;
     }
 
-    // (F(y + h s) - F(y - h s)) / 2h, s in units of its own length
+    // (F(y + h s) - F(y - h s)) / 2h, with s normalised to length 1
     template <class F>
     Eigen::VectorXd difference_along(const Eigen::VectorXd& s, const F& apply) const {
         const double length = minimal(s).norm();
@@ -203,7 +208,7 @@ class Variation {
         return rate;
     }
 
-    // Changes of the start that keep loops closed, of length 1 and at right angles in minimal coordinates.
+    // Orthonormal changes of the initial state in minimal coordinates that keep loops closed.
     Matrix directions() {
         Matrix all = unit_changes();
         if (model_->projects())
@@ -248,7 +253,7 @@ class Variation {
         }
     }
 
-    // Against the scales, columns against their own length too.
+    // Error norm: components relative to the scales, columns also relative to their length.
     double size_of_change(const std::vector<double>& change, const Matrix& Change) const {
         double largest = 0;
         const auto see = [&](double size) { largest = size <= largest ? largest : size; };

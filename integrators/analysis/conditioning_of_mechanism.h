@@ -7,11 +7,11 @@
 
 namespace polhode {
 
-/// kappa as in conditioning(), of a posed mechanism: the state are the joints' coordinates and rates in units of their
-/// scales, but angles in rad; of spherical joints and free bases the rotation vector of a small turn in the
-/// quaternion's place; where there are loops, changes that keep them closed. `attitude`: that of the body that answers
-/// most. From the variational equation by DOP853 on dual numbers. Of more than 40 coordinates and rates 16 directions
-/// are followed, each a mixture of all: kappa is no less than what they show.
+/// Computes kappa as conditioning() does, for a posed mechanism. The state consists of the joint coordinates and rates
+/// in units of their scales, but angles in rad; spherical joints and free bases use the rotation vector of a small
+/// rotation. With loops, only changes that keep them closed count. `attitude` is that of the body with the largest
+/// response. Solves the variational equation by DOP853 on dual numbers. With more than 40 coordinates and rates, 16
+/// random combinations of all directions are followed, and the result is a lower bound of kappa.
 Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector<double>& times,
                                        const ConditioningSettings& settings);
 

@@ -7,15 +7,15 @@
 namespace polhode {
 namespace {
 
-constexpr double excess = 1e-12;  ///< over 1: what rounding does not make of it
+constexpr double excess = 1e-12;  ///< margin above 1 that exceeds rounding errors
 
-/// growth(r) <= 1 from 0 on.
+/// The largest r with growth <= 1 on [0, r].
 template <class Growth>
 double length_of(const Growth& growth) {
     constexpr double first = 1e-3, fine = 100, last = 1e8;
     if (growth(first) > 1 + excess) return 0;
     double low = first, high = 0;
-    bool dipped = false;  // below 1 by more than rounding
+    bool dipped = false;  // growth fell below 1 by more than rounding
     for (double r = first; r <= last;) {
         r += r < fine ? 1e-3 : 0.01 * r;
         const double g = growth(r);
@@ -31,7 +31,7 @@ double length_of(const Growth& growth) {
         const double middle = (low + high) / 2;
         (growth(middle) > 1 + excess ? high : low) = middle;
     }
-    // an excess like r^n, n > 1, has been there from the beginning, lost in rounding at first
+    // an excess proportional to r^n, n > 1, is present from the start but hidden by rounding at first
     if (!dipped && growth(0.8 * low) > 1 + 0.01 * excess) return 0;
     return low;
 }
@@ -47,7 +47,7 @@ std::optional<double> linear_growth(const Method& method, std::complex<double> z
 
 std::optional<double> stable_length(const Method& method, double angle) {
     if (!method.growth && !method.pendulum_growth) return std::nullopt;
-    // the axes exactly
+    // the axes exactly, without rounding of the direction
     const double pi = std::numbers::pi;
     const std::complex<double> direction = angle == pi       ? std::complex<double>(-1, 0)
                                            : angle == pi / 2 ? std::complex<double>(0, 1)

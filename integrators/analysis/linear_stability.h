@@ -1,4 +1,4 @@
-// Linear stability of the methods: how far a step may reach on motion that decays, and on motion that swings.
+// Linear stability of the methods: the longest stable step for decaying and for oscillating motion.
 #pragma once
 
 #include <complex>
@@ -8,19 +8,19 @@
 
 namespace polhode {
 
-/// Spectral radius of one step of the method where the motion's eigenvalues times the step are z and its conjugate:
-/// Method::growth, or Method::pendulum_growth with h gamma = -2 Re z and h^2 k = |z|^2. Where z is real: of drag alone,
-/// h gamma = -z. Empty where the method has neither function.
+/// Spectral radius of one step if the eigenvalues of the motion times the step are z and its conjugate. Uses
+/// Method::growth, or Method::pendulum_growth with h gamma = -2 Re z and h^2 k = |z|^2. For real z (drag alone), h
+/// gamma = -z. Empty if the method has neither function.
 std::optional<double> linear_growth(const Method& method, std::complex<double> z);
 
-/// The largest r such that linear_growth(r exp(i angle)) <= 1 all the way from 0 to r, within 1e-6; 0 where it exceeds
-/// 1 at once, infinity where it does not up to r = 1e8. Windows of instability narrower than a thousandth are not
-/// looked for, nor an excess below 1e-12. Empty where there is no theory.
+/// The largest r with linear_growth(r exp(i angle)) <= 1 on all of [0, r], within 1e-6. Returns 0 if it exceeds 1 at
+/// once and infinity if it does not exceed 1 up to r = 1e8. Not detected: excesses below 1e-12, and windows of
+/// instability narrower than the scan step (1e-3 up to r = 100, then 1 % of r). Empty if the method has no growth.
 std::optional<double> stable_length(const Method& method, double angle);
 
-/// stable_length() along the negative real axis: the h |lambda| of drag that it bears.
+/// stable_length() along the negative real axis: the largest stable h |lambda| of drag.
 std::optional<double> real_interval(const Method& method);
-/// Along the imaginary axis: the h times frequency of a spring.
+/// stable_length() along the imaginary axis: the largest stable step times angular frequency of a spring.
 std::optional<double> imaginary_interval(const Method& method);
 
 }  // namespace polhode

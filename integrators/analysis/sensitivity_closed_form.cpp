@@ -13,12 +13,12 @@ using Form = ClosedForm<Wide>;
 constexpr int directions = 6;
 constexpr double distance = 1e-16;
 
-// q turned by the rotation vector a, in the body's axes; |a| so small that its square is nothing
+// q rotated by the rotation vector a in body axes; |a|^2 must be negligible
 Quaternion<Wide> turned(const Quaternion<Wide>& q, const Vector3<Wide>& a) {
     return normalized(q * Quaternion<Wide>{1, a[0] / 2, a[1] / 2, a[2] / 2});
 }
 
-// the rotation vector that leads from a to b, likewise
+// rotation vector from a to b; its square must be negligible
 Vector3<Wide> turn_between(const Quaternion<Wide>& a, const Quaternion<Wide>& b) {
     const Quaternion<Wide> d = conjugate(a) * b;
     const Wide twice = d.w < 0 ? -2 : 2;
@@ -39,7 +39,7 @@ std::vector<Eigen::Matrix<double, 6, 6>> sensitivity_by_closed_form(const Proble
     const Quaternion<Wide> q = body.q * frame.q_BP;
     const Wide scale = problem.scales.angular_velocity;
 
-    // to either side of the start
+    // closed forms of the motions on either side of the start
     std::vector<std::pair<Form, Form>> beside;
     for (int k = 0; k < directions; ++k) {
         const auto moved = [&](const Wide& by) {

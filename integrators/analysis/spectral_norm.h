@@ -5,8 +5,8 @@
 
 namespace polhode {
 
-/// The largest singular value of M, by the eigenvalues of M M^T or M^T M, whichever is smaller: right to a few units in
-/// the last place. M may be near overflow; where it is not finite neither is the norm.
+/// The largest singular value of M, from the eigenvalues of the smaller of M M^T and M^T M. Accurate to a few units in
+/// the last place, also near overflow. Infinite if an entry is not finite.
 double spectral_norm(const Eigen::MatrixXd& matrix);
 
 }  // namespace polhode

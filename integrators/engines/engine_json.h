@@ -1,4 +1,4 @@
-// What both kinds of request and answer are written and read with.
+// JSON helpers shared by both kinds of request and answer.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,9 +9,9 @@
 
 namespace polhode {
 
-/// Whether nothing but the diagonal is there.
+/// True if all off-diagonal entries are zero.
 bool is_diagonal(const Matrix3<double>& A);
-/// The principal frame of a tensor in its body's axes; one that is diagonal as it is written keeps its axes.
+/// The principal frame of a tensor in its body axes; a tensor that is already diagonal keeps its axes.
 PrincipalFrame engine_frame(const Matrix3<double>& inertia);
 
 namespace engine_json {
@@ -21,14 +21,14 @@ using nlohmann::json;
 inline json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
 inline json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
 
-/// Null is how JSON writes what is not finite.
+/// Reads a number; null stands for a value that is not finite and becomes NaN.
 double number(const json& value);
 Vector3<double> vector_at(const json& row, std::size_t first);
 Quaternion<double> quaternion_at(const json& row, std::size_t first);
 
-/// Status, message, steps and seconds of an answer; whether samples follow. Throws where they make no sense.
+/// Reads status, message, steps and seconds of an answer. Returns whether samples follow. Throws if values are invalid.
 bool read_outcome(const json& answer, Trajectory& trajectory);
-/// What an answer that cannot be read makes of a trajectory.
+/// The failed trajectory for an answer that cannot be read.
 Trajectory unreadable(const std::exception& error);
 
 }  // namespace engine_json

@@ -1,3 +1,8 @@
+// Requests to engines for several bodies, and their answers (README.md has the protocol).
+//
+// engine_mechanism() converts the scene: each body to its principal frame, each joint to anchors and axes at t = 0 with
+// zero coordinates (joint_of(), closure_of()), joints sorted so that parents precede children. mechanism_request()
+// writes this as JSON; read_mechanism_answer() reads the samples back into the scene's body axes.
 #include "integrators/engines/engine_mechanism.h"
 
 #include <fmt/format.h>
@@ -20,7 +25,7 @@ namespace {
 
 using engine_json::array, engine_json::json, engine_json::quaternion_at, engine_json::vector_at;
 
-// Gravity that always acts; impulses at t = 0 are in the start.
+// Constant gravity. Impulses at t = 0 are part of the initial state.
 Vector3<double> gravity_of(const Scene& scene) {
     Vector3<double> gravity;
     for (const Load& load : scene.loads) {
@@ -39,7 +44,7 @@ Vector3<double> gravity_of(const Scene& scene) {
     return gravity;
 }
 
-/// Bodies by name, as they stand at t = 0.
+/// Bodies by name, with their state at t = 0.
 class Starts {
   public:
     Starts(const Scene& scene, const std::vector<EngineBody>& bodies, const std::vector<MassProperties<double>>& own)
@@ -50,7 +55,7 @@ class Starts {
             if (scene_->bodies[i].name == name) return static_cast<int>(i);
         return -1;
     }
-    // a point of the scene's body in the engine's, and in the world
+    // a point of the scene's body in the axes of the engine's body, and in world axes
     Vector3<double> point(int body, const Vector3<double>& in_scene) const {
         if (body < 0) return in_scene;
         return rotate_back(at(body).q_BP, in_scene - (*own_)[static_cast<std::size_t>(body)].center);
@@ -107,7 +112,7 @@ EngineJoint joint_of(const Joint& joint, const Starts& starts) {
         add_axis(known, starts, starts.axis_W(known.child, joint.axes[0]));
         known.rates = {dot(known.axes_W[0], joint.type == JointType::revolute ? known.turning_W : sliding)};
     } else if (joint.type == JointType::universal) {
-        // the first axis stands in the middle frame: the second angle turns the child away from it
+        // the first axis is fixed in the middle frame: undoes the second angle's rotation
         const Vector3<double> second = starts.axis_W(known.child, joint.axes[1]);
         const Quaternion<double> back = quaternion_from_rotation_vector(-joint.coordinate[1] * second);
         add_axis(known, starts, rotate(back, starts.axis_W(known.child, joint.axes[0])));
@@ -131,7 +136,7 @@ EngineJoint closure_of(const Loop& loop, const Starts& starts) {
     return known;
 }
 
-// Each joint behind the one that carries its parent.
+// Sorts the joints so that each one follows the joint that carries its parent.
 void order(std::vector<EngineJoint>& joints) {
     std::vector<EngineJoint> ordered;
     while (!joints.empty()) {
@@ -192,7 +197,7 @@ void read_moments(const json& rows, const Problem& problem, const EngineMechanis
             moment.push_back(s);
         }
         if (!record(problem, moment, bound, trajectory)) return;
-        // what timings measure is the last moment
+        // timings keep only the last sample
         if (!settings.record && k + 1 < wanted) trajectory.samples.clear();
     }
 }

@@ -1,3 +1,8 @@
+// Engines as methods: reading of engine files, registration, and the solve functions.
+//
+// parse_engines() reads entries (EngineEntry) and makes one method per setting. AskedEngine sends a request for one
+// body or for a mechanism through the shared EngineSession and reads the answer. An entry with `by_step` is a program
+// that is started for each trajectory instead (external_method.h).
 #include "integrators/engines/engine_methods.h"
 
 #include <fmt/format.h>
@@ -20,11 +25,11 @@
 namespace polhode {
 namespace {
 
-/// What a file says of an engine.
+/// The entry of an engine in a file.
 struct EngineEntry {
     std::string name, about, source, needs;
     std::vector<std::string> command, settings;
-    std::vector<std::string> by_step;  ///< of a program that is started anew for each trajectory
+    std::vector<std::string> by_step;  ///< for a program that is started for each trajectory
     Precision precision = Precision::binary64;
     bool planes = false;
 };
@@ -43,13 +48,13 @@ std::string why_unrepresentable(const Problem& problem) {
     return "";
 }
 
-// The steps that a sample interval takes, 0 where all would be more than the run may take.
+// Number of steps per sample interval; 0 if the total exceeds the limit of steps.
 long steps_for(const Problem& problem, const Settings& settings) {
     const long steps = steps_per_sample(problem.scene.duration / static_cast<double>(settings.samples), *settings.step);
     return steps > settings.max_steps / settings.samples ? 0 : steps;
 }
 
-/// What a method of an engine is made of.
+/// Data of an engine's method.
 struct AskedEngine {
     EngineEntry entry;
     std::string setting;
@@ -95,7 +100,7 @@ struct AskedEngine {
         trajectory = read_mechanism_answer(said.line, problem, mechanism, settings, steps);
         sign(trajectory);
     }
-    // Whether there is an answer to be read; else the trajectory tells why.
+    // Returns whether there is an answer to read; otherwise sets the trajectory's status and message.
     bool answered(const LineAnswer& said, const EngineHello& hello, Trajectory& trajectory) const {
         if (said.was_not_found || !hello.missing.empty()) {
             trajectory = unsupported(fmt::format("{} is not here: {}", entry.name,
@@ -118,7 +123,7 @@ std::vector<std::string> words(const JsonNode& node) {
     return all;
 }
 
-// Names are part of methods' names, which stand in tables and file names.
+// These names become part of method names, which appear in tables and file names.
 void require_name(const JsonNode& node) {
     const std::string& name = node.string();
     const bool is_name = !name.empty() && std::ranges::all_of(name, [](char c) {
@@ -160,7 +165,7 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
     return entry;
 }
 
-/// Asks for the shortest of runs: two samples, a step.
+/// Requests the shortest possible run: two samples, one step.
 EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
     EngineReport report;
     const LineAnswer said = asked.session->greet(report.hello);
@@ -181,10 +186,10 @@ EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
     return report;
 }
 
-// A program that reads a scene and prints a trajectory, started anew for each.
+// A program that reads a scene and prints a trajectory, started for each trajectory.
 EngineMethod started_anew(const EngineEntry& entry, const Method& description) {
     const EngineCommand command{.arguments = entry.command, .by_step = entry.by_step};
-    // it tells nothing of itself
+    // such a program provides no information about itself
     const auto inspected = [](const Problem*) { return EngineReport(); };
     return {entry.name, entry.settings.front(), external_method(description, command), inspected};
 }

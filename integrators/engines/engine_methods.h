@@ -1,4 +1,4 @@
-// Engines as methods: those of polhode's own list and those of a user's.
+// Engines as methods: those of polhode's list and user-defined ones.
 #pragma once
 
 #include <functional>
@@ -13,36 +13,36 @@
 
 namespace polhode {
 
-/// What an engine tells beside a trajectory.
+/// Information that an engine provides in addition to trajectories.
 struct EngineReport {
-    std::string fault;                 ///< why it tells nothing; else empty
-    EngineHello hello;                 ///< who it is
-    std::optional<double> difference;  ///< readback_difference() of the problem's body, where it was asked
+    std::string fault;                 ///< why there is no information; otherwise empty
+    EngineHello hello;                 ///< version, settings and joint types of the engine
+    std::optional<double> difference;  ///< readback_difference() of the problem's body, if requested
 };
 
 /// An engine in one of its settings: the method ENGINE:SETTING.
 struct EngineMethod {
-    std::string engine;                    ///< its name
-    std::string setting;                   ///< as a new user gets it (default), as it does best (best), ..
-    std::shared_ptr<const Method> method;  ///< solves by asking the engine, in a process of its own
-    /// Asks the engine who it is, and, where a problem is given, what it makes of its body.
+    std::string engine;                    ///< name of the engine
+    std::string setting;                   ///< as in a new installation (default), most accurate (best), ..
+    std::shared_ptr<const Method> method;  ///< solves by requests to the engine's process
+    /// Requests the engine's hello and, if a problem is given, the readback of its body.
     std::function<EngineReport(const Problem*)> inspect;
 };
 
-/// The engines of a file (JSON, see README.md), each in all its settings. In their commands {here} stands for the
-/// directory of the file. Nothing is started before a method is asked for a trajectory. Throws InputError.
+/// Reads the engines of a file (JSON, see README.md), each in all its settings. In their commands {here} is replaced by
+/// the directory of the file. No process is started before a trajectory is requested. Throws InputError.
 std::vector<EngineMethod> read_engines(const std::string& path);
-/// Those of a file's text.
+/// As read_engines(), from the text of a file.
 std::vector<EngineMethod> parse_engines(std::string_view text, const std::string& path);
 
-/// Makes the engines of a file known to engines() and find_engine(), which read it when they are first asked. Those of
-/// a file added later stand behind those of earlier ones. Not for several threads.
+/// Registers the engines of a file for engines() and find_engine(), which read it on first use. Engines of later files
+/// follow those of earlier ones. Not thread-safe.
 void add_engines(const std::string& path);
-/// All engines that are known. Throws InputError where a file cannot be read, or two engines have one name.
+/// All registered engines. Throws InputError if a file cannot be read or two engines have the same name.
 const std::vector<EngineMethod>& engines();
-/// The engine of the name ENGINE:SETTING, or of ENGINE alone in its first setting; nullptr if none is known by it.
+/// The engine with the name ENGINE:SETTING, or with the name ENGINE in its first setting; nullptr if there is none.
 const EngineMethod* find_engine(std::string_view name);
-/// The engine that a method asks, nullptr if it asks none.
+/// The engine behind a method; nullptr if the method is not an engine.
 const EngineMethod* engine_of(const Method& method);
 
 }  // namespace polhode

@@ -1,3 +1,8 @@
+// Requests to engines for one body, and their answers (README.md has the protocol).
+//
+// engine_scene() converts the scene to the body's principal frame (LoadTurner rotates the loads, add_shape() adds
+// planes and hull). engine_request() writes it as JSON, with the loads as one piece per interval between events
+// (PieceWriter). read_answer() reads samples and readback into the scene's body axes.
 #include "integrators/engines/engine_request.h"
 
 #include <fmt/format.h>
@@ -18,7 +23,7 @@ namespace {
 
 using engine_json::array, engine_json::json, engine_json::number, engine_json::quaternion_at, engine_json::vector_at;
 
-/// A load of a body in the axes of the engine's.
+/// Converts a load to the axes of the engine's body.
 struct LoadTurner {
     const Quaternion<double>& q_BP;
     const Vector3<double>& center;
@@ -81,7 +86,7 @@ void add_shape(EngineScene& known, const Scene& scene) {
     }
 }
 
-/// What acts on the body from one event to the next.
+/// Writes the loads that act from one event to the next.
 struct PieceWriter {
     double begin;
     json& piece;
@@ -147,7 +152,7 @@ EngineReadback readback_of(const json& answer) {
     return back;
 }
 
-// The samples up to the first that is not finite or has an energy beyond all bounds.
+// Reads the samples up to the first that is not finite or exceeds the energy bound.
 void read_samples(const json& rows, const Problem& problem, const EngineScene& scene, const Settings& settings,
                   Trajectory& trajectory) {
     const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
@@ -174,7 +179,7 @@ EngineScene engine_scene(const Problem& problem) {
     const Scene& scene = problem.scene;
     const ExactBody<double>& body = problem.body;
     EngineScene known;
-    // the inertia about the centre of mass, whatever holds the body
+    // the inertia about the centre of mass, also with a pivot
     Scene free = scene;
     free.pivot.reset(), free.planes.clear(), free.loads.clear();
     const PrincipalFrame frame = is_diagonal(scene.body.inertia_B)

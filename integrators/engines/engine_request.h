@@ -1,4 +1,4 @@
-// What an engine is asked, and what it answers: the protocol of README.md.
+// Requests to engines and their answers for one body: the protocol of README.md.
 #pragma once
 
 #include <optional>
@@ -10,59 +10,59 @@
 
 namespace polhode {
 
-/// A scene in the terms that every engine knows: a free body whose origin is its centre of mass and whose axes are its
-/// principal ones, beside what holds it and what it may hit.
+/// A scene in the terms that every engine supports: a free body whose origin is its centre of mass and whose axes are
+/// its principal axes, with an optional pivot and planes.
 struct EngineScene {
     Scene free;                            ///< without pivot, planes and shape; starts as the scene does
     Vector3<double> moments;               ///< kg m^2
     Quaternion<double> q_BP;               ///< its axes to those of the scene's body
-    std::optional<Vector3<double>> pivot;  ///< held at the world's origin: from the centre of mass, its axes, m
+    std::optional<Vector3<double>> pivot;  ///< fixed at the world's origin: from the centre of mass, in its axes, m
     std::vector<Plane> planes;             ///< unit normals
-    std::vector<Vector3<double>> hull;     ///< corners of the body's convex hull, beside planes; its axes, m
-    std::optional<double> ball;            ///< or the radius (m) of a ball about the centre of mass
+    std::vector<Vector3<double>> hull;     ///< corners of the body's convex hull if there are planes; in its axes, m
+    std::optional<double> ball;            ///< radius of a ball about the centre of mass, instead of the hull, m
 };
 
-/// The scene of a problem in these terms. A tensor that is diagonal as it is written keeps its axes. Throws
-/// std::invalid_argument, with the reason in a few words, where there are none: a torque of the user's own, drag about
-/// axes that are not principal, a hull that is round and no ball.
+/// Converts the scene of a problem. A tensor that is already diagonal keeps its axes. Throws std::invalid_argument with
+/// a short reason if this is not possible: user-defined torques, drag about axes that are not principal, a hull that is
+/// round but not a ball about the centre of mass.
 EngineScene engine_scene(const Problem& problem);
 
-/// What the engine says of the body right after it was made. Empty where it does not tell.
+/// State of the body that the engine reports right after creating it. Empty members are not reported.
 struct EngineReadback {
     std::optional<double> mass;              ///< kg
     std::optional<Vector3<double>> moments;  ///< kg m^2
-    std::optional<Quaternion<double>> q;     ///< its axes to the world's
+    std::optional<Quaternion<double>> q;     ///< its axes to world axes
     std::optional<Vector3<double>> w;        ///< world axes, rad/s
     std::optional<Vector3<double>> p, v;     ///< of the centre of mass, m and m/s
 };
 
-/// The largest difference of what was read back from what was asked for: of mass, moments, w, p and v relative to
-/// the size of each (absolute where that is zero), of the attitude in rad.
+/// The largest difference between the readback and the requested values: mass, moments, w, p and v relative to their
+/// size (absolute if that is zero), attitude in rad.
 double readback_difference(const EngineScene& scene, const EngineReadback& readback);
 
-/// The request, one line of JSON, by the engine's setting.
+/// The request as one line of JSON. `setting`: name of the engine's setting.
 std::string engine_request(const EngineScene& scene, const std::string& setting, const Settings& settings,
                            long steps_per_sample);
 
-/// What an engine says of itself when it has started.
+/// The line that an engine sends when it has started.
 struct EngineHello {
-    std::string version;                                          ///< of the engine
-    std::string missing;                                          ///< why it cannot be had; empty where it can
-    std::vector<std::pair<std::string, std::string>> settings{};  ///< each by its name and what it is
-    std::vector<std::string> joints{};                            ///< the types of joints that it takes, by their words
-    std::vector<std::string> loops{};                             ///< likewise those that it closes loops by
+    std::string version;                                          ///< version of the engine
+    std::string missing;                                          ///< why the engine is not available; empty if it is
+    std::vector<std::pair<std::string, std::string>> settings{};  ///< name and description of each setting
+    std::vector<std::string> joints{};                            ///< joint types that it supports
+    std::vector<std::string> loops{};                             ///< joint types that it supports for closing loops
 };
 
-/// Throws std::invalid_argument, with the fault, where the line is none.
+/// Parses the hello. Throws std::invalid_argument with the fault if the line is not a valid hello.
 EngineHello read_hello(std::string_view line);
 
-/// An engine's answer.
+/// The answer of an engine.
 struct EngineAnswer {
-    Trajectory trajectory;    ///< in the scene's own body axes
+    Trajectory trajectory;    ///< in the scene's body axes
     EngineReadback readback;  ///< in the engine's axes
 };
 
-/// Reads an answer to a request for `problem`. What does not belong there is told by a trajectory that is `failed`.
+/// Reads an answer to a request for `problem`. An invalid answer gives a trajectory that is `failed`.
 EngineAnswer read_answer(std::string_view line, const Problem& problem, const EngineScene& scene,
                          const Settings& settings, long steps_per_sample);
 

@@ -8,9 +8,9 @@
 namespace polhode {
 namespace {
 
-/// For an interpreter and an engine in WebAssembly to be loaded on a busy machine.
+/// Time limit for starting an interpreter and an engine in WebAssembly on a busy machine.
 constexpr std::chrono::seconds time_to_start(60);
-/// Questions in a row that it leaves without an answer before it is asked no more.
+/// Number of consecutive timeouts after which no more requests are sent.
 constexpr int silences = 2;
 
 }  // namespace
@@ -23,7 +23,7 @@ LineAnswer EngineSession::take(Running& running) {
             idle_.pop_back();
             return {};
         }
-        // what could not be had at first cannot be had later
+        // an engine that was not available at first is not searched again
         if (absent_) {
             running.hello = absent_->hello;
             return absent_->answer;
@@ -68,7 +68,10 @@ LineAnswer EngineSession::ask(const std::string& request, double seconds, Engine
     hello = running.hello;
     if (!answer.fault.empty() || !hello.missing.empty()) return answer;
     answer = running.process->ask(request, std::chrono::duration<double>(seconds));
-    unanswered_ = answer.was_out_of_time ? unanswered_ + 1 : 0;
+    if (answer.was_out_of_time)
+        ++unanswered_;
+    else
+        unanswered_ = 0;
     give_back(std::move(running));
     return answer;
 }

@@ -1,4 +1,4 @@
-// An engine in a process of its own, asked by many trajectories, from several threads.
+// Processes of one engine, used for many trajectories from several threads.
 #pragma once
 
 #include <atomic>
@@ -13,17 +13,16 @@
 
 namespace polhode {
 
-/// The processes of one engine: as many as are asked at the same time. One that is done waits for the next question;
-/// one that has crashed or hung is replaced, and one that hangs twice in a row is asked no more.
+/// The processes of one engine, one per concurrent request. An idle process waits for the next request. A process that
+/// crashes or hangs is replaced; after two consecutive timeouts no more requests are sent.
 class EngineSession {
   public:
-    /// Starts nothing yet.
+    /// Does not start a process.
     explicit EngineSession(std::vector<std::string> command) : command_(std::move(command)) {}
 
-    /// The engine's answer to a request, within `seconds` of its being asked. `hello` becomes what the process said
-    /// when it was started, if it did.
+    /// Sends a request and returns the answer, with a limit of `seconds`. Sets `hello` if the process has started.
     LineAnswer ask(const std::string& request, double seconds, EngineHello& hello);
-    /// What it says of itself.
+    /// Returns the hello of a process, starting one if necessary.
     LineAnswer greet(EngineHello& hello);
 
   private:
@@ -41,8 +40,8 @@ class EngineSession {
     std::vector<std::string> command_;
     std::mutex mutex_;
     std::vector<Running> idle_;
-    std::optional<Absent> absent_;     ///< what a start gave that found no engine
-    std::atomic<int> unanswered_ = 0;  ///< the last questions in a row that ran out of time
+    std::optional<Absent> absent_;     ///< result of a start that found no engine
+    std::atomic<int> unanswered_ = 0;  ///< number of consecutive requests that timed out
 };
 
 }  // namespace polhode

@@ -39,7 +39,7 @@ std::vector<std::string> arguments_of(const EngineCommand& command, const Scene&
     return arguments;
 }
 
-// Why the file is not the run's; empty where it is. Times that are right but for rounding become the samples' own.
+// Why the file is not valid for the run; empty if it is. Times that are correct up to rounding are made exact.
 std::string fault_of(TrajectoryFile& file, const Problem& problem, const Settings& settings) {
     const double duration = problem.scene.duration;
     if (!file.has_angular_velocity) return "it prints no columns wx, wy, wz";

@@ -1,5 +1,8 @@
-// What acts on the bodies of a mechanism in maximal coordinates: loads, and the joints' own springs, dampers and
-// motors, as forces and torques about the centres of mass in world axes.
+// Loads on the bodies of a mechanism in maximal coordinates, and the springs, dampers and motors of its joints, as
+// forces and torques about the centres of mass in world axes.
+//
+// Acting holds the loads of one piece of the motion and adds them to one WorldWrench per body. add_own_forces() adds
+// the spring, damper and motor of a joint; follow_coordinates() tracks its angles over whole rotations.
 #pragma once
 
 #include <array>
@@ -13,7 +16,7 @@
 
 namespace polhode::multibody {
 
-/// A force and a torque about the centre of mass, or momenta; world axes.
+/// Force and torque about the centre of mass, or linear and angular momentum; world axes.
 template <class S>
 struct WorldWrench {
     Vector3<S> force, torque;
@@ -23,12 +26,12 @@ struct WorldWrench {
     }
 };
 
-/// The loads that act during one piece of the motion, each number rounded once.
+/// The loads that act during one piece of the motion, each number rounded once to S.
 template <class S>
 class Acting {
   public:
     Acting() = default;
-    /// Those that act from `begin` (s) on.
+    /// Selects the loads that act from time `begin`, s, on.
     Acting(const maximal::Mechanism<double>& mechanism, double begin) {
         motors_.assign(mechanism.links.size(), S(0));
         for (const Load& load : mechanism.scene().loads) {
@@ -38,10 +41,10 @@ class Acting {
         }
     }
 
-    /// The sum of the motors on a joint.
+    /// Sum of the motors on a joint: N m or N.
     S motor(std::size_t link) const { return motors_.empty() ? S(0) : motors_[link]; }
 
-    /// Adds what acts on each body.
+    /// Adds the loads on each body.
     void add(const std::vector<MovingBody<S>>& bodies, std::vector<WorldWrench<S>>& on) const {
         if (has_gravity_)
             for (std::size_t b = 0; b < on.size(); ++b) on[b].force = on[b].force + bodies[b].mass * gravity_;
@@ -59,7 +62,7 @@ class Acting {
             on[drag.body].force = on[drag.body].force - drag.translational * body.v;
         }
         for (const auto& spring : springs_) {
-            // q q_rest* turns the rest attitude into the present one, about an axis in the world
+            // q q_rest* rotates the rest attitude into the present one; its axis is in world axes
             const Quaternion<S> turn = bodies[spring.body].q * conjugate(spring.rest);
             on[spring.body].torque = on[spring.body].torque - (S(2) * spring.stiffness * turn.w) * vector_part(turn);
         }
@@ -74,7 +77,7 @@ class Acting {
         }
     }
 
-    /// Adds the momenta of the impulses at that very time, each body as if alone; whether there are any.
+    /// Adds the momenta of the impulses at exactly this time, each body as if free. Returns whether there are any.
     static bool add_impulses(const maximal::Mechanism<double>& mechanism, double time,
                              const std::vector<MovingBody<S>>& bodies, std::vector<WorldWrench<S>>& on) {
         bool any = false;
@@ -94,7 +97,7 @@ class Acting {
         std::size_t body;
         Vector3<S> vector;
         bool in_body;
-        Vector3<S> point;  ///< from the centre of mass, body axes; or in the world
+        Vector3<S> point;  ///< from the centre of mass in body axes, or from the origin in world axes
         bool point_in_body;
     };
     struct Dragging {
@@ -163,14 +166,14 @@ class Acting {
     }
 };
 
-/// The angle equal to `angle` up to whole turns that is nearest to `before`.
+/// The angle equal to `angle` modulo 2 pi that is nearest to `before`.
 template <class S>
 S nearest_turn(S angle, S before) {
     constexpr S turn = 2 * std::numbers::pi_v<S>;
     return angle + turn * std::round((before - angle) / turn);
 }
 
-/// The coordinates of a joint of one or two, as the bodies stand: rad, near those before; m.
+/// Updates the one or two coordinates of a joint from its bodies: rad, nearest to the previous values; or m.
 template <class S>
 void follow_coordinates(const PairView<S>& at, std::array<S, 2>& coordinate) {
     const HeldPair<S>& pair = at.pair;
@@ -180,7 +183,7 @@ void follow_coordinates(const PairView<S>& at, std::array<S, 2>& coordinate) {
         const Quaternion<S> J = at.joint();
         coordinate[0] = nearest_turn<S>(2 * std::atan2(dot(vector_part(J), pair.axes_to[0]), J.w), coordinate[0]);
     } else if (pair.kind == maximal::Kind::universal) {
-        // the turn about the first axis takes the second from where it is at zero; and the other way round
+        // the rotation about the first axis moves the second axis from its zero position, and vice versa
         const auto angle = [](const Vector3<S>& axis, const Vector3<S>& rest, const Vector3<S>& now) {
             return std::atan2(dot(cross(axis, rest), now), dot(rest, now) - dot(axis, rest) * dot(axis, now));
         };
@@ -191,7 +194,7 @@ void follow_coordinates(const PairView<S>& at, std::array<S, 2>& coordinate) {
     }
 }
 
-/// Adds what a joint's own spring, damper and motor do to its two bodies. `coordinate`: those of joints with a spring.
+/// Adds the forces of a joint's spring, damper and motor to its two bodies. `coordinate`: used by joints with a spring.
 template <class S>
 void add_own_forces(const PairView<S>& at, S motor, const std::array<S, 2>& coordinate, WorldWrench<S>& on_from,
                     WorldWrench<S>& on_to) {
@@ -220,7 +223,7 @@ void add_own_forces(const PairView<S>& at, S motor, const std::array<S, 2>& coor
         const S Q1 = size(0, scale * (along1 - c * along2)), Q2 = size(1, scale * (along2 - c * along1));
         twist(scale * ((Q1 - c * Q2) * e1 + (Q2 - c * Q1) * e2));
     } else if (pair.kind == maximal::Kind::prismatic) {
-        // both feel it at the child's point
+        // the force on both bodies acts at the child's point
         const Vector3<S> axis = at.first_axis(), arm_to = at.arm_to(), arm_from = at.to.x + arm_to - at.from.x;
         const S rate = dot(axis, at.to.velocity_at(arm_to) - at.from.velocity_at(arm_from));
         const Vector3<S> force = (motor + size(0, rate)) * axis;

@@ -30,7 +30,7 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
         Symmetric3<double> J, M;
         Matrix3<double> B;
         if (link.kind == LinkJoint::spherical) {
-            // D = J + diag(d); what is left: J - J D^-1 J, B - J D^-1 B, M - B^T D^-1 B
+            // D = J + diag(d); remaining inertia: J - J D^-1 J, B - J D^-1 B, M - B^T D^-1 B
             w.inverse =
                 inverse(Symmetric3<double>{I.J.xx + d[0], I.J.yy + d[1], I.J.zz + d[2], I.J.xy, I.J.xz, I.J.yz});
             if (link.parent < 0) continue;
@@ -60,7 +60,7 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
 void ArmatureSolver::solve(const Tree<double>& tree, const std::vector<double>& torque, std::vector<double>& x) {
     const Links<double>& all = tree.links();
     x.resize(static_cast<std::size_t>(all.rates));
-    // w.bias: the force that what hangs on a link asks of it;  w.force: u = tau - S^T p
+    // w.bias: force that the child links require from a link;  w.force: u = tau - S^T p
     for (LinkWork<double>& w : links_) w.bias = {};
     for (std::size_t i = links_.size(); i-- > 0;) {
         const Link<double>& link = all.links[i];

@@ -1,6 +1,6 @@
-// (M + diag(d)) x = tau by the articulated-body recursion, M the mass matrix of a tree in its rates: what moves by a
-// joint gets an inertia d of its own beside the bodies', a motor's armature. With d = h c that is the matrix of an
-// implicit damper c; with d = 0 it is M alone.
+// Solves (M + diag(d)) x = tau by the articulated-body recursion. M is the mass matrix of a tree in its rates, and d an
+// additional inertia of each joint (armature of a motor). With d = h c this is the matrix of an implicit damper c; with
+// d = 0 it is M.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace polhode::multibody {
 
-/// A recursion of its own beside the tree's: that one knows that a joint without armature gives way entirely.
+/// Has its own recursion: the tree's recursion assumes joints without armature.
 class ArmatureSolver {
   public:
-    /// `at`: what tree.move() has made of a state; taken over link by link.
+    /// Copies the links' data from `at`, which tree.move() has computed for a state.
     void take(const Tree<double>& tree, const TreeWork<double>& at);
-    /// `armature`: d of each rate (a free base's are not looked at), then solve() may be called.
+    /// `armature`: d of each rate (those of a free base are ignored). Must be called before solve().
     void factorize(const Tree<double>& tree, const std::vector<double>& armature);
-    /// tau in, x out; both in the order of the rates.
+    /// Solves for x given tau. Both are in the order of the rates.
     void solve(const Tree<double>& tree, const std::vector<double>& torque, std::vector<double>& x);
 
   private:

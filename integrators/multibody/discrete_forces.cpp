@@ -4,7 +4,7 @@
 
 namespace polhode::multibody {
 
-// from the roots out: velocities, accelerations, and of each link alone its momentum and the wrench that moves it
+// outward sweep: velocities and accelerations, and for each link alone its momentum and the wrench that accelerates it
 void JointSweeps::sweep_out(const Tree<double>& tree, const TreeWork<double>& at, const double* y, const double* a) {
     const Links<double>& all = tree.links();
     const std::size_t n = all.links.size();
@@ -52,7 +52,7 @@ void JointSweeps::run(const Tree<double>& tree, const TreeWork<double>& at, cons
         const std::size_t k = static_cast<std::size_t>(link.rate - all.coordinates);
         const double* const rate = y + link.rate;
         const Pair6<double>&own = momentum_[i], &load = wrench_[i];
-        // dT/dx = momentum . [V, S], V the twist that the parent gives and S the joint's directions
+        // dT/dx = momentum . [V, S], where V is the twist of the parent and S the joint's directions
         if (link.kind == LinkJoint::revolute) {
             out.momentum[k] = own.turning[2];
             out.force[k] = (cross(own.turning, w.w) + cross(own.linear, speed_[i]) + load.turning)[2];

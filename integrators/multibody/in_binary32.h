@@ -1,4 +1,4 @@
-// The family of methods for mechanisms beside its twins in binary32.
+// Adds binary32 variants to a family of methods for mechanisms.
 #pragma once
 
 #include "integrators/multibody/refusals.h"
@@ -10,7 +10,7 @@ namespace polhode::multibody {
 template <const auto& methods, auto... solves>
 constexpr auto with_binary32_twins() {
     auto all = with_binary32<methods, beyond_binary32, solves...>();
-    // a mechanism is posed as a system of its own
+    // a mechanism is posed as a system other than one body
     for (Method& method : all) method.own_systems = true;
     return all;
 }

@@ -1,5 +1,4 @@
-// What steppers in joint coordinates share (integrators/run/march.h): the state (x, x') of a tree, its events and
-// samples.
+// Base of steppers in joint coordinates (Stepper in run/march.h): the state (x, x') of a tree, its events and samples.
 #pragma once
 
 #include <memory>
@@ -12,7 +11,7 @@ namespace polhode::multibody {
 
 class JointState {
   public:
-    /// At t = 0 of a scene of several bodies.
+    /// Starts at t = 0. The problem must be a scene of several bodies.
     explicit JointState(const Problem& problem);
     void restart();
     void enter(const Segment& segment);
@@ -24,12 +23,12 @@ class JointState {
     const Tree<double>& tree() const { return model_->tree(); }
     std::size_t coordinates() const { return static_cast<std::size_t>(tree().links().coordinates); }
     std::size_t rates() const { return static_cast<std::size_t>(tree().links().rates); }
-    /// x by h times the rates of y: attitudes by one exponential, normalised.
+    /// Advances x by h times the rates in y. Attitudes are advanced by one exponential and normalised.
     void go_along(double h, std::vector<double>& y) const;
 
     std::shared_ptr<const MechanismModel> posed_, model_;
     std::vector<double> y_;   ///< x, x'
-    std::vector<double> dy_;  ///< room for x', x''
+    std::vector<double> dy_;  ///< storage for x', x''
     long steps_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// All of a stepper (integrators/run/march.h) in maximal coordinates but its step, in the scalar S.
+// Base of steppers in maximal coordinates (integrators/run/march.h) with scalar S: everything except step().
 #pragma once
 
 #include <memory>
@@ -41,7 +41,7 @@ class MaximalState {
                 continue;
             shared->pairs.push_back(held_pair<S>(links[k], k));
         }
-        // where the coordinates stand at the start, of joints that the reader has moved too
+        // initial joint coordinates, including those of joints that the reader has moved
         for (const HeldPair<S>& pair : shared->pairs) {
             std::array<S, 2> coordinate{S(links[pair.link].coordinate[0]), S(links[pair.link].coordinate[1])};
             if (pair.has_spring)
@@ -56,7 +56,7 @@ class MaximalState {
         bodies_ = shared_->start, coordinates_ = shared_->coordinates;
         acting_ = {}, steps_ = 0;
     }
-    /// An impulse changes the velocity of the body that it hits alone; the next step takes it to the others.
+    /// An impulse changes only the velocity of the body that it acts on; the next step transmits it to the others.
     void enter(const Segment& segment) {
         acting_ = Acting<S>(shared_->mechanism, segment.begin);
         std::vector<WorldWrench<S>> given(bodies_.size());
@@ -86,7 +86,7 @@ class MaximalState {
     const std::vector<HeldPair<S>>& pairs() const { return shared_->pairs; }
     PairView<S> view(const HeldPair<S>& pair) const { return {pair, bodies_[pair.from], bodies_[pair.to]}; }
 
-    /// v += h F / m, w += h I^-1 tau by all that acts as the bodies stand, and `gyroscopic` for the rest of w.
+    /// v += h F / m, w += h I^-1 tau for all loads at the current state, and the `gyroscopic` term of w.
     template <GyroscopicTerm gyroscopic>
     void accelerate(S h) {
         wrenches_.assign(bodies_.size(), {});
@@ -128,7 +128,7 @@ class MaximalState {
     };
     std::shared_ptr<const Shared> shared_;
     Acting<S> acting_;
-    std::vector<std::array<S, 2>> coordinates_;  // of each pair, of joints with a spring
+    std::vector<std::array<S, 2>> coordinates_;  // of each pair; updated for joints with a spring
     std::vector<WorldWrench<S>> wrenches_;
 };
 

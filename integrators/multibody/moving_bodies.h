@@ -1,5 +1,5 @@
-// What methods in maximal coordinates keep of a mechanism: every body with all six freedoms, in world axes, and the
-// joints and loops between them. Numbers are rounded once to the scalar S, double or float.
+// State of a mechanism in maximal coordinates: every body with six degrees of freedom in world axes, and the joints and
+// loops between them. Numbers are rounded once to the scalar S, double or float.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace polhode::multibody {
 
-/// A body; the world and what fixed joints hold to it have no inverse mass and no inverse inertia.
+/// A body. The world and bodies fixed to it have zero inverse mass and zero inverse inertia.
 template <class S>
 struct MovingBody {
     bool movable = false;
@@ -28,15 +28,15 @@ struct MovingBody {
     Matrix3<S> R;            ///< of q
     Matrix3<S> inverse_I_W;  ///< R I^-1 R^T
 
-    /// What follows from q.
+    /// Updates the quantities that depend on q.
     void turned() {
         R = rotation_matrix(q);
         if (movable) inverse_I_W = R * inertia.inverse * transposed(R);
     }
     Vector3<S> velocity_at(const Vector3<S>& arm_W) const { return v + cross(w, arm_W); }
-    /// q turned by a rotation vector in world axes, and normalised.
+    /// Rotates q by a rotation vector in world axes and normalises it.
     void turn(const Vector3<S>& by_W) { q = normalized(quaternion_from_rotation_vector(by_W) * q); }
-    /// q += 1/2 (0, turn) q, and normalised.
+    /// q += 1/2 (0, by_W) q, then normalises it.
     void turn_in_first_order(const Vector3<S>& by_W) {
         const Vector3<S> half = S(0.5) * by_W;
         const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q;
@@ -44,7 +44,7 @@ struct MovingBody {
     }
 };
 
-/// A joint or a loop between two bodies, by their numbers. What its parts mean stands at maximal::Link.
+/// A joint or loop between two bodies, given by their numbers. The members are documented in maximal::Link.
 template <class S>
 struct HeldPair {
     maximal::Kind kind = maximal::Kind::revolute;
@@ -81,7 +81,7 @@ HeldPair<S> held_pair(const maximal::Link<double>& link, std::size_t number) {
     return pair;
 }
 
-/// A pair between its bodies as they stand, world axes.
+/// A pair with the current state of its bodies; world axes.
 template <class S>
 struct PairView {
     const HeldPair<S>& pair;
@@ -89,14 +89,14 @@ struct PairView {
 
     Vector3<S> arm_from() const { return from.R * pair.arm_from; }
     Vector3<S> arm_to() const { return to.R * pair.arm_to; }
-    /// From the point of `from` to that of `to`.
+    /// Vector from the point on `from` to the point on `to`.
     Vector3<S> apart() const { return (to.x + arm_to()) - (from.x + arm_from()); }
-    /// The child's attitude beside where a fixed joint would have it, as a turn in the world: 2 vec.
+    /// Attitude of the child relative to a fixed joint, as a rotation vector in world axes to first order: 2 vec.
     Vector3<S> twist() const {
         const Quaternion<S> turn = to.q * conjugate(from.q * pair.orientation);
         return (turn.w < 0 ? S(-2) : S(2)) * vector_part(turn);
     }
-    /// J: the child's attitude against the parent's.
+    /// J: attitude of the child relative to the parent.
     Quaternion<S> joint() const { return conjugate(from.q * pair.orientation) * to.q; }
     Vector3<S> first_axis() const { return from.R * pair.axis_from; }
     Vector3<S> axis_to(std::size_t i) const { return to.R * pair.axes_to[i]; }

@@ -1,4 +1,4 @@
-// Mechanisms in joint coordinates by semi-implicit Euler, as robotics' engines take them.
+// Mechanisms in joint coordinates by semi-implicit Euler, as in robotics engines.
 #include <span>
 #include <vector>
 
@@ -11,13 +11,13 @@ namespace {
 
 using multibody::JointState;
 
-/// Semi-implicit steps: rates first, then coordinates by the new rates, then back onto the loops.
+/// Semi-implicit step: rates first, then coordinates by the new rates, then projection onto the loop constraints.
 class SemiImplicitSteps : public JointState {
   public:
     using JointState::JointState;
 
   protected:
-    /// x'' at the state.
+    /// x'' at the current state.
     std::vector<double> accelerations() {
         tree().derivative(y_.data(), dy_.data());
         return {dy_.begin() + static_cast<std::ptrdiff_t>(coordinates()), dy_.end()};
@@ -37,7 +37,7 @@ class SemiImplicitEuler : public SemiImplicitSteps {
     void step(double, double h) { go(h, accelerations()); }
 };
 
-/// (M + h D) a = f(x, x'),  x' += h a,  x += h x';  D: the joints' dampers. With M a_0 = f that is
+/// (M + h D) a = f(x, x'),  x' += h a,  x += h x', where D holds the joints' dampers. With M a_0 = f,
 /// a = a_0 - (M + h D)^-1 h D a_0.
 class ImplicitDamping : public SemiImplicitSteps {
   public:

@@ -1,4 +1,4 @@
-// Reasons for which methods for mechanisms refuse a problem: values of Method::refuses.
+// Values of Method::refuses that methods for mechanisms share.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace polhode::multibody {
 
-/// Of any of them: what is no scene of several bodies.
+/// For all of them: the scene must have several bodies.
 std::string needs_a_mechanism(const Problem& problem);
 
-/// Of those that move each body by the inverse of its own mass and tensor: also bodies without them.
+/// For methods that use the inverse of each body's mass and tensor: every body must have both.
 std::string needs_inertia_of_each_body(const Problem& problem);
 
-/// Why binary32 cannot hold a mechanism: a mass, a moment or a place out of its range. Empty where it
-/// can, and of what is no mechanism.
+/// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if
+/// it can, and for problems that are not mechanisms.
 std::string beyond_binary32(const Problem& problem);
 
 }  // namespace polhode::multibody

@@ -10,20 +10,20 @@
 
 namespace polhode::multibody {
 
-/// How a solver of impulses goes about it.
+/// Options of the impulse solver.
 struct ImpulseOptions {
     int iterations = 10;
-    bool warm_start = true;       ///< begins with the impulses of the step before, by the steps' ratio
-    bool split = false;           ///< mends positions by velocities of their own, which are forgotten
-    bool gyroscopic_term = true;  ///< w x I w in one Newton step; else left out
-    bool blocks = false;          ///< a joint's axes together, then its points together; else row by row
+    bool warm_start = true;       ///< starts from the previous step's impulses, scaled by the ratio of the steps
+    bool split = false;           ///< corrects positions by separate velocities that are discarded after the step
+    bool gyroscopic_term = true;  ///< w x I w by one Newton step; otherwise omitted
+    bool blocks = false;          ///< solves a joint's axes together, then its points together; otherwise row by row
 };
 
-/// Semi-implicit Euler in maximal coordinates, the constraints' impulses by Gauss and Seidel's iteration row by row:
+/// Semi-implicit Euler in maximal coordinates. Gauss-Seidel iteration over the rows computes the constraint impulses:
 ///   v += h F / m,  w += h I^-1 tau,
-///   over and over for each row:  d = -(J v + (beta/h) C) / (J M^-1 J^T),  (v, w) += M^-1 J^T d,  lambda += d
+///   repeatedly for each row:  d = -(J v + (beta/h) C) / (J M^-1 J^T),  (v, w) += M^-1 J^T d,  lambda += d
 ///   x += h v,  q = exp(h w) q
-/// with J and C as the bodies stand at the step's begin, beta = 0.2.
+/// with J and C at the start of the step, beta = 0.2.
 template <class S, ImpulseOptions options>
 class SequentialImpulses : public MaximalState<S> {
     using Base = MaximalState<S>;
@@ -97,7 +97,7 @@ class SequentialImpulses : public MaximalState<S> {
             masses_[k][i] = 1 / coupling(row, row, a, b);
         });
     }
-    // the same iteration for the corrections' velocities, which begin at rest
+    // the same iteration for the correction velocities, which start at zero
     void go_on_with_corrections(S h, S mend) {
         const std::vector<MovingBody<S>> real = bodies_;
         for (MovingBody<S>& body : bodies_) body.v = body.w = {};

@@ -1,5 +1,5 @@
-// Soft constraints with substeps: E. Catto 2011, Soft Constraints, Game Developers Conference; 2024, Solver2D, and
-// Box2D v3.1 (src/solver.c, src/world.c, src/types.c), whose numbers these are.
+// Soft constraints with substeps: E. Catto 2011, Soft Constraints, Game Developers Conference; 2024, Solver2D; and
+// Box2D v3.1 (src/solver.c, src/world.c, src/types.c), from which the constants are taken.
 #include <algorithm>
 #include <numbers>
 #include <span>
@@ -12,12 +12,12 @@ namespace polhode {
 namespace {
 
 /// h = step / substeps; in each substep, with w_n = 2 pi f, f = min(60 Hz, 1/(8 h)), zeta = 2:
-///   v += h F / m,  w += h I^-1 tau;  the impulses of the substep before
+///   v += h F / m,  w += h I^-1 tau;  apply the impulses of the previous substep
 ///   solve: each block of a joint once,  d = -s K^-1 (J v + b C) - (1 - s) lambda,
 ///     a_1 = 2 zeta + h w_n,  b = w_n / a_1,  s = h w_n a_1 / (1 + h w_n a_1)
 ///   x += h v,  q = exp(h w) q
 ///   relax: each block once,  d = -K^-1 J v
-/// A block holds a point (or a distance, a rail) or axes; K = J M^-1 J^T of it.
+/// A block constrains a point (or a distance, or a rail) or axes; K = J M^-1 J^T of the block.
 template <class S, int substeps>
 class SoftStep : public multibody::MaximalState<S> {
     using Base = multibody::MaximalState<S>;

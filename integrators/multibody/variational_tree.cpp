@@ -1,4 +1,4 @@
-// A variational integrator of trees, linear in the number of links at each step.
+// Variational integrator for trees. The cost of a step is linear in the number of links.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,11 +17,11 @@ namespace {
 
 using multibody::TurnMaps;
 
-/// The discrete Lagrangian h L(m, v), m half-way between x_k and x_k+1 = x_k exp(h v), with forces by the same rule
-/// (Marsden & West 2001, 2.3 and 3.2). Of coordinates that add, with p and f = dT/dx + Q at (m, v):
+/// Discrete Lagrangian h L(m, v), where m is the midpoint between x_k and x_k+1 = x_k exp(h v); forces use the same
+/// rule (Marsden & West 2001, 2.3 and 3.2). For additive coordinates, with p and f = dT/dx + Q at (m, v):
 ///   p - (h/2) f = p_k,   p_k+1 = p + (h/2) f,   x_k+1 = x_k + h v
-/// and of attitudes the same by the maps of TurnMaps. The first is solved for v by steps of
-/// (M(m) + (h/2) c + (h^2/4) k)^-1, c and k of the joints' dampers and springs: one recursion each.
+/// Attitudes use the maps of TurnMaps. The first equation is solved for v by quasi-Newton steps with
+/// (M(m) + (h/2) c + (h^2/4) k)^-1, c and k of the joints' dampers and springs: one recursion per step.
 class VariationalTree : public multibody::JointState {
   public:
     explicit VariationalTree(const Problem& problem)
@@ -69,7 +69,7 @@ class VariationalTree : public multibody::JointState {
                 size += change_[k] * change_[k], whole += v[k] * v[k];
             }
             if (!std::isfinite(size)) break;
-            // until rounding keeps it from getting smaller
+            // iterate until rounding prevents further reduction
             whole = std::max(whole, least_speed_ * least_speed_);
             solved = size <= round_off * round_off * whole || (size <= near * near * whole && !(size < before));
             before = size;
@@ -96,24 +96,24 @@ class VariationalTree : public multibody::JointState {
 
   private:
     std::vector<double> momenta_;               // p_k
-    std::vector<double> guess_, acceleration_;  // v of the step before, and how it changes
+    std::vector<double> guess_, acceleration_;  // v of the previous step, and its acceleration
     std::vector<double> mid_, damping_, stiffness_, armature_, residual_, change_;
     multibody::DiscreteForces forces_;
     multibody::JointSweeps sweeps_;
     multibody::ArmatureSolver solver_;
-    double least_speed_;  ///< rates below it count as rest
+    double least_speed_;  ///< rates below this value count as rest
     long evaluations_ = 0;
     bool failed_ = false;
     double failed_at_ = 0;  ///< s
 
-    // forces half-way along v
+    // evaluates the forces at the midpoint of a step with rates v
     void look(double h, const std::vector<double>& v) {
         mid_ = y_;
         std::copy(v.begin(), v.end(), mid_.begin() + static_cast<std::ptrdiff_t>(coordinates()));
         go_along(h / 2, mid_);
         evaluate(mid_);
     }
-    // the momenta that the forces half-way ask for at the step's two ends
+    // the momenta at the start and the end of the step that follow from the midpoint forces
     template <class Do>
     void for_ends(double h, const std::vector<double>& v, Do&& act) {
         for (const Link<double>& link : tree().links().links) {
@@ -140,7 +140,7 @@ class VariationalTree : public multibody::JointState {
         sweeps_.run(tree(), at, y.data(), dy_.data() + coordinates(), forces_);
         ++evaluations_;
     }
-    // p and the first guesses from (x, v)
+    // computes p and the initial estimates from (x, v)
     void take_momenta() {
         evaluate(y_);
         momenta_ = forces_.momentum;

@@ -1,5 +1,5 @@
-// What joints and loops ask of velocities: scalar rows J v = f . (v_to - v_from) + t_to . w_to + t_from . w_from = 0,
-// and by how much the positions are off, C with dC/dt = J v.
+// Velocity constraints of joints and loops: scalar rows J v = f . (v_to - v_from) + t_to . w_to + t_from . w_from = 0,
+// and their position errors C with dC/dt = J v.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct VelocityRow {
     S velocity(const MovingBody<S>& a, const MovingBody<S>& b) const {
         return dot(force, b.v - a.v) + dot(to, b.w) + dot(from, a.w);
     }
-    /// Changes the velocities by an impulse along the row.
+    /// Applies an impulse along the row to both bodies.
     void push(S impulse, MovingBody<S>& a, MovingBody<S>& b) const {
         a.v = a.v - (impulse * a.inverse_mass) * force;
         a.w = a.w + impulse * (a.inverse_I_W * from);
@@ -33,13 +33,13 @@ S coupling(const VelocityRow<S>& one, const VelocityRow<S>& other, const MovingB
            dot(one.from, a.inverse_I_W * other.from);
 }
 
-/// The rows of a pair: those that hold points, then those that hold axes.
+/// The rows of a pair: first those that constrain points, then those that constrain axes.
 template <class S>
 struct PairRows {
     std::array<VelocityRow<S>, 6> row;
     std::size_t count = 0, points = 0;
 
-    /// As the bodies stand.
+    /// Computes the rows at the current state.
     explicit PairRows(const PairView<S>& at) {
         using maximal::Kind;
         const HeldPair<S>& pair = at.pair;
@@ -49,7 +49,7 @@ struct PairRows {
         };
         const auto hold_turn = [&](const Vector3<S>& t, S error) { row[count++] = {{}, t, -t, error}; };
         if (pair.kind == Kind::prismatic) {
-            // across the axis; both feel it at the child's point
+            // across the axis; the force on both bodies acts at the child's point
             const Vector3<S> arm = arm_from + apart;
             for (const Vector3<S>& across : pair.across_from) {
                 const Vector3<S> f = at.from.R * across;
@@ -88,12 +88,12 @@ struct PairRows {
     }
 };
 
-/// How stiffly a block is held: 1, 0 and no bias of a rigid one.
+/// Softness of a block. Rigid: mass_scale 1, impulse_scale 0, bias_rate 0.
 template <class S>
 struct Softness {
-    S bias_rate = S(0);      ///< 1/s: what of C is asked back
-    S mass_scale = S(1);     ///< how much of what is missing is given at once
-    S impulse_scale = S(0);  ///< how much of what was given is taken back
+    S bias_rate = S(0);      ///< 1/s: rate at which C is corrected
+    S mass_scale = S(1);     ///< fraction of the required impulse that is applied at once
+    S impulse_scale = S(0);  ///< fraction of the accumulated impulse that is removed
 };
 
 /// Up to three rows of a pair that are solved together: K^-1, K = J M^-1 J^T.
@@ -106,7 +106,7 @@ struct RowBlock {
     RowBlock(const PairRows<S>& rows, std::size_t begin, std::size_t end, const MovingBody<S>& a,
              const MovingBody<S>& b)
         : first(begin), count(end - begin) {
-        // rows past the last stand apart
+        // unused rows are decoupled
         Matrix3<S> K = diagonal(Vector3<S>(1, 1, 1));
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t j = 0; j < count; ++j) K[i][j] = coupling(rows.row[begin + i], rows.row[begin + j], a, b);
@@ -131,7 +131,7 @@ struct RowBlock {
     }
 };
 
-/// A pair's rows with its two blocks.
+/// The rows of a pair with their two blocks.
 template <class S>
 struct BlockedPair {
     PairRows<S> rows;
@@ -139,7 +139,7 @@ struct BlockedPair {
 
     BlockedPair(const PairView<S>& at)
         : rows(at), points(rows, 0, rows.points, at.from, at.to), axes(rows, rows.points, rows.count, at.from, at.to) {}
-    /// Axes first, as Box2D's joints solve angles before points.
+    /// Solves axes before points, as Box2D's joints do.
     void solve(const Softness<S>& softness, std::array<S, 6>& impulses, MovingBody<S>& a, MovingBody<S>& b) const {
         axes.solve(rows, softness, impulses, a, b);
         points.solve(rows, softness, impulses, a, b);

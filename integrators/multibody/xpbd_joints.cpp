@@ -1,7 +1,7 @@
-// Extended position-based dynamics of jointed bodies: M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020,
-// Detailed Rigid Body Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2, in
-// the small steps of M. Macklin, K. Storey, M. Lu, P. Terdiman, N. Chentanez, S. Jeschke, M. Mueller 2019, Small Steps
-// in Physics Simulation, SCA.
+// Extended position-based dynamics of bodies with joints: M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim
+// 2020, Detailed Rigid Body Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm
+// 2, with the small steps of M. Macklin, K. Storey, M. Lu, P. Terdiman, N. Chentanez, S. Jeschke, M. Mueller 2019,
+// Small Steps in Physics Simulation, SCA.
 #include <limits>
 #include <span>
 
@@ -11,12 +11,13 @@
 namespace polhode {
 namespace {
 
-/// A step is `substeps` substeps, h each:
+/// A step consists of `substeps` substeps of length h:
 ///   v += h F / m,  w += h I_W^-1 (tau - w x I_W w),  x += h v,  q += (h/2) (0, w) q
-///   each joint once, its axes and then its points, without compliance; with a and b its two bodies:
-///     a turn phi = theta n:    lambda = -theta / (n . (I_a^-1 + I_b^-1) n),  q_b += (1/2) (0, lambda I_b^-1 n) q_b, a
-///     - a gap d = c n:           lambda = -c / (1/m_a + (r_a x n) . I_a^-1 (r_a x n) + ..b),  p = lambda n,
-///                              x_b += p/m_b,  q_b += (1/2) (0, I_b^-1 (r_b x p)) q_b,  a -
+///   each joint once, its axes and then its points, without compliance. For its bodies a and b (b gets +, a gets -):
+///     rotation phi = theta n:  lambda = -theta / (n . (I_a^-1 + I_b^-1) n),
+///                              q_b += (1/2) (0, lambda I_b^-1 n) q_b
+///     gap d = c n:             lambda = -c / (1/m_a + (r_a x n) . I_a^-1 (r_a x n) + ..b),  p = lambda n,
+///                              x_b += p/m_b,  q_b += (1/2) (0, I_b^-1 (r_b x p)) q_b
 ///   v = (x - x_old) / h,  w = +-2 vec(q q_old*) / h
 template <class S, int substeps>
 class JointedPositions : public multibody::MaximalState<S> {
@@ -26,7 +27,7 @@ class JointedPositions : public multibody::MaximalState<S> {
     using View = multibody::PairView<S>;
 
   public:
-    /// `step`: s, the length of a step that no event cuts.
+    /// `step`: length of a step that no event cuts, s.
     JointedPositions(const Problem& problem, double step) : Base(problem), shortest_(step / 64) {}
     void step(double, double step) {
         const S h = S(step) / substeps;
@@ -40,7 +41,7 @@ class JointedPositions : public multibody::MaximalState<S> {
                 body.turned();
             }
             ++steps_;
-            // velocities come from what was covered, and that of a sliver of a step is rounding
+            // velocities come from the change of positions; in a very short step that change is mostly rounding error
             if (step < shortest_) continue;
             for (const auto& pair : this->pairs()) close(pair);
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -54,7 +55,7 @@ class JointedPositions : public multibody::MaximalState<S> {
     }
 
   private:
-    double shortest_;  ///< s: a shorter step leaves the joints to the next
+    double shortest_;  ///< s; a shorter step leaves the joints to the next step
 
     void close(const multibody::HeldPair<S>& pair) {
         using maximal::Kind;
@@ -74,14 +75,14 @@ class JointedPositions : public multibody::MaximalState<S> {
             const S distance = length(apart);
             pull_back(((distance - pair.length) / distance) * apart, at.arm_from(), arm_to, a, b);
         } else if (pair.kind == Kind::prismatic) {
-            // what is across the axis; both feel it at the child's point
+            // the part across the axis; the force on both bodies acts at the child's point
             const Vector3<S> axis = at.first_axis();
             pull_back(apart - dot(axis, apart) * axis, at.arm_from() + apart, arm_to, a, b);
         } else {
             pull_back(apart, at.arm_from(), arm_to, a, b);
         }
     }
-    // `turn`: by how much b is turned against a
+    // `turn`: rotation of b relative to a
     static void turn_back(const Vector3<S>& turn, Body& a, Body& b) {
         const S angle = hypotenuse(turn);
         if (!(angle > std::numeric_limits<S>::min())) return;
@@ -89,7 +90,7 @@ class JointedPositions : public multibody::MaximalState<S> {
         const S lambda = -angle / (dot(n, by_a) + dot(n, by_b));
         correct(b, lambda * by_b), correct(a, -lambda * by_a);
     }
-    // `gap`: from the point of a to that of b
+    // `gap`: from the point of a to the point of b
     static void pull_back(const Vector3<S>& gap, const Vector3<S>& arm_a, const Vector3<S>& arm_b, Body& a, Body& b) {
         const S distance = hypotenuse(gap);
         if (!(distance > std::numeric_limits<S>::min())) return;

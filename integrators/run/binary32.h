@@ -1,7 +1,10 @@
-// Fixed-step methods in binary32 beside those in binary64: the same steppers, their scalar a parameter.
+// Variants of fixed-step methods in binary32: the same steppers, with the scalar type as a parameter.
 //
-// Rounded to 24 bits are the state, the body's constants and the loads, once each, the step's length, and the result of
-// every operation of a step. Times, events and the impulses at them stay in binary64; samples are widened as they are.
+// The state, the body's constants and the loads (once each), the step length and the result of every operation of a
+// step are rounded to 24 bits. Times, events and impulses stay in binary64. Samples are widened without rounding.
+//
+// Binary32<System> is a system over floats. with_binary32() adds NAME_float32 after each method of a family;
+// MethodInBinary32 derives its descriptor at compile time.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +21,7 @@
 
 namespace polhode {
 
-/// The same equations over floats.
+/// Maps a set of equations over double to the same equations over float.
 template <class Equations>
 struct RoundedEquations;
 template <template <class> class EquationsOf>
@@ -30,7 +33,7 @@ struct RoundedEquations<LoadedEquations<double, Inertia<double>, translation>> {
     using type = LoadedEquations<float, Inertia<float>, translation>;
 };
 
-/// One of the systems of motion/systems.h in binary32: its state and its constants rounded. No user's torques.
+/// A system of motion/systems.h in binary32, with state and constants rounded. Does not support user-defined torques.
 template <class SystemType>
 class Binary32 {
   public:
@@ -81,15 +84,15 @@ class Binary32 {
     }
 
     SystemType posed_;
-    std::shared_ptr<const Forcing<float>> forcing_;  // shared: copies of the system point to the same
+    std::shared_ptr<const Forcing<float>> forcing_;  // shared: copies of the system point to the same object
     typename RoundedEquations<typename SystemType::Equations>::type equations_;
 };
 
-/// A system of motion/systems.h in scalar S.
+/// A system of motion/systems.h with scalar type S.
 template <class SystemType, class S>
 using SystemIn = std::conditional_t<std::is_same_v<S, double>, SystemType, Binary32<SystemType>>;
 
-/// with_one_body() for scalar S, double or float.
+/// with_one_body() for the scalar type S, double or float.
 template <class S, class Visitor>
 Trajectory with_one_body_in(const Problem& problem, Visitor&& visit) {
     if constexpr (std::is_same_v<S, double>) {
@@ -100,7 +103,7 @@ Trajectory with_one_body_in(const Problem& problem, Visitor&& visit) {
     }
 }
 
-/// with_system() for scalar S: systems of the user's own are of double.
+/// with_system() for the scalar type S. User-defined systems exist only in double.
 template <class S, class Visitor>
 Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
     if constexpr (std::is_same_v<S, double>)
@@ -109,26 +112,26 @@ Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
         return with_one_body_in<S>(problem, std::forward<Visitor>(visit));
 }
 
-/// Why the body or its start is nothing that binary32 can hold; empty where it can.
+/// Why binary32 cannot represent the body or its initial state; empty if it can.
 std::string refused_by_binary32(const Problem& problem);
 
-/// The same of a system as with_system_in() gives it, whose right-hand side is in binary32 as a whole.
+/// Why with_system_in() cannot represent the problem in binary32, right-hand side included; empty if it can.
 std::string refused_by_binary32_system(const Problem& problem);
 
-/// Why the step, s, is nothing that binary32 can hold; empty where it can.
+/// Why binary32 cannot represent the step, s; empty if it can.
 std::string step_beyond_binary32(double step);
 
 using Solve = Trajectory (*)(const Problem&, const Settings&);
 using Refuses = std::string (*)(const Problem&);
 
-/// `solve` where binary32 holds the step, else `unsupported`.
+/// Calls `solve` if binary32 can represent the step; otherwise returns Status::unsupported.
 template <Solve solve>
 Trajectory solve_within_binary32(const Problem& problem, const Settings& settings) {
     if (std::string why = step_beyond_binary32(*settings.step); !why.empty()) return unsupported(std::move(why));
     return solve(problem, settings);
 }
 
-/// `parts` one after the other, put together by the compiler; a zero follows, as in a literal.
+/// Concatenates `parts` at compile time, with a terminating zero as in a literal.
 template <const auto& parts>
 struct Joined {
     static constexpr std::size_t length = [] {
@@ -146,7 +149,7 @@ struct Joined {
     static constexpr std::string_view text{characters.data(), length};
 };
 
-/// The descriptor of the i-th of `methods` in binary32.
+/// The descriptor of the i-th method of `methods` in binary32.
 template <const auto& methods, std::size_t i, Refuses refuses, Solve solve>
 struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> name{methods[i].name, "_float32"};
@@ -181,12 +184,12 @@ struct MethodInBinary32 {
     }
 };
 
-// told by type: GCC 12 takes no comparison of a function's address for constant under -fsanitize=undefined
+// Tests the type: GCC 12 does not accept comparing a function's address as constant under -fsanitize=undefined.
 template <auto solve>
 constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
 
-/// The family `methods` with NAME_float32 right behind NAME; `refuses`: what none of those takes; `solves`: one in
-/// binary32 for each, nullptr for none.
+/// The family `methods` with NAME_float32 directly after NAME. `refuses` applies to all binary32 variants. `solves` has
+/// one binary32 function per method, nullptr for none.
 template <const auto& methods, Refuses refuses, auto... solves>
 constexpr auto with_binary32() {
     static_assert(sizeof...(solves) == std::size(methods), "one for each method");

@@ -30,7 +30,7 @@ std::vector<std::complex<double>> eigenvalues(std::span<const double> J) {
 }
 
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample) {
-    // a sample of own systems tells no state
+    // a sample of such a system does not contain its state
     if (problem.model()) return {};
     return with_one_body(problem, [&]<class SystemType>() { return eigenvalues_on<SystemType>(problem, sample); });
 }

@@ -1,4 +1,4 @@
-// The rates at which a motion answers to small changes: eigenvalues of the Jacobian of its right-hand side.
+// Eigenvalues of the Jacobian of a motion's right-hand side: the rates of its response to small perturbations.
 #pragma once
 
 #include <complex>
@@ -9,13 +9,14 @@
 
 namespace polhode {
 
-/// Of a square matrix whose entries stand row by row, in no order; empty where one of them is not finite.
+/// Eigenvalues of a square matrix stored by rows, in no order; empty if an entry is not finite.
 std::vector<std::complex<double>> eigenvalues(std::span<const double> J);
 
-/// At a state of the motion, of the system as it was posed, 1/s, in no order; empty where the Jacobian is not finite.
+/// Eigenvalues at a state of the motion, 1/s, for the system as posed, in no order. Empty if the Jacobian is not
+/// finite, and for systems with a model (mechanisms, user-defined systems).
 std::vector<std::complex<double>> eigenvalues(const Problem& problem, const Sample& sample);
 
-/// The first one of largest magnitude, or its conjugate: the one with Im >= 0; 0 of none.
+/// The first eigenvalue of largest magnitude, or its conjugate, with Im >= 0; 0 for an empty list.
 std::complex<double> largest_in_magnitude(std::span<const std::complex<double>> eigenvalues);
 
 }  // namespace polhode

@@ -35,8 +35,8 @@ double classical_growth(Complex z) { return magnitude(1.0 + z * (1.0 + z / 2.0 *
 double midpoint_growth(Complex z) { return magnitude((2.0 + z) / (2.0 - z)); }
 
 double radau_growth(int stages, Complex z) {
-    // with k over j: the term of z^(i+1) is that of z^i times (k - i) / ((i + 1) (j + k - i)) z; divided by z^j, so
-    // that a large |z| does not overflow
+    // Degrees k over j: the term of z^(i+1) is the term of z^i times (k - i) / ((i + 1) (j + k - i)) z. Both
+    // polynomials are divided by z^j for large |z| to avoid overflow.
     const int k = stages - 1, j = stages;
     const bool large = std::abs(z) > 1;
     const auto polynomial = [&](int degree, Complex x) {

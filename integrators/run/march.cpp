@@ -9,7 +9,7 @@ namespace polhode {
 long steps_per_sample(double interval, double step) {
     const double ratio = interval / step, whole = std::round(ratio);
     if (!(ratio < 9e18)) return std::numeric_limits<long>::max();
-    // a ratio that misses a whole number by rounding only is that number
+    // a ratio that differs from a whole number only by rounding is that number
     const double steps = std::abs(ratio - whole) <= 1e-9 * ratio ? whole : std::ceil(ratio);
     return steps < 1 ? 1 : static_cast<long>(steps);
 }
@@ -24,7 +24,7 @@ SampleIntervals::SampleIntervals(const Problem& problem, const Settings& setting
         steps_ = per_sample_ > most / count_ ? most : per_sample_ * count_;
         return;
     }
-    // a sample at 0 ends no interval, and the run goes on to the end whatever the samples
+    // a sample at t = 0 ends no interval; the run continues to its end after the last sample
     count_ = static_cast<long>(times_.size()) - (times_.front() == 0 ? 1 : 0) + (times_.back() < duration_ ? 1 : 0);
     for (long k = 0; k < count_; ++k) {
         const Interval at = (*this)[k];

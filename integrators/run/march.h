@@ -1,4 +1,8 @@
-// The driver of methods that go by a fixed step: it meets samples and events exactly.
+// Driver of fixed-step methods. It meets samples and events exactly.
+//
+// SampleIntervals divides the run into sample intervals with whole steps. march() advances a Stepper through them, cuts
+// steps at events, enforces the limits (Budget) and detects divergence. SystemStepper makes a Stepper of a one-step
+// scheme for first-order systems; march_system() runs such a scheme on the posed system.
 #pragma once
 
 #include <algorithm>
@@ -15,37 +19,36 @@
 
 namespace polhode {
 
-/// How many whole steps fit into one sample interval of length `interval` (s), none of them longer than `step` (s) but
-/// for rounding.
+/// Number of whole steps in a sample interval of length `interval`, s. No step exceeds `step`, s, except by rounding.
 long steps_per_sample(double interval, double step);
 
-/// The intervals between the samples of a run by a fixed step, each covered by whole steps.
+/// The intervals between the samples of a fixed-step run, each divided into whole steps.
 class SampleIntervals {
   public:
-    /// The problem's and the settings' samples, with the settings' step.
+    /// Takes the samples from the problem and the settings, and the step from the settings.
     SampleIntervals(const Problem& problem, const Settings& settings);
 
-    /// From one sample to the next: step i goes from time(i) to time(i + 1), s.
+    /// The interval between two samples. Step i goes from time(i) to time(i + 1), s.
     struct Interval {
         double begin;  ///< s
         double end;    ///< s
-        double h;      ///< s, but for rounding
-        long steps;    ///< at least one
-        bool sampled;  ///< at its end
+        double h;      ///< s, up to rounding
+        long steps;    ///< at least 1
+        bool sampled;  ///< there is a sample at its end
 
-        /// Where step i begins, s.
+        /// Start of step i, s.
         double time(long i) const { return i == steps ? end : begin + static_cast<double>(i) * h; }
     };
 
-    /// How many there are.
+    /// Number of intervals.
     long count() const { return count_; }
-    /// The k-th, 0 <= k < count().
+    /// The k-th interval, 0 <= k < count().
     Interval operator[](long k) const;
-    /// Whether there is a sample at t = 0.
+    /// True if there is a sample at t = 0.
     bool begins_with_sample() const { return times_.empty() || times_.front() == 0; }
-    /// The longest step (s), but for rounding.
+    /// Longest step, s, up to rounding.
     double longest_step() const { return longest_step_; }
-    /// The steps of all, or the largest long where they are more.
+    /// Total number of steps, or the largest long if there are more.
     long steps() const { return steps_; }
 
   private:
@@ -54,51 +57,53 @@ class SampleIntervals {
     long count_, per_sample_ = 0, steps_ = 0;
 };
 
-/// The longest step (s) that march() takes.
+/// Longest step of march(), s.
 inline double longest_step(const Problem& problem, const Settings& settings) {
     return SampleIntervals(problem, settings).longest_step();
 }
 
-/// A method that goes step by step and holds its own state, made from a problem. A game update is one directly; a
-/// scheme for first-order systems is one through SystemStepper. One whose step can fail has `bool failed() const` and
-/// `void explain(Trajectory&)`, which gives status and message; it stays where it is after a failure. One that has more
-/// to tell at the end has `void report(Trajectory&)`. One whose sample() evaluates right-hand sides has
-/// `long sample_evaluations() const`, since restart; rhs_evaluations() does not include them.
+/// A method that advances by given steps, owns its state and is constructed from a problem. Game updates are Steppers;
+/// schemes for first-order systems become Steppers through SystemStepper. Optional members:
+/// - `bool failed() const` and `void explain(Trajectory&)`, if a step can fail. explain() sets status and message. The
+///   state stays unchanged after a failure.
+/// - `void report(Trajectory&)` adds information at the end of the run.
+/// - `long sample_evaluations() const`, if sample() evaluates right-hand sides: their number since restart, which
+///   rhs_evaluations() does not include.
 template <class S>
 concept Stepper = requires(S s, const S c, const Segment& segment, double t, double h) {
-    { s.restart() } -> std::same_as<void>;       // back to t = 0
-    { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then other loads
-    { s.step(t, h) } -> std::same_as<void>;      // from t to t + h
+    { s.restart() } -> std::same_as<void>;       // returns to t = 0
+    { s.enter(segment) } -> std::same_as<void>;  // an event: impulses, then the loads from here on
+    { s.step(t, h) } -> std::same_as<void>;      // advances from t to t + h
     { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.finite() } -> std::same_as<bool>;
     { c.rhs_evaluations() } -> std::same_as<long>;  // since restart
 };
 
-/// A scheme `step(const System&, double t, double* y, double h)` with `evaluations` per step, on one of the systems.
+/// Applies a scheme `step(const System&, double t, double* y, double h)` with `evaluations` per step to a system.
 template <class Scheme, class SystemType>
 class SystemStepper {
   public:
-    static constexpr int dimension = SystemType::dimension;  ///< components of the state
+    static constexpr int dimension = SystemType::dimension;  ///< number of state variables
 
-    /// At t = 0. The problem must outlive it.
+    /// Starts at t = 0. The problem must outlive this object.
     explicit SystemStepper(const Problem& problem) : system_(problem) { restart(); }
-    /// Goes back to t = 0.
+    /// Returns to t = 0.
     void restart() {
         system_.initial(y_);
         steps_ = 0;
     }
-    /// Meets the event that opens the segment: impulses, then other loads.
+    /// Processes the event that starts the segment: impulses, then the loads from here on.
     void enter(const Segment& segment) { system_.enter(segment, y_); }
-    /// One step from t to t + h (s).
+    /// One step from t to t + h, s.
     void step(double t, double h) {
         scheme_.step(system_, t, y_, h);
         ++steps_;
     }
-    /// The motion at t (s), which is where the steps have come to.
+    /// The motion at t, s, which must be the current time.
     Sample sample(double t) const { return system_.motion(t, y_); }
-    /// Whether the state has neither infinities nor NaN.
+    /// True if the state has no infinities or NaN.
     bool finite() const { return all_finite(y_); }
-    /// Right-hand sides since restart().
+    /// Number of right-hand-side evaluations since restart().
     long rhs_evaluations() const { return steps_ * Scheme::evaluations; }
 
   private:
@@ -108,12 +113,12 @@ class SystemStepper {
     long steps_ = 0;
 };
 
-/// Fixed steps. Every sample time is met by whole steps; an event inside a step cuts it in two. The steps do not
-/// depend on Settings::record. `options` are what the stepper is made from beside the problem.
+/// Runs fixed steps. Whole steps meet every sample time; an event inside a step cuts it in two. The steps do not depend
+/// on Settings::record. `options` are passed to the stepper's constructor after the problem.
 ///
-/// Whether the motion has diverged is asked at each sample time, and between them after `longest_stretch` steps; the
-/// steps since a copy was made are then repeated from it, one at a time, to name the one that led astray. A stepper
-/// that cannot be copied is asked at each step.
+/// Divergence is tested at each sample time and at least every `longest_stretch` steps. When it is found, the steps
+/// since the last copy of the stepper are repeated one at a time to identify the step that diverged. A stepper that
+/// cannot be copied is tested after each step.
 template <Stepper S, class... Options>
 requires std::constructible_from<S, const Problem&, const Options&...> Trajectory march(const Problem& problem,
                                                                                         const Settings& settings,
@@ -125,7 +130,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     const double bound = energy_bound(problem);
     trajectory.step = intervals.longest_step();
     Budget budget(settings);
-    // the number of steps is known beforehand: a run that cannot end within its limit is not begun
+    // the number of steps is known beforehand: a run that cannot end within its limit is not started
     if (intervals.steps() > settings.max_steps) {
         budget.forbid(trajectory);
         return trajectory;
@@ -161,9 +166,9 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     };
     struct Nothing {};
     std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
-    long copied_at = 0, copied_interval = 0, copied_step = 0;  // steps before it, in this repetition; and its place
+    long copied_at = 0, copied_interval = 0, copied_step = 0;  // steps before the copy, and its position
     EventQueue<Segment> events_of_copy = events;
-    // in the first `reached` steps of this repetition the motion has diverged: in which? That is the last one counted.
+    // The motion diverged within the first `reached` steps of this repetition. Finds the step and counts up to it.
     const auto diverge = [&](long reached, std::string what) {
         trajectory.steps = reached;
         std::string state;
@@ -186,7 +191,7 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
         trajectory.status = Status::diverged, trajectory.message = what + state;
         return false;
     };
-    // false when the run ended early
+    // returns false if the run ended early
     const auto run = [&](bool recording) {
         stepper.restart();
         events = EventQueue<Segment>(problem.segments);
@@ -254,8 +259,8 @@ requires std::constructible_from<S, const Problem&, const Options&...> Trajector
     return trajectory;
 }
 
-/// Solves a problem by fixed steps of Scheme<SystemType>, on whichever system it was posed as. What a scheme must have
-/// is said at SystemStepper; what is thrown and returned, at solve().
+/// Solves a problem by fixed steps of Scheme<SystemType>, for whichever system was posed. Requirements on a scheme: see
+/// SystemStepper. Exceptions and status: see solve().
 template <template <class> class Scheme>
 Trajectory march_system(const Problem& problem, const Settings& settings) {
     return with_one_body(problem, [&]<class SystemType>() {

@@ -1,4 +1,4 @@
-// The driver of steppers that choose their own steps by a tolerance: samples lie inside steps, which they do not cut.
+// Driver of steppers that choose their own steps by a tolerance. Samples lie inside steps and do not cut them.
 #pragma once
 
 #include <concepts>
@@ -9,52 +9,50 @@
 
 namespace polhode {
 
-/// What became of an attempted step of a tolerance-driven stepper.
+/// Result of an attempted step of a tolerance-driven stepper.
 enum class Attempt { accepted, rejected, not_finite };
 
-/// A stepper that chooses its own steps. attempt() tries one of size h from t; accepted: t and the state have moved,
-/// h is the next size; otherwise t and the state are as before and h is smaller. Copies go on independently.
+/// A stepper that chooses its own steps. attempt() tries a step h from t. If it is accepted, t and the state have
+/// advanced and h is the next step; otherwise t and the state are unchanged and h is smaller. Copies are independent.
 template <class S>
 concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const Segment& segment, double& t, double& h) {
     { s.restart() } -> std::same_as<void>;
     { s.enter(segment) } -> std::same_as<void>;
-    { s.first_step(t) } -> std::same_as<double>;  // a guess at t, after enter()
+    { s.first_step(t) } -> std::same_as<double>;  // estimate at t, after enter()
     { s.attempt(t, h) } -> std::same_as<Attempt>;
     { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.rhs_evaluations() } -> std::same_as<long>;
 };
 
-/// Tolerance-driven steps, cut only at events and at the end, so that they do not depend on the sampling. A stepper
-/// with dense output has `sample_inside(t)`, the motion at a time inside the last accepted step. For any other stepper,
-/// a copy as it was at the start of the step integrates to the sample; its evaluations are counted as sample
-/// evaluations.
-///
-/// A stepper whose samples cost evaluations has `long sample_evaluations() const`, since restart(); rhs_evaluations()
-/// does not include them.
-///
-/// One that solves implicit equations has `long newton_failures() const`, since restart(): the attempts that ended as
-/// rejected because they did not converge.
+/// Runs tolerance-driven steps. They are cut only at events and at the end, so that they do not depend on the samples.
+/// A stepper with dense output has `sample_inside(t)`, the motion at a time inside the last accepted step. For any
+/// other stepper, a copy made at the start of the step integrates to the sample; its evaluations are counted as sample
+/// evaluations. Optional members:
+/// - `long sample_evaluations() const`, if samples cost evaluations: their number since restart(), which
+///   rhs_evaluations() does not include.
+/// - `long newton_failures() const`, if implicit equations are solved: the number of attempts since restart() that were
+///   rejected because Newton's iteration did not converge.
 template <ControlledStepper S>
 Trajectory march_controlled(const Problem& problem, const Settings& settings, S stepper) {
     constexpr int attempts_per_step = 1000;
     Trajectory trajectory;
     const double T = problem.scene.duration;
     constexpr bool has_dense_output = requires { stepper.sample_inside(T); };
-    long rejected = 0, beside = 0;  // `beside`: evaluations by copies
+    long rejected = 0, beside = 0;  // `beside`: evaluations of copies
     Watch watch(problem, settings, trajectory);
     const auto sampling = [](const S& s) {
         if constexpr (requires { s.sample_evaluations(); }) return s.sample_evaluations();
         return 0L;
     };
     const auto sample_evaluations = [&] { return beside + sampling(stepper); };
-    // goes from t to at most `stop` by one accepted step; false: the run has ended
+    // advances from t to at most `stop` by one accepted step; returns false if the run has ended
     const auto advance = [&](S& s, double& t, double& h, double stop) {
         for (int i = 0; i < attempts_per_step; ++i) {
             if (!watch.may_attempt(s.rhs_evaluations() + sample_evaluations())) return false;
             const double left = stop - t;
-            // a remainder of a few rounding errors joins the step
+            // a remainder of a few rounding errors is added to the step
             const bool last = h >= left * (1 - 1e-14);
-            // what t + h really moves by: else the rounding of t adds up to 1e-14 of it in 3000 steps
+            // the actual increment of t + h; otherwise the rounding of t adds up to 1e-14 of t in 3000 steps
             const double moved = (t + h) - t;
             double size = last ? left : moved > 0 ? moved : h;
             const double begin = t, tried = size;

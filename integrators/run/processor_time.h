@@ -1,11 +1,11 @@
-// The time that a thread has worked.
+// Processor time of a thread.
 #pragma once
 
 #include <ctime>
 
 namespace polhode {
 
-/// s, of this thread alone: what other work on the machine takes away does not count.
+/// Processor time of the calling thread, s. Time that other processes and threads use is not included.
 inline double processor_time() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -1,4 +1,4 @@
-// Reasons for which several methods refuse a problem: values of Method::refuses.
+// Values of Method::refuses that several methods share.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-/// Of an implicit method that is given the exact Jacobian.
+/// For implicit methods that require the exact Jacobian.
 inline std::string no_jacobian_of_user_torque(const Problem& problem) {
     return problem.needs.user_torque ? "a torque of the user's own has no Jacobian" : "";
 }

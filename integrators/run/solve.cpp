@@ -16,7 +16,7 @@ Trajectory failed(std::string message) {
     return trajectory;
 }
 
-/// A method and all that its descriptor points to.
+/// A method with the texts and the function that its descriptor refers to.
 struct MadeMethod {
     std::array<std::string, 8> texts;
     std::function<Trajectory(const Problem&, const Settings&)> solve;
@@ -29,7 +29,7 @@ Trajectory solve_made(const void* context, const Problem& problem, const Setting
 
 bool positive(const std::optional<double>& value) { return !value || (std::isfinite(*value) && *value > 0); }
 
-// Why these are no sample times of a run; empty where they are, or there are none.
+// Why these sample times are invalid; empty if they are valid or there are none.
 std::string fault_of_times(const std::vector<double>& times, double duration) {
     for (std::size_t i = 0; i < times.size(); ++i) {
         if (!(times[i] >= 0 && times[i] <= duration))

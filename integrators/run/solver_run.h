@@ -1,4 +1,4 @@
-// The driver of a library's solver that takes its own steps: events, samples, limits, and what its flags mean.
+// Driver of library solvers that choose their own steps: events, samples, limits and error flags.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,36 +12,37 @@
 
 namespace polhode {
 
-/// How a run ended early, and why.
+/// Status and message of a run that ended early.
 struct SolverFailure {
     Status status;
     std::string message;
 };
 
-/// A solver with its state, on one problem. Flags below zero say that it can go on no further, and failure() what they
-/// mean. One that can tell of its troubles has `SolverCounts counts()`; one whose sample() leaves a trace in what it
-/// tells at the end has `look()`, which does not. One whose
-/// samples inside a step cost evaluations has `long sample_evaluations() const`, since restart; rhs_evaluations() does
-/// not include them.
+/// A library solver and its state for one problem. Flags below zero mean that it cannot continue; failure() explains
+/// them. Optional members:
+/// - `SolverCounts counts()`: counts of rejected steps and failures.
+/// - `look()`: the current motion, if sample() changes the counts; look() must not.
+/// - `long sample_evaluations() const`, if samples inside a step cost evaluations: their number since restart, which
+///   rhs_evaluations() does not include.
 template <class S>
 concept SolverSession = requires(S s, const Segment& segment, double t, int flag) {
-    s.restart();                                    // back to t = 0, all counts to zero
-    { s.enter(segment) } -> std::same_as<int>;      // an event: impulses, then other loads; a flag
-    { s.step() } -> std::same_as<int>;              // one step of the solver's own, cut at the segment's end; a flag
-    { s.time() } -> std::convertible_to<double>;    // s, where it stands
-    { s.sample() } -> std::convertible_to<Bodies>;  // the motion there
-    { *s.sample_inside(t) } -> std::convertible_to<Bodies>;  // at a time within the last step
-    { s.inside_flag() } -> std::same_as<int>;                // why there was none
+    s.restart();                                             // returns to t = 0, resets all counts
+    { s.enter(segment) } -> std::same_as<int>;               // an event: impulses, then the loads from here on; a flag
+    { s.step() } -> std::same_as<int>;                       // one step of the solver, cut at the segment's end; a flag
+    { s.time() } -> std::convertible_to<double>;             // current time, s
+    { s.sample() } -> std::convertible_to<Bodies>;           // the motion at time()
+    { *s.sample_inside(t) } -> std::convertible_to<Bodies>;  // the motion at t within the last step; may be empty
+    { s.inside_flag() } -> std::same_as<int>;                // flag that explains an empty sample_inside()
     { s.failure(flag) } -> std::same_as<SolverFailure>;
     { s.steps() } -> std::convertible_to<long>;  // since restart
     { s.rhs_evaluations() } -> std::convertible_to<long>;
 };
 
-/// One run of a session.
+/// Runs one session.
 template <SolverSession Session>
 class SolverRun {
   public:
-    /// They must outlive it.
+    /// The arguments must outlive this object.
     SolverRun(const Problem& problem, const Settings& settings, Session& session)
         : problem_(problem), settings_(settings), session_(session), watch_(problem, settings, trajectory_) {}
     SolverRun(const SolverRun&) = delete;
@@ -72,7 +73,7 @@ class SolverRun {
     }
 
     bool run(bool recording) {
-        // steps in a row that do not move t before a run is given up
+        // consecutive steps that do not advance t before the run is ended
         constexpr int standstill = 100;
         SampleQueue samples = recording ? sample_queue(problem_, settings_) : SampleQueue();
         session_.restart();

@@ -20,8 +20,7 @@ bool damps(const Problem& problem) {
     });
 }
 
-// The largest |lambda| of the eigenvalues that decay. Those of a motion that only turns lie on the imaginary axis, and
-// rounding sets them beside it.
+// The largest |lambda| of the decaying eigenvalues. Those of pure rotation lie on the imaginary axis up to rounding.
 double decay_rate(const std::vector<std::complex<double>>& eigenvalues) {
     double rate = 0;
     for (const std::complex<double>& lambda : eigenvalues)
@@ -29,7 +28,8 @@ double decay_rate(const std::vector<std::complex<double>>& eigenvalues) {
     return rate;
 }
 
-// Of a mechanism: by its start and the largest rate alone, which tells a stiff joint and overlooks one that becomes it.
+// For a mechanism: uses its initial state and the largest rate. Finds joints that are stiff from the start, but not
+// joints that become stiff later.
 Stiffness stiffness_at_start(const Problem& problem) {
     constexpr int most_variables = 400;
     const Scene& scene = problem.scene;
@@ -67,12 +67,12 @@ Stiffness stiffness(const Problem& problem) {
     Stiffness found;
     const std::vector<Sample>& samples = trajectory.samples;
     for (std::size_t k = 0; k < samples.size(); ++k) {
-        // the trapezoidal rule
+        // trapezoidal rule
         const double before = k > 0 ? samples[k].t - samples[k - 1].t : 0;
         const double after = k + 1 < samples.size() ? samples[k + 1].t - samples[k].t : 0;
         const Vector3<double>& w = samples[k].angular_velocity_B;
         found.decays += (before + after) / 2 * decay_rate(eigenvalues(problem, samples[k]));
-        // a spin that is gone by the next sample has turned the body by far less than it would have
+        // right end only: a spin that decays before the next sample rotates the body far less than the trapezoid
         found.turning += k > 0 ? before * std::sqrt(dot(w, w)) : 0;
     }
     return found;

@@ -1,24 +1,24 @@
-// What tells stiff motion from other.
+// Stiffness of a motion.
 #pragma once
 
 #include "motion/problem.h"
 
 namespace polhode {
 
-/// How often what decays would decay, against how far the body turns: what binds an explicit method's steps by
-/// stability, and what any method's by accuracy.
+/// Number of decay times against rotation. Decay limits the steps of an explicit method by stability; rotation limits
+/// the steps of any method by accuracy.
 struct Stiffness {
-    double decays = 0;   ///< integral over the run of the largest |lambda|, of eigenvalues of df/dy that decay
+    double decays = 0;   ///< integral over the run of the largest |lambda| of decaying eigenvalues of df/dy
     double turning = 0;  ///< integral over the run of |omega|, rad
 
-    /// Explicit steps of high order span about five decays and about a radian; ten implicit ones, of ten times the
-    /// price, bring a motion to rest.
+    /// Explicit steps of high order cover about five decay times and about one radian. Ten implicit steps, each about
+    /// ten times as expensive, bring a motion to rest.
     bool stiff() const { return decays > 500 && decays > 20 * turning; }
 };
 
-/// Looks along the motion itself, found to three digits by `radau`. Zero where nothing damps, and with a user's own
-/// torque, whose derivative an implicit method would lack; where `radau` finds the motion hard it is not stiff. Of
-/// several bodies by their start alone; of a system of the user's own not known, and zero.
+/// Evaluates the stiffness along the motion, which `radau` computes to a tolerance of 1e-3. Returns zero if nothing
+/// damps, for user-defined torques (implicit methods require their derivative), for user-defined systems, with planes,
+/// and if `radau` does not complete within 5000 steps. A mechanism is evaluated from its initial state only.
 Stiffness stiffness(const Problem& problem);
 
 /// stiffness(problem).stiff()

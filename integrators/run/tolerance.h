@@ -1,4 +1,4 @@
-// What solvers that control their own step share: the tolerances that are out of reach, and a first step.
+// Functions shared by solvers that control their own step: unreachable tolerances and the first step.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,9 @@
 
 namespace polhode {
 
-/// A relative tolerance below the spacing of binary64 is out of anyone's reach; answers so, by status.
+/// False for a relative tolerance below the spacing of binary64, which no solver can reach.
 inline bool reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
+/// The result for an unreachable tolerance: Status::tolerance_not_met.
 inline Trajectory out_of_reach(double tolerance) {
     Trajectory trajectory;
     trajectory.status = Status::tolerance_not_met;
@@ -22,9 +23,9 @@ inline Trajectory out_of_reach(double tolerance) {
     return trajectory;
 }
 
-/// Hairer, Norsett & Wanner (1993), II.4: the step at which an Euler step, and then the second derivative, would change
-/// y by a hundredth of its tolerated error to the power the order gives. rate(y, dy) is called twice, at t and a little
-/// later. Not finite, or 0, where the right-hand side is not finite.
+/// First step after Hairer, Norsett & Wanner (1993), II.4: an Euler step, and then the second derivative, change y by
+/// 0.01 of the tolerated error to the power that the order gives. Calls rate(t, y, dy) twice, at t = 0 and a little
+/// later, relative to the start. The result is NaN, infinite or 0 if the right-hand side is not finite.
 template <class Values, class Rate>
 double first_step(const Rate& rate, const Values& y, const Values& tolerated, int order) {
     const std::size_t N = y.size();
@@ -49,8 +50,8 @@ double first_step(const Rate& rate, const Values& y, const Values& tolerated, in
     return std::min(100 * guess, h);
 }
 
-/// The error a step that an own method of moderate order aims at for a relative tolerance R: errors of a step add up
-/// over hundreds of turns, and a tenth of R costs it a quarter more steps or less.
+/// The local error that a moderate-order method of polhode aims at for a relative tolerance R. Local errors accumulate
+/// over hundreds of rotations; a tenth of R costs at most a quarter more steps.
 inline double aimed_at(double tolerance) { return std::max(0.1 * tolerance, std::numeric_limits<double>::epsilon()); }
 
 }  // namespace polhode

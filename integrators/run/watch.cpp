@@ -54,7 +54,7 @@ bool Budget::in_time() {
         return false;
     }
     if (now > seconds_limit_) {
-        // the wall clock is read fast; a thread's own time is not, but cannot be longer
+        // reading the wall clock is fast; reading the processor time is slow, but it never exceeds the wall clock
         if (processor_time() - processor_start_ > seconds_limit_) {
             until_look_ = 1;
             message_ = fmt::format("stopped at the limit of {} s", seconds_limit_ / repetitions_);

@@ -1,4 +1,4 @@
-// What watches over a run: its limits, whether it gets on, whether its motion has diverged, and how it is told.
+// Supervision of a run: its limits, its progress, divergence of its motion, and the related messages.
 #pragma once
 
 #include <chrono>
@@ -10,14 +10,14 @@
 
 namespace polhode {
 
-/// Holds a run to Settings' limits: of steps, of right-hand sides, and of time, at which it looks now and then.
+/// Enforces the limits of Settings: steps, right-hand-side evaluations, and time, which is checked at intervals.
 class Budget {
   public:
     /// Starts the clock.
     explicit Budget(const Settings& settings);
 
-    /// Takes one step; false once the run may not go on, and stop() then says why. `evaluations` is how many right-hand
-    /// sides this repetition has evaluated so far.
+    /// Takes one step. Returns false if the run must end; stop() then sets the reason. `evaluations` is the number of
+    /// right-hand-side evaluations in this repetition so far.
     bool take(long evaluations = 0) {
         if (steps_ >= max_steps_) return refuse_step();
         ++steps_;
@@ -25,17 +25,17 @@ class Budget {
         --steps_;
         return false;
     }
-    /// Whether the run may go on with work that is no step: another attempt at one, a sample aside. `evaluations` is as
-    /// for take().
+    /// Returns true if the run may continue with work that is not a step: another attempt, or a separate sample.
+    /// `evaluations` as for take().
     bool goes_on(long evaluations = 0) {
         if (evaluations >= max_evaluations_) return refuse_evaluation();
         return --until_look_ > 0 || in_time();
     }
-    /// Steps taken, over all repetitions.
+    /// Number of steps over all repetitions.
     long steps() const { return steps_; }
-    /// Ends a run that needs more steps than it may take before its first: it is `failed`.
+    /// Ends a run before its first step because it needs more steps than allowed: Status::failed.
     void forbid(Trajectory& trajectory) const;
-    /// Ends the run after take() or goes_on() said no: it is `failed`, by its limit, with the reason.
+    /// Ends the run after take() or goes_on() returned false: Status::failed, with the reason.
     void stop(Trajectory& trajectory) const;
 
   private:
@@ -47,50 +47,49 @@ class Budget {
     long steps_ = 0, max_steps_, max_evaluations_;
     int repetitions_;
     double seconds_limit_;
-    // as many steps between two looks at the clock as take some 10 ms, 1024 at the most
+    // number of steps between two checks of the clock, about 10 ms, at most 1024
     long until_look_ = 1, between_looks_ = 1;
-    double looked_ = 0;  // s, after start_
+    double looked_ = 0;  // s after start_
     std::chrono::steady_clock::time_point start_;
     double processor_start_;
     std::string message_;
 };
 
-/// The samples that a run is asked for, which must outlive the queue.
+/// The requested samples of a run. Problem and settings must outlive the queue.
 inline SampleQueue sample_queue(const Problem& problem, const Settings& settings) {
     return settings.times.empty() ? SampleQueue(problem.scene.duration, settings.samples) : SampleQueue(settings.times);
 }
 
-/// A time (s) as messages tell it: "t = 0.125 s".
+/// Formats a time, s, for messages: "t = 0.125 s".
 std::string moment(double t);
 
-/// A clock that starts when it is made.
+/// A clock that starts on construction.
 class Stopwatch {
   public:
-    /// Wall clock since it was made, s.
+    /// Wall clock since construction, s.
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// What has gone astray: a number that is not finite, or energy beyond all bounds, with the time; empty where nothing
-/// has.
+/// Why the motion has diverged (a value is not finite, or the energy exceeds `bound`), with the time; or empty.
 std::string divergence(const Problem& problem, const Bodies& bodies, double bound);
 
-/// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes: what follows upon what went wrong.
+/// "; the last state, at t = .. s: w = (..) rad/s, q = (..)", in body axes. Appended to messages of failures.
 std::string last_state(const Bodies& bodies);
 
-/// What a step's implicit equations that are not solved make of a trajectory; `bodies`: the last state.
+/// Sets status and message for a step whose implicit equations were not solved. `bodies`: the last state.
 void explain_unsolved(Trajectory& trajectory, const Bodies& bodies);
 
-/// Appends the moment, or tells that the run has diverged, with the moment before.
+/// Appends the sample and returns true, or sets Status::diverged with the previous sample and returns false.
 bool record(const Problem& problem, const Bodies& bodies, double bound, Trajectory& trajectory);
 
-/// What a method gives for a problem that it cannot represent: no samples, Status::unsupported, and why.
+/// The result for a problem that a method cannot represent: no samples, Status::unsupported and the reason.
 Trajectory unsupported(std::string message);
 
-/// Calls run(recording) as often as the settings repeat the run, the last time with samples where they are asked for,
-/// until one ends early; the trajectory gets the seconds of one. Returns whether all of them went to the end.
+/// Calls run(recording) `repetitions` times, or until one call returns false. Only the last call records samples, if
+/// the settings request them. Sets the trajectory's seconds to the mean per run. Returns whether all runs completed.
 template <std::predicate<bool> Run>
 bool repeat(const Settings& settings, Trajectory& trajectory, Run&& run) {
     int runs = 0;
@@ -104,12 +103,12 @@ bool repeat(const Settings& settings, Trajectory& trajectory, Run&& run) {
     return complete;
 }
 
-/// Watches over a run whose steps a tolerance drives. What ends the run early sets the trajectory's status and message,
-/// and gives false. The energy is looked at with each sample and after every 16 accepted steps. (march() looks at it
-/// more rarely, and goes back to the very step that led astray, which only fixed steps let it find.)
+/// Supervises a tolerance-driven run. A failed check sets the trajectory's status and message and returns false. The
+/// energy is checked with each sample and after every 16 accepted steps. (march() checks it less often and then finds
+/// the exact step that diverged, which is possible only with fixed steps.)
 class Watch {
   public:
-    /// All three must outlive the watch.
+    /// The arguments must outlive this object.
     Watch(const Problem& problem, const Settings& settings, Trajectory& trajectory)
         : problem_(&problem),
           settings_(&settings),
@@ -117,20 +116,20 @@ class Watch {
           bound_(energy_bound(problem)),
           budget_(settings) {}
 
-    /// To be called at t = 0, before each repetition.
+    /// Must be called at t = 0, before each repetition.
     void restart() {
         until_look_ = between_looks;
         marked_steps_ = budget_.steps(), marked_time_ = 0;
     }
-    /// Over all repetitions.
+    /// Number of steps over all repetitions.
     long steps() const { return budget_.steps(); }
 
-    /// Whether a step may be taken; `evaluations` is how many right-hand sides this repetition has evaluated so far.
+    /// True if a step may be taken; `evaluations` is the number of right-hand-side evaluations in this repetition.
     bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
-    /// Whether another attempt at a step, or a step aside, may be made; `evaluations` is as for may_step().
+    /// True if another attempt or a separate step for a sample may be made; `evaluations` as for may_step().
     bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }
-    /// To be called after an accepted step to t (s): whether the run makes progress. It makes none where its steps are
-    /// so short, accepted by round-off alone, that at their pace the rest would take ten times the limit of steps.
+    /// Must be called after an accepted step to t, s. Returns false if the run makes no progress: its steps are so
+    /// short, accepted only through round-off, that the rest would take ten times the step limit.
     bool gets_on(double t) {
         constexpr long span = 1 << 14;
         if (budget_.steps() - marked_steps_ < span) return true;
@@ -140,18 +139,18 @@ class Watch {
                fail(Status::tolerance_not_met,
                     "no progress at " + moment(t) + ": the tolerance is too small for binary64");
     }
-    /// To be called after the samples of an accepted step: whether the motion has not diverged. sample() gives the
-    /// motion as it is now.
+    /// Must be called after the samples of an accepted step. Returns false if the motion has diverged. sample() returns
+    /// the current motion.
     template <std::invocable Look>
     bool stays_sane(Look&& sample) {
         if (--until_look_ > 0) return true;
         until_look_ = between_looks;
         return is_sane(sample());
     }
-    /// Takes a sample; false where the motion has diverged.
+    /// Records a sample; returns false if the motion has diverged.
     bool record(const Bodies& bodies) { return polhode::record(*problem_, bodies, bound_, *trajectory_); }
 
-    /// Ends the run with this status and message; false.
+    /// Ends the run with this status and message; returns false.
     bool fail(Status status, std::string message) {
         trajectory_->status = status, trajectory_->message = std::move(message);
         return false;

@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-/// As a Stepper; a fixed step may fail where its implicit equations have no solution.
+/// Fixed steps as a Stepper. A step fails if its implicit equations cannot be solved.
 template <class SystemType>
 class ArkodeFixedStepper {
   public:
@@ -22,7 +22,7 @@ class ArkodeFixedStepper {
     void step(double t, double h) {
         if (!failed()) note(session_.fixed_step(t, h));
     }
-    // at the time that the caller says it is: its sum of steps may round otherwise
+    // at the caller's time: ARKODE's sum of steps may round differently
     auto sample(double t) const { return session_.sample_at(t); }
     bool finite() const { return all_finite(std::span<const double>(session_.y(), session_.size())); }
     long rhs_evaluations() const { return session_.rhs_evaluations(); }
@@ -35,7 +35,7 @@ class ArkodeFixedStepper {
   private:
     void note(int flag) { flag_ = std::min(flag_, flag); }
 
-    // ARKODE's functions take what they only read as they take what they change
+    // mutable: ARKODE's query functions take non-const pointers
     mutable ArkodeSession<SystemType> session_;
     int flag_ = ARK_SUCCESS;
 };
@@ -61,7 +61,7 @@ Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
                                                  : "explicit, order 8, for the motion is not stiff");
 }
 
-/// ARKODE's own table in one piece of memory.
+/// A Butcher table of ARKODE, stored contiguously.
 struct LinearTable {
     std::vector<double> A, b;
 

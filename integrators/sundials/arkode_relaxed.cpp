@@ -1,4 +1,8 @@
-// Relaxation: a Runge-Kutta step followed along its own direction to where the energy is what it was.
+// Relaxation Runge-Kutta methods: each step is scaled along its own direction so that the energy is conserved.
+//
+// Tableau holds one of ARKODE's explicit pairs. RelaxedStepper runs it with a fixed step (march()) or with step control
+// (march_controlled()); relaxation() solves the quadratic equation for the scaling factor gamma. References: D. I.
+// Ketcheson 2019, SIAM J. Numer. Anal. 57, 2850; Ranocha et al. 2020, SIAM J. Sci. Comput. 42, A612.
 #include <arkode/arkode_arkstep.h>
 
 #include <algorithm>
@@ -15,7 +19,7 @@
 namespace polhode {
 namespace {
 
-/// An explicit table of ARKODE's in one piece of memory. b - d is what the pair differs by.
+/// One of ARKODE's explicit pairs, stored contiguously. `difference` = b - d, for the error estimate.
 struct Tableau {
     static constexpr int most_stages = 13;
     int stages = 0, order = 0, embedded_order = 0;
@@ -34,13 +38,13 @@ struct Tableau {
     }
 };
 
-/// Ketcheson (2019): from y go to y + gamma d, d = h sum of b_i k_i, with gamma such that the energy is the first
-/// one's, and let the time go on by gamma h: gamma = 1 + O(h^(p-1)), so the order p stays.
+/// Ketcheson (2019): step from y to y + gamma d, d = h sum of b_i k_i, with gamma such that the energy equals the
+/// initial one, and advance time by gamma h. gamma = 1 + O(h^(p-1)), so the order p is preserved.
 ///
-/// The energy is a quadratic polynomial of the state, so gamma is a root of a quadratic equation. The caller's clock
-/// goes on by h; the own one is ahead of it by a lag of O(h^p), which the next step makes good by aiming at the
-/// caller's next time. At a sample or an event a plain step of length -lag comes back to the caller's time; its energy
-/// error, O(h^(p (p + 1))), is far below round-off.
+/// The energy is a quadratic polynomial of the state, so gamma is the root of a quadratic equation. The caller's clock
+/// advances by h; the stepper's clock is ahead of it by a lag of O(h^p), which the next step removes by aiming at the
+/// caller's next time. At a sample or an event, a plain step of length -lag returns to the caller's time; its energy
+/// error of O(h^(p (p + 1))) is far below round-off.
 template <class SystemType>
 class RelaxedStepper : public ControlledOdeintState<SystemType> {
     using Base = ControlledOdeintState<SystemType>;
@@ -64,7 +68,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         Base::enter(segment);
         if (started_) return;
         energy_ = this->system_.energy(this->y_.data());
-        // where the parts of the energy cancel, round-off is that of the parts
+        // where the terms of the energy cancel, the round-off is that of the terms
         round_off_ = 16 * std::numeric_limits<double>::epsilon() * (std::abs(energy_) + kinetic_scale());
         started_ = true;
     }
@@ -110,7 +114,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
     }
     void spoil() { this->y_[0] = std::numeric_limits<double>::quiet_NaN(); }
 
-    // d = h sum b_i k_i and what the pair differs by, from `y` at t; false where a rate is not finite
+    // d = h sum b_i k_i and the embedded error estimate, from `y` at t; returns false if a rate is not finite
     bool stages_from(const Y& y, double t, double h, Y& d, Y& difference, long& evaluations) const {
         const Tableau& table = *table_;
         std::array<Y, Tableau::most_stages> k;
@@ -129,7 +133,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         return all_finite(d);
     }
 
-    // y <- y + gamma d after a step of that length; `clock` is the caller's new time
+    // y <- y + gamma d after a step of this length; `clock` is the caller's new time
     void advance(const Y& d, double length, double clock) {
         for (int n = 0; n < N; ++n) this->y_[n] += d[n];
         const double delta = relaxation(d);
@@ -137,7 +141,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         lag_ = delta * length, clock_ = clock;
     }
 
-    // gamma - 1 from the plain step's end: E(y + delta d) = E(y) + delta s + delta^2 a
+    // gamma - 1, relative to the end of the plain step: E(y + delta d) = E(y) + delta s + delta^2 a
     double relaxation(const Y& d) const {
         const double residual = this->system_.energy(this->y_.data()) - energy_;
         if (!(std::abs(residual) > round_off_)) return 0;
@@ -150,7 +154,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         const double discriminant = s * s - 4 * a * residual;
         if (!(discriminant >= 0)) return 0;
         const double delta = -2 * residual / (s + std::copysign(std::sqrt(discriminant), s));
-        // a direction along which the energy hardly changes, as in steady rotation, has no such point near
+        // if the energy hardly changes along d, as in steady rotation, no such point is near
         return std::abs(delta) < 0.5 ? delta : 0;
     }
 
@@ -163,10 +167,10 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
 
     const Tableau* table_;
     bool started_ = false;
-    mutable long sample_evaluations_ = 0;  // of steps over the lag that samples alone need
+    mutable long sample_evaluations_ = 0;  // of steps over the lag that only samples require
     double energy_ = 0, round_off_ = 0;
-    double lag_ = 0;    // s, the own clock ahead of the caller's
-    double clock_ = 0;  // s, the caller's after the last step
+    double lag_ = 0;    // s, stepper's clock minus caller's clock
+    double clock_ = 0;  // s, caller's clock after the last step
 };
 
 std::string energy_is_not_kept(const Problem& problem) {

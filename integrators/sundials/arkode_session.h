@@ -1,4 +1,7 @@
-// ARKODE's ARKStep set up on one posed problem, by a fixed step or by a tolerance.
+// ARKODE's ARKStep for one posed problem, with a fixed step or a tolerance.
+//
+// ArkodeSession sets up the solver and its callbacks, advances it, and handles events (restart), samples inside a step
+// (a second session from the start of the step) and error flags. It satisfies SolverSession (run/solver_run.h).
 #pragma once
 
 #include <arkode/arkode_arkstep.h>
@@ -11,17 +14,17 @@
 
 namespace polhode {
 
-/// One of ARKODE's default tables.
+/// One of ARKODE's default Butcher tables.
 struct ArkodeTable {
-    bool implicit;  ///< diagonally implicit, else explicit
+    bool implicit;  // diagonally implicit if true, otherwise explicit
     int order;
 };
 
 /// SystemType: a System.
 ///
-/// ARKStep, although ERKStep has less to do: ERKStep 6.4 takes the last stage's rate for the next step's first wherever
-/// the last abscissa is 1, which is right only if that stage stands at the step's end. Measured on a free symmetric
-/// body, its default tables of orders 6 and 8 then show orders 3.0 and 7.1.
+/// Uses ARKStep although ERKStep does less work. ERKStep 6.4 reuses the last stage's rate for the next step's first
+/// stage if the last abscissa is 1, which is correct only if that stage equals the end of the step. Measured on a free
+/// symmetric body, its default tables of orders 6 and 8 then show orders 3.0 and 7.1.
 template <class SystemType>
 class ArkodeSession : public SundialsSession<SystemType> {
     using Base = SundialsSession<SystemType>;
@@ -32,24 +35,24 @@ class ArkodeSession : public SundialsSession<SystemType> {
   public:
     using Base::dimension, Base::y;
 
-    /// By a tolerance R, absolute R times each component's scale; or, without one, by steps of given length, whose
-    /// implicit stages are solved to round-off. Throws std::bad_alloc where there is no memory for it.
+    /// With a tolerance R: absolute tolerance R times each component's scale. Without: steps of given length, with
+    /// implicit stages solved to round-off. Throws std::bad_alloc if there is not enough memory.
     ArkodeSession(const Problem& problem, ArkodeTable table, std::optional<double> tolerance)
         : Base(problem, tolerance.value_or(newton_tolerance)), table_(table) {
         memory_.reset(ARKStepCreate(explicit_part(), implicit_part(), 0, state_.get(), context_));
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
-        Base* base = this;  // what the callbacks are handed
+        Base* base = this;  // user data of the callbacks
         demand(ARKStepSetErrHandlerFn(memory, Base::note_message, base));
         demand(ARKStepSVtolerances(memory, this->tolerance_, absolute_.get()));
         demand(ARKStepSetUserData(memory, base));
         if constexpr (dimension == run_time)
             if (this->system_.projects()) demand(ARKStepSetPostprocessStepFn(memory, project));
         demand(ARKStepSetOrder(memory, table.order));
-        // nothing is interpolated: the polynomial of least work
+        // no interpolation is used: choose the least expensive polynomial
         demand(ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
         demand(ARKStepSetInterpolantDegree(memory, 0));
-        // steps that vanish against t are counted by the caller
+        // the caller detects steps that do not change t
         demand(ARKStepSetMaxHnilWarns(memory, -1));
         if (!table.implicit) return;
         Base::make_newton();
@@ -57,13 +60,13 @@ class ArkodeSession : public SundialsSession<SystemType> {
         demand(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
         demand(ARKStepSetJacFn(memory, Base::fill_jacobian));
         if (tolerance) return;
-        // a fixed step cannot be tried again shorter: a fresh Jacobian each step, and iterations enough
+        // a fixed step cannot be shortened: new Jacobian in each step and up to 20 iterations
         demand(ARKStepSetLSetupFrequency(memory, 1));
         demand(ARKStepSetJacEvalFrequency(memory, 1));
         demand(ARKStepSetMaxNonlinIters(memory, 20));
     }
 
-    /// Back to t = 0, all counts to zero.
+    /// Returns to t = 0 and resets all counts.
     void restart() {
         Base::begin();
         steps_ = 0;
@@ -71,7 +74,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         if (aside_) aside_->restart();
     }
 
-    /// An event: impulses, then the loads of this segment. ARKODE's step control starts again.
+    /// Processes an event: impulses, then the loads of this segment. Restarts ARKODE's step control.
     int enter(const Segment& segment) {
         Base::pass(segment);
         if (!(end_ > t_)) return ARK_SUCCESS;
@@ -82,7 +85,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         return flag;
     }
 
-    /// A step of length h from t, both the caller's: ARKODE's own clock adds up rounding errors.
+    /// A step of length h from t on the caller's clock; ARKODE's own clock accumulates rounding errors.
     int fixed_step(double t, double h) {
         if (h != length_)
             if (const int flag = ARKStepSetFixedStep(memory_.get(), length_ = h); flag != ARK_SUCCESS) return flag;
@@ -94,16 +97,16 @@ class ArkodeSession : public SundialsSession<SystemType> {
         return flag;
     }
 
-    /// One step by ARKODE's step control, cut at the segment's end; its flag. time() and the state have moved if it is
-    /// >= 0. What a torque of the user's own throws comes out here.
+    /// One step with ARKODE's step control, cut at the segment's end. Returns its flag; if it is >= 0, time() and the
+    /// state have advanced. Rethrows exceptions of a user-defined torque.
     int step() {
         before_ = t_;
         std::copy_n(y(), this->system_.size(), y_before_.begin());
         return controlled_step();
     }
 
-    /// The motion at a time within the last step, later than the one asked for before. ARKODE's interpolation is of
-    /// degree 5 at the most, so another session of the same table goes there from the step's begin by itself.
+    /// The motion at a time within the last step, later than the previous call's. ARKODE's interpolation has at most
+    /// degree 5, so another session with the same table integrates there from the start of the step.
     auto sample_inside(double t) -> std::optional<decltype(this->sample())> {
         if (!aside_) aside_.reset(new ArkodeSession(*this->problem_, table_, this->tolerance_));
         ArkodeSession& aside = *aside_;
@@ -112,7 +115,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         aside.t_ = aside.reached_ = before_, aside.end_ = t;
         inside_flag_ =
             ARKStepReInit(aside.memory_.get(), explicit_part(), implicit_part(), before_, aside.state_.get());
-        // what the table takes t - before for, it did for the whole step
+        // the table was accurate enough for the whole step, so it is for t - before
         if (inside_flag_ >= 0) inside_flag_ = ARKStepSetInitStep(aside.memory_.get(), t - before_);
         while (inside_flag_ >= 0 && aside.t_ < t) inside_flag_ = aside.controlled_step();
         if (inside_flag_ < 0) {
@@ -123,13 +126,14 @@ class ArkodeSession : public SundialsSession<SystemType> {
         std::copy_n(aside.y(), this->system_.size(), y_before_.begin());
         return aside.sample();
     }
-    /// Why sample_inside() had none.
+    /// Flag of the last sample_inside() that returned nothing.
     int inside_flag() const { return inside_flag_; }
 
-    /// Since restart(), without the steps and evaluations of samples.
+    /// Number of steps since restart(), without steps for samples.
     long steps() const { return steps_; }
+    /// Number of right-hand-side evaluations since restart(), without those for samples.
     long rhs_evaluations() const { return this->evaluations_; }
-    /// Evaluations for samples inside a step, since restart().
+    /// Number of evaluations for samples inside a step since restart().
     long sample_evaluations() const { return aside_ ? aside_->evaluations_ : 0; }
     SolverCounts counts() {
         count();
@@ -138,7 +142,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
         return counts;
     }
 
-    /// What a flag below zero means.
+    /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == ARK_TOO_MUCH_ACC || flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE;
         return Base::explained("ARKODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
@@ -146,7 +150,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     }
 
   private:
-    // with it ARKODE iterates until a correction is below about 1e-15 of the scale
+    // ARKODE then iterates until a correction is below about 1e-15 of the scale
     static constexpr double newton_tolerance = 1e-14;
 
     struct FreeMemory {
@@ -172,7 +176,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     ARKRhsFn explicit_part() const { return table_.implicit ? nullptr : Base::right_hand_side; }
     ARKRhsFn implicit_part() const { return table_.implicit ? Base::right_hand_side : nullptr; }
 
-    // every accepted step ends on what the system keeps
+    // projects the end of every accepted step onto the system's invariants
     static int project(realtype, N_Vector y, void* session) {
         ArkodeSession* self = static_cast<ArkodeSession*>(static_cast<Base*>(session));
         project_step(self->system_, VectorFor<dimension>::type::data(y));
@@ -180,7 +184,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     }
 
     int controlled_step() {
-        // a stop lasts until it is met
+        // a stop time is valid until it is reached
         if (const int flag = ARKStepSetStopTime(memory_.get(), end_); flag != ARK_SUCCESS) return flag;
         const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &reached_, ARK_ONE_STEP);
         Base::rethrow();
@@ -198,12 +202,12 @@ class ArkodeSession : public SundialsSession<SystemType> {
     std::unique_ptr<void, FreeMemory> memory_;
     std::unique_ptr<ArkodeSession> aside_;
     double reached_ = 0;  // s, on ARKODE's clock
-    double length_ = 0;   // s, the fixed step it was last told
+    double length_ = 0;   // s, fixed step that was set last
     double before_ = 0;
     Numbers<dimension> y_before_{this->system_.size()};
     int inside_flag_ = ARK_SUCCESS;
     long steps_ = 0;
-    Counts counts_, counted_;  // since restart(); ARKODE's own at the last look
+    Counts counts_, counted_;  // since restart(); ARKODE's counts at the last query
 };
 
 }  // namespace polhode

@@ -6,8 +6,8 @@
 namespace polhode {
 namespace {
 
-/// Adams' formulas on the full motion, each impact located in the step in which it falls. SystemType: one of the
-/// 13-dimensional.
+/// Adams' formulas on the full motion. Each impact is located within the step in which it occurs. SystemType: a system
+/// with 13 state variables.
 template <class SystemType>
 class ImpactSession : public CvodeSession<SystemType> {
     using Base = CvodeSession<SystemType>;
@@ -36,7 +36,7 @@ class ImpactSession : public CvodeSession<SystemType> {
     }
 
     /// One internal step, cut at the first impact in it. The state is then the one before the impact, and the step can
-    /// still be sampled; the next call goes on from after it.
+    /// still be sampled. The next call applies the impact and continues.
     int step() {
         if (pending_) {
             if (!strike()) return stopped;
@@ -52,7 +52,7 @@ class ImpactSession : public CvodeSession<SystemType> {
         const ContactGeometry<double>& geometry = *this->problem_->body.geometry;
         std::optional<double> impact =
             first_contact(geometry, at, before, reached, 1.5 * std::max(speed_of(start), speed_of(end)));
-        // the solver's own root, where rounding put it just before the gap closes
+        // use the solver's own root if rounding put it just before the gap closes
         if (!impact && flag == CV_ROOT_RETURN && reached > before) impact = reached;
         if (!impact) return flag;
         if (*impact < reached) this->set_back(*impact);
@@ -67,14 +67,14 @@ class ImpactSession : public CvodeSession<SystemType> {
     const std::vector<double>& impact_times() const { return times_; }
 
   private:
-    static constexpr int stopped = -1000;  // no flag of CVODE's
+    static constexpr int stopped = -1000;  // not a flag of CVODE
     static constexpr std::size_t most_impacts = 1'000'000;
 
     double speed_of(const Placement<double>& at) const {
         return length(at.velocity_W) + this->problem_->body.geometry->reach * length(at.angular_velocity_W);
     }
 
-    // false where the motion cannot be followed beyond the impact
+    // returns false if the motion cannot be followed beyond the impact
     bool strike() {
         pending_ = false;
         times_.push_back(this->time());
@@ -97,13 +97,13 @@ class ImpactSession : public CvodeSession<SystemType> {
         const Placement<double> at = placement_of(N_VGetArrayPointer(y));
         for (int i = 0; i < session->planes_; ++i) {
             distance[i] = session->problem_->body.geometry->distance(static_cast<std::size_t>(i), at);
-            if (!std::isfinite(distance[i])) return -1;  // a NaN would be looked into for ever
+            if (!std::isfinite(distance[i])) return -1;  // CVODE's root search would not end with a NaN
         }
         return 0;
     }
 
     int planes_;
-    double touching_;  // m: gaps of no more close at once
+    double touching_;  // m; contacts with smaller gaps close together
     double speed_scale_;
     bool pending_ = false;
     std::vector<double> times_;

@@ -1,11 +1,13 @@
-// CVODE set up on one posed problem: what the methods, the tests and the benchmark of its vector share.
+// CVODE for one posed problem, used by the methods, the tests and the benchmark of its vector.
 //
-// The library is CVODES, of which CVODE is the part without sensitivities: conditioning needs the whole, and the two
-// define the same symbols, so that one program cannot have both. Plain runs give the same bits (all scenes, three
-// methods, two tolerances) and take 2 to 4 % longer, some 10 ns a step, by CVODES' questions whether there are
-// sensitivities (free body, I = (1, 2, 3), omega = (1, 1, 1), T = 100, interleaved: to 1e-6 291 us instead of 280, to
-// 1e-10 771 instead of 751). Renaming the symbols of one would save that
-// and work only where both are compiled here.
+// CvodeSession sets up the solver and its callbacks, advances it, and handles events (restart), dense output,
+// projection and error flags. It satisfies SolverSession (run/solver_run.h).
+//
+// The library is CVODES, which contains CVODE. Conditioning needs its sensitivities, and one program cannot link both
+// because they define the same symbols. Plain runs give the same bits (all scenes, three methods, two tolerances) and
+// take 2 to 4 % longer, about 10 ns per step, because CVODES tests whether sensitivities are present (free body, I =
+// (1, 2, 3), omega = (1, 1, 1), T = 100, interleaved: to 1e-6 291 us instead of 280, to 1e-10 771 instead of 751).
+// Renaming the symbols of one library would avoid this, but only where both are compiled here.
 #pragma once
 
 #include <cvodes/cvodes.h>
@@ -24,10 +26,10 @@ namespace polhode {
 
 enum class Multistep { adams, bdf };
 
-/// How the implicit equation of a step is solved: y = g(y) iterated, or Newton's method with the Jacobian.
+/// Solver of a step's implicit equation: fixed-point iteration y = g(y), or Newton's method with the Jacobian.
 enum class Iteration { functional, newton };
 
-/// What CVODE tells of its troubles, summed over its initialisations.
+/// CVODE's counts of failures, summed over its initialisations.
 struct CvodeCounts {
     long rejected_steps = 0, newton_failures = 0, order_reductions = 0;
 
@@ -38,7 +40,7 @@ struct CvodeCounts {
         CVodeGetNumStabLimOrderReds(memory, &reductions);
         rejected_steps += rejected, newton_failures += failures, order_reductions += reductions;
     }
-    /// `detects_limit`: of stability, as CVODE can for BDF.
+    /// `detects_limit`: stability-limit detection is on (BDF only).
     SolverCounts told(bool detects_limit) const {
         SolverCounts counts{rejected_steps, newton_failures, {}};
         if (detects_limit) counts.order_reductions = order_reductions;
@@ -46,7 +48,7 @@ struct CvodeCounts {
     }
 };
 
-/// Newton's method needs the vector by default. SystemType: a System.
+/// Newton's method requires the default vector. SystemType: a System.
 template <class SystemType, class Vector = typename VectorFor<SystemType::dimension>::type>
 class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base = SundialsSession<SystemType, Vector>;
@@ -58,19 +60,19 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
   public:
     using Base::dimension, Base::y;
 
-    /// Relative tolerance R, absolute tolerance R times each component's scale.
-    /// Throws std::bad_alloc where there is no memory for it.
+    /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc if there is not
+    /// enough memory.
     CvodeSession(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
         : Base(problem, tolerance) {
         memory_.reset(CVodeCreate(multistep == Multistep::adams ? CV_ADAMS : CV_BDF, context_));
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
-        Base* base = this;  // what the callbacks are handed
+        Base* base = this;  // user data of the callbacks
         demand(CVodeSetErrHandlerFn(memory, Base::note_message, base));
         demand(CVodeInit(memory, Base::right_hand_side, 0, state_.get()));
         demand(CVodeSVtolerances(memory, this->tolerance_, absolute_.get()));
         demand(CVodeSetUserData(memory, base));
-        // steps that vanish against t are counted by the caller
+        // the caller detects steps that do not change t
         demand(CVodeSetMaxHnilWarns(memory, -1));
         if (iteration == Iteration::functional) {
             nonlinear_ = owned(SUNNonlinSol_FixedPoint(state_.get(), 0, context_));
@@ -89,20 +91,20 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
                 demand(CVodeSetProjErrEst(memory, SUNFALSE));
             }
         detects_limit_ = multistep == Multistep::bdf;
-        // of the orders 3 to 5, which are not stable on all of the left half plane
+        // for orders 3 to 5, which are not stable on the whole left half plane
         if (detects_limit_) demand(CVodeSetStabLimDet(memory, SUNTRUE));
     }
 
-    /// Projects each step's end; BDF only. Samples inside a step too. The error estimate is left as it is: with it
-    /// projected CVODE 6.4 compares this order's projected estimate with its neighbours' unprojected ones, and stays at
-    /// order 1 (free symmetric body, T = 100, R = 1e-6: 7001 steps instead of 1283).
+    /// Projects the end of each step and samples inside a step; BDF only. The error estimate is not projected:
+    /// otherwise CVODE 6.4 compares the projected estimate of the current order with unprojected ones of neighbouring
+    /// orders, and stays at order 1 (free symmetric body, T = 100, R = 1e-6: 7001 steps instead of 1283).
     void project_onto(const Projection<SystemType>& projection) {
         projection_ = projection;
         demand(CVodeSetProjFn(memory_.get(), correct));
         demand(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
     }
 
-    /// Back to t = 0, all counts to zero.
+    /// Returns to t = 0 and resets all counts.
     void restart() {
         Base::begin();
         steps_ = 0;
@@ -110,15 +112,15 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         running_ = false;
     }
 
-    /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
+    /// Processes an event: impulses, then the loads of this segment. Discards the history of previous steps.
     int enter(const Segment& segment) {
         close();
         Base::pass(segment);
         return resume();
     }
 
-    /// One internal step, cut at the segment's end; CVODE's flag. time() and the state have moved if it is >= 0.
-    /// What a torque of the user's own throws comes out here.
+    /// One internal step, cut at the segment's end. Returns CVODE's flag; if it is >= 0, time() and the state have
+    /// advanced. Rethrows exceptions of a user-defined torque.
     int step() {
         double reached = t_;
         const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
@@ -132,7 +134,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return flag;
     }
 
-    /// Goes on from the state as it is now: the history of the steps before is dropped.
+    /// Restarts from the current state. Discards the history of previous steps.
     int resume() {
         close();
         if (!(end_ > t_)) return CV_SUCCESS;
@@ -141,7 +143,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return CVodeSetStopTime(memory_.get(), end_);
     }
 
-    /// The motion at a time within the last step, by the step's own interpolating polynomial.
+    /// The motion at a time within the last step, from the step's interpolating polynomial.
     auto sample_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, inside_.get());
         if constexpr (projects)
@@ -151,14 +153,14 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
 
     int inside_flag() const { return CV_SUCCESS; }
 
-    /// What a flag below zero means.
+    /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
         return Base::explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
                                CVodeGetReturnFlagName(flag));
     }
 
-    /// Since restart().
+    /// Number of steps since restart().
     long steps() {
         close();
         return steps_;
@@ -173,20 +175,20 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     using Base::demand, Base::system_;
 
     void* memory() { return memory_.get(); }
-    /// The state at a time within the last step, until the next call.
+    /// The state at a time within the last step, valid until the next call.
     const double* state_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, inside_.get());
         return Vector::data(inside_.get());
     }
-    /// Makes a time within the last step the present one.
+    /// Sets the current time and state to a time within the last step.
     void set_back(double t) {
         CVodeGetDky(memory_.get(), t, 0, state_.get());
         t_ = t;
     }
 
-    // By default the iteration stops at a tenth of what the error test allows, and what is left of it is noise that
-    // the step control takes for error: at R = 1e-12 a damped spin takes 5640 steps to 9.8e-10 rad, and with these 2940
-    // to 2.0e-10; a Lagrange top 10592 to 6.9e-8, and with these 7121 to 5.6e-9.
+    // By default the iteration stops at a tenth of the tolerated error, and its remaining error acts as noise in the
+    // step control. At R = 1e-12 a damped spin takes 5640 steps to 9.8e-10 rad, with these values 2940 to 2.0e-10 rad;
+    // a Lagrange top takes 10592 to 6.9e-8 rad, with these values 7121 to 5.6e-9 rad.
     static constexpr double functional_coefficient = 1e-3;
     static constexpr int functional_iterations = 4;
 
@@ -195,7 +197,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         void operator()(void* memory) const { CVodeFree(&memory); }
     };
 
-    // the way from y to the manifold; a positive flag asks for a shorter step
+    // the correction from y to the manifold; a positive flag requests a shorter step
     static int correct(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
         CvodeSession* self = static_cast<CvodeSession*>(static_cast<Base*>(session));
         double *change = Vector::data(correction), *from = Vector::data(y);
@@ -215,7 +217,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return CV_SUCCESS;
     }
 
-    // adds CVODE's counts, which start again at every event
+    // adds CVODE's counts, which restart at every event
     void close() {
         if (!running_) return;
         running_ = false;
@@ -227,7 +229,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
 
     SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
     std::unique_ptr<void, FreeMemory> memory_;
-    // what the motion keeps is known of the systems of one body
+    // the invariants are known for the systems of one body
     static constexpr bool projects = requires { SystemType::rates; };
     struct NoProjection {};
     std::conditional_t<projects, std::optional<Projection<SystemType>>, NoProjection> projection_;

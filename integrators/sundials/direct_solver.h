@@ -1,4 +1,4 @@
-// A direct linear solver of SUNDIALS made of a factorisation of Eigen's.
+// A direct linear solver for SUNDIALS from a factorisation by Eigen.
 #pragma once
 
 #include <sundials/sundials_linearsolver.h>
@@ -10,17 +10,17 @@
 
 namespace polhode {
 
-/// A factorisation of the matrices it goes with. factorize() is false where there is none.
+/// A factorisation of matrices. factorize() returns false if the matrix has none.
 template <class F>
 concept Factorisation = std::default_initializable<F> && requires(F factors, SUNMatrix a, N_Vector x, N_Vector b) {
     { factors.factorize(a) } -> std::same_as<bool>;
-    factors.solve(b, x);  // a x = b, of the a that was factorised last
+    factors.solve(b, x);  // solves a x = b for the matrix that was factorised last
 };
 
 template <Factorisation Factors>
 class DirectSolver {
   public:
-    /// To be freed by SUNLinSolFree; nullptr where there is no memory.
+    /// A new solver, to be freed by SUNLinSolFree; nullptr if there is not enough memory.
     static SUNLinearSolver make(SUNContext context) {
         Storage* s = new (std::nothrow) Storage;
         if (!s) return nullptr;
@@ -37,7 +37,7 @@ class DirectSolver {
     static SUNLinearSolver_Type type(SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; }
     static SUNLinearSolver_ID id(SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; }
     static int initialize(SUNLinearSolver) { return SUNLS_SUCCESS; }
-    // a positive value asks for another try with a smaller step
+    // a positive value requests another attempt with a smaller step
     static int setup(SUNLinearSolver s, SUNMatrix a) {
         return static_cast<Storage*>(s)->factors.factorize(a) ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL;
     }

@@ -1,5 +1,5 @@
-// A SUNDIALS matrix and direct linear solver of a size known at compile time, on Eigen's fixed-size LU factorisation
-// with partial pivoting. They go with FixedVector.
+// A SUNDIALS matrix and direct linear solver of a size known at compile time, based on Eigen's fixed-size LU
+// factorisation with partial pivoting. For use with FixedVector.
 #pragma once
 
 #include <sundials/sundials_matrix.h>
@@ -18,7 +18,7 @@ class FixedMatrix {
   public:
     using Entries = Eigen::Matrix<double, N, N, Eigen::RowMajor>;
 
-    /// A matrix of zeros, to be freed by SUNMatDestroy; nullptr where there is no memory.
+    /// A matrix of zeros, to be freed by SUNMatDestroy; nullptr if there is not enough memory.
     static SUNMatrix make(SUNContext context) {
         Storage* m = new (std::nothrow) Storage;
         if (!m) return nullptr;

@@ -1,10 +1,10 @@
-// A SUNDIALS vector of a length known at compile time: header and numbers in one allocation, every operation a short
-// loop that the compiler unrolls, and the sums that a linear multistep method takes over its history fused. It has the
-// operations that CVODE and ARKODE call with the nonlinear and linear solvers that are used here.
+// A SUNDIALS vector of a length known at compile time. Header and numbers share one allocation, every operation is a
+// short loop that the compiler unrolls, and the sums over the history of a multistep method are fused. It provides the
+// operations that CVODE and ARKODE call with the nonlinear and linear solvers used here.
 //
-// The array is padded to whole registers. Element-wise operations run over the padding too, which always holds zeros;
-// operations that would make anything else of a zero (a quotient, a constant) leave it out. Sums are taken in the
-// order of N_VNew_Serial, so that the two agree to the last bit wherever the serial one has no special case.
+// The array is padded to whole registers. Element-wise operations include the padding, which always holds zeros;
+// operations that do not map zero to zero (quotients, constants) exclude it. Sums use the order of N_VNew_Serial, so
+// that both agree to the last bit unless the serial vector has a special case.
 #pragma once
 
 #include <sundials/sundials_nvector.h>
@@ -21,7 +21,7 @@ class FixedVector {
     static constexpr int length = N;
     static constexpr int padded = (N + 3) / 4 * 4;
 
-    /// A vector of zeros, to be freed by N_VDestroy; nullptr where there is no memory.
+    /// A vector of zeros, to be freed by N_VDestroy; nullptr if there is not enough memory.
     static N_Vector make(SUNContext context) {
         Storage* v = new (std::nothrow) Storage;
         if (!v) return nullptr;
@@ -30,7 +30,7 @@ class FixedVector {
         return v;
     }
 
-    /// The numbers of a vector that make() or a clone of it gave.
+    /// The numbers of a vector created by make() or by cloning such a vector.
     static double* data(N_Vector v) { return static_cast<Storage*>(v)->value; }
 
   private:
@@ -139,7 +139,7 @@ class FixedVector {
         return 0;
     }
 
-    // one table for all vectors of this length; SUNDIALS only reads it
+    // one table for all vectors of this length; SUNDIALS does not modify it
     static _generic_N_Vector_Ops& operations() {
         static _generic_N_Vector_Ops table = [] {
             _generic_N_Vector_Ops o{};

@@ -18,7 +18,7 @@ std::string no_mechanism(const Problem& problem) {
     return "";
 }
 
-// the stabilised form moves each body's position by the inverse of its mass and tensor
+// the stabilised form corrects positions by the inverse of each body's mass and tensor
 std::string no_inverse_masses(const Problem& problem) {
     const std::string why = no_mechanism(problem);
     return why.empty() ? body_without_inertia(problem.scene) : why;

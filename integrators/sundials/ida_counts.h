@@ -1,4 +1,4 @@
-// What IDA tells of a run, added up over its restarts at events.
+// Counts reported by IDA, summed over its restarts at events.
 #pragma once
 
 #include <ida/ida.h>
@@ -8,7 +8,7 @@ namespace polhode {
 struct IdaCounts {
     long steps = 0, rejected_steps = 0, newton_failures = 0;
 
-    /// Adds those since IDA began last.
+    /// Adds the counts since IDA's last initialisation.
     void add(void* memory) {
         long taken = 0, rejected = 0, failures = 0;
         IDAGetNumSteps(memory, &taken);

@@ -1,13 +1,18 @@
+// IDA for mechanisms: the implementation of IdaSession.
+//
+// maximal::ConstrainedEquations provides the residual F(z) - z' of index 1 or of the stabilised index 2 formulation.
+// The Jacobian comes from dual numbers, one colour of unknowns at a time, and is sparse. Events restart IDA with
+// consistent multipliers, which are computed from the accelerations.
 #include "integrators/sundials/ida_session.h"
 
 namespace polhode {
 namespace {
 
-// of the multipliers' own size: they are governed by the differential variables, left out of the error test, and need
-// not converge further
+// Tolerance of the multipliers relative to their size. The differential variables determine them, they are excluded
+// from the error test, and they need not converge further.
 constexpr double multiplier_share = 1e-3;
 
-// where the joints' coordinates begin, those of dependent ones included
+// initial joint coordinates, including those of dependent joints
 std::vector<std::array<double, 2>> starting_coordinates(const Problem& problem) {
     const Tree<double>& tree = mechanism_of(problem).tree();
     std::vector<double> y(static_cast<std::size_t>(tree.dimension()));
@@ -23,7 +28,7 @@ IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tole
       system_(problem.scene, start_, starting_coordinates(problem), maximal::LoopRows::independent),
       equations_(system_, index),
       n_(equations_.unknowns()),
-      // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+      // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
       tolerance_(std::max(tolerance, 1e-100)),
       state_(owned(N_VNew_Serial(n_, context_))),
       rate_of_state_(owned(N_VNew_Serial(n_, context_))),
@@ -60,7 +65,7 @@ void IdaSession::set_tolerances() {
         const int first = system_.place(b);
         if (first < 0) continue;
         const maximal::HeldBody<double>& body = mechanism.bodies[b];
-        // centres that stay where they are have no scale of their own
+        // centres that do not move have no scale of their own
         const double reach = body.reach(), velocity = std::max(scales.velocity, scales.angular_velocity * reach);
         mass += body.mass, speed = std::max(speed, velocity);
         std::fill_n(absolute + first, 4, tolerance_);
@@ -102,7 +107,7 @@ int IdaSession::step() {
     double reached = t_;
     const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
     if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
-        // a segment of a rounding error's length, which no solver can start on: an explicit Euler step is exact there
+        // a segment as short as a rounding error, on which no solver can start: an explicit Euler step is exact there
         const double* rate = N_VGetArrayPointer(rate_of_state_.get());
         for (int i = 0; i < equations_.differential(); ++i) y()[i] += (end_ - t_) * rate[i];
         t_ = end_;
@@ -130,7 +135,7 @@ Moment IdaSession::moment_at(double t, const double* z) const {
     return moment;
 }
 
-// lambda from the accelerations; mu and nu vanish, and so do the rates of all three as far as IDA needs them
+// lambda from the accelerations; mu and nu vanish, and so do the rates of all three as far as IDA requires them
 void IdaSession::make_consistent() {
     double *z = y(), *rate = N_VGetArrayPointer(rate_of_state_.get());
     std::fill(z + equations_.differential(), z + n_, 0.0);
@@ -146,7 +151,7 @@ void IdaSession::close() {
     counts_.add(memory_.get());
 }
 
-// 0, or -1 for good once numbers are not finite: see SundialsSession::right_hand_side
+// 0, or -1 permanently once a number is not finite: see SundialsSession::right_hand_side()
 int IdaSession::judged(double t, const double* numbers, std::size_t count) {
     if (all_finite({numbers, count})) return 0;
     not_finite_at_ = t;
@@ -164,7 +169,7 @@ int IdaSession::residual(double t, N_Vector state, N_Vector rate, N_Vector resul
     return self->judged(t, F, static_cast<std::size_t>(self->n_));
 }
 
-// dF/dz + c dF/dz': the unknowns of one colour at a time
+// dF/dz + c dF/dz', for the unknowns of one colour at a time
 int IdaSession::fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
                               N_Vector, N_Vector, N_Vector) {
     IdaSession* self = static_cast<IdaSession*>(session);
@@ -199,7 +204,7 @@ int IdaSession::fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Ve
     return self->judged(t, values.data(), values.size());
 }
 
-// codes above zero are warnings
+// positive codes are warnings
 void IdaSession::note_message(int code, const char*, const char*, char* text, void* session) {
     if (code <= 0) static_cast<IdaSession*>(session)->message_ = text;
 }

@@ -1,4 +1,4 @@
-// IDA set up on a mechanism in maximal coordinates.
+// IDA for a mechanism in maximal coordinates.
 #pragma once
 
 #include <fmt/format.h>
@@ -29,23 +29,23 @@
 
 namespace polhode {
 
-/// Not to be moved: the library points into it.
+/// Not movable: the library holds pointers into it. Satisfies SolverSession (run/solver_run.h).
 class IdaSession {
   public:
-    /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc where there is no
-    /// memory for it. The problem, of a mechanism, must outlive it.
+    /// Relative tolerance R, absolute tolerance R times each component's scale. The problem must be a mechanism and
+    /// must outlive this object. Throws std::bad_alloc if there is not enough memory.
     IdaSession(const Problem& problem, maximal::Index index, double tolerance);
     IdaSession(const IdaSession&) = delete;
     IdaSession& operator=(const IdaSession&) = delete;
 
-    /// Back to t = 0, all counts to zero.
+    /// Returns to t = 0 and resets all counts.
     void restart();
-    /// An event: impulses, then the loads of this segment. The history of the steps before it is dropped.
+    /// Processes an event: impulses, then the loads of this segment. Discards the history of previous steps.
     int enter(const Segment& segment);
-    /// One internal step, cut at the segment's end; IDA's flag.
+    /// One internal step, cut at the segment's end. Returns IDA's flag.
     int step();
     double time() const { return t_; }
-    /// The motion at time(), with the reactions that the multipliers say.
+    /// The motion at time(), with the reactions from the multipliers.
     Moment sample() { return moment_at(t_, y()); }
     Moment sample_of(double t, const double* z) const { return moment_at(t, z); }
     /// The motion at a time within the last step.
@@ -76,7 +76,7 @@ class IdaSession {
     maximal::ConstrainedEquations<double> equations_;
     int n_;
     double tolerance_;
-    SundialsContext context_;  // before all that lives in it
+    SundialsContext context_;  // declared before the members that use it
     SundialsOwner<N_Vector> state_, rate_of_state_, absolute_, kind_, inside_;
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;

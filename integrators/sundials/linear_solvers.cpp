@@ -1,4 +1,4 @@
-// Matrices and direct linear solvers for the sizes that states have.
+// Matrices and direct linear solvers for the state sizes in use.
 #include "integrators/sundials/serial_vector.h"
 
 namespace polhode {

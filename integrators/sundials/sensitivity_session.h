@@ -1,4 +1,9 @@
-// CVODES set up to carry, along with one posed problem's motion, its derivative by the initial state.
+// CVODES for one posed problem together with the derivative of its motion with respect to the initial state.
+//
+// SensitivitySession extends CvodeSession by one column per direction of the initial state in minimal coordinates
+// (attitude as a rotation vector, w, p, v). Rates come from dual numbers, or from central differences for a
+// user-defined torque. The staggered method solves the columns after the state; both are under error control (Hindmarsh
+// et al. 2005; Feehery, Tolsma & Barton 1997).
 #pragma once
 
 #include <cvodes/cvodes.h>
@@ -18,15 +23,15 @@
 namespace polhode {
 
 /// d state(t) / d state(0) in minimal coordinates, each block in units of its scale: attitude (rotation vector, posed
-/// axes), w, and p, v where the system has them.
+/// axes), w, and p, v if the system has them.
 template <class SystemType>
 using Sensitivity = Eigen::Matrix<double, SystemType::dimension - 1, SystemType::dimension - 1>;
 
-/// SystemType: a system with w and q, and p, v or none. Sensitivities are under error control like the state.
+/// SystemType: a system with w and q, with or without p and v. Sensitivities are under error control like the state.
 template <class SystemType>
 class SensitivitySession : public CvodeSession<SystemType> {
     using Base = CvodeSession<SystemType>;
-    using Handed = SundialsSession<SystemType>;  // as what the callbacks are handed the session
+    using Handed = SundialsSession<SystemType>;  // base type of the callbacks' user data
     using Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
     using Base::demand, Base::memory;
     using Vector = FixedVector<SystemType::dimension>;
@@ -35,8 +40,8 @@ class SensitivitySession : public CvodeSession<SystemType> {
     using Base::dimension, Base::y;
     static constexpr int directions = dimension - 1;
 
-    /// Relative tolerance R of the state, and of every column of its derivative against the column's own size, but no
-    /// finer than against 1. The problem must outlive the session.
+    /// R is the relative tolerance of the state and of every column of its derivative, relative to max(1, size of the
+    /// column). The problem must outlive the session.
     SensitivitySession(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
         : Base(problem, multistep, iteration, tolerance) {
         system_.scales(scale_.data());
@@ -47,7 +52,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
         demand(CVodeSetStabLimDet(memory(), SUNFALSE));
         demand(CVodeWFtolerances(memory(), weigh));
         demand(CVodeSensInit(memory(), directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
-        // the state's weights, by weigh(), for each column
+        // each column uses the weights of the state, from weigh()
         demand(CVodeSensEEtolerances(memory()));
         demand(CVodeSetSensErrCon(memory(), SUNTRUE));
         if (iteration == Iteration::functional) {
@@ -59,17 +64,17 @@ class SensitivitySession : public CvodeSession<SystemType> {
         demand(CVodeSetNonlinearSolverSensStg(memory(), nonlinear_columns_.get()));
     }
 
-    /// An event: impulses with their derivative, then the loads of this segment.
+    /// Processes an event: impulses with their derivative, then the loads of this segment.
     int enter(const Segment& segment) {
         for (const PosedImpulse<double>& impulse : segment.impulses) jump(impulse);
         if (const int flag = Base::enter(segment); flag != CV_SUCCESS || !(end_ > t_)) return flag;
         return CVodeSensReInit(memory(), CV_STAGGERED, columns_.get());
     }
 
-    /// One internal step, cut at the segment's end; CVODES' flag.
+    /// One internal step, cut at the segment's end. Returns CVODES' flag.
     int step() {
         const int flag = Base::step();
-        // none in a segment of a rounding error's length, where the derivative does not move
+        // no step is taken in a segment as short as a rounding error, where the derivative does not change
         long taken = 0;
         CVodeGetNumSteps(memory(), &taken);
         double at = 0;
@@ -77,14 +82,14 @@ class SensitivitySession : public CvodeSession<SystemType> {
         return flag;
     }
 
-    /// At time(), or at a time within the last step.
+    /// The derivative at time(), or at a time within the last step.
     Sensitivity<SystemType> sensitivity() { return minimal(y(), columns_.get()); }
     Sensitivity<SystemType> sensitivity_inside(double t) {
         CVodeGetSensDky(memory(), t, 0, inside_columns_.get());
         return minimal(this->state_inside(t), inside_columns_.get());
     }
 
-    /// What a flag below zero means.
+    /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
         return Base::explained("CVODES", Status::tolerance_not_met, CVodeGetReturnFlagName(flag));
     }
@@ -95,10 +100,10 @@ class SensitivitySession : public CvodeSession<SystemType> {
     };
     using Tangent = Dual<directions>;
 
-    // the component of y that direction i >= 3 is: those of w come before those of q there, and after the turn here
+    // Index in y of direction i >= 3. In y, w precedes q; here w follows the rotation vector.
     static constexpr int component_of(int i) { return i < 3 + SystemType::rates ? i - 3 : i + 1; }
 
-    // the derivative at t = 0, column by column: dq = 1/2 q (0, e_i), then each scale along its own axis
+    // the derivative at t = 0, by columns: dq = 1/2 q (0, e_i), then each scale along its own axis
     void start() {
         this->begin();
         const Quaternion<double> q = SystemType::attitude(y());
@@ -142,7 +147,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
         return moved;
     }
 
-    // what apply() does to w and v, carried over to the derivative
+    // applies the derivative of apply(), which changes w and v
     void jump(const PosedImpulse<double>& impulse) {
         const std::array<Tangent, dimension> state = tangents(y(), columns_.get());
         Vector3<Tangent> w = SystemType::angular_velocity(state.data()), p, v;
@@ -166,8 +171,9 @@ class SensitivitySession : public CvodeSession<SystemType> {
         }
     }
 
-    // Of a state or of a column of its derivative: each component by its scale, against the whole's length where that
-    // is beyond 1. So a growing column is held to its own size, and no component to its chance zeros.
+    // Weights of the state or of a column of its derivative: the tolerated error of a component is its scale, times the
+    // length of the whole if that exceeds 1, times R. A growing column is thus controlled relative to its size, and
+    // components near zero are not over-resolved.
     static int weigh(N_Vector vector, N_Vector weight, void* session) {
         const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
         const double* value = Vector::data(vector);
@@ -192,7 +198,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
         return 0;
     }
 
-    // df/dy s by central differences, for torques that take no dual numbers: y is moved by e s, of length 1e-5
+    // df/dy s by central differences, for torques that do not accept dual numbers: moves y by e s of length 1e-5
     int differences(double t, const double* state, N_Vector* columns, N_Vector* rates) {
         constexpr double size = 1e-5;
         for (int j = 0; j < directions; ++j) {
@@ -206,7 +212,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
                 system_.derivative(t, moved, above);
                 for (int i = 0; i < dimension; ++i) moved[i] = state[i] - e * column[i];
                 system_.derivative(t, moved, below);
-            } catch (...) {  // C code lies between here and whoever called
+            } catch (...) {  // must not propagate through C code
                 this->thrown_ = std::current_exception();
                 return -1;
             }

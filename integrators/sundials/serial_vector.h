@@ -1,5 +1,5 @@
-// What FixedVector, FixedMatrix and FixedDenseSolver are for a state of a size that only the running program knows: the
-// library's own serial vector, dense matrix and dense solver.
+// Vector, matrix and solver for a state whose size is known only at run time: the library's serial vector, dense matrix
+// and dense solver. Counterparts of FixedVector, FixedMatrix and FixedDenseSolver.
 #pragma once
 
 #include <nvector/nvector_serial.h>
@@ -23,7 +23,7 @@ struct SerialVector {
     static double* data(N_Vector v) { return N_VGetArrayPointer(v); }
 };
 
-/// The vector for a state of N components, or of run_time.
+/// The vector type for a state of N components, or of run_time components.
 template <int N>
 struct VectorFor {
     using type = FixedVector<N>;
@@ -33,7 +33,7 @@ struct VectorFor<run_time> {
     using type = SerialVector;
 };
 
-/// A vector of zeros, nullptr where there is no memory.
+/// A vector of zeros; nullptr if there is not enough memory.
 template <class Vector>
 N_Vector made(SUNContext context, int size) {
     if constexpr (std::is_same_v<Vector, SerialVector>)
@@ -42,9 +42,8 @@ N_Vector made(SUNContext context, int size) {
         return Vector::make(context);
 }
 
-/// A square matrix that goes with the vector y of N components, and its solver; nullptr where there is no memory. N is
-/// 3, 7, 13 or run_time: linear_solvers.cpp compiles these, for Eigen's factorisations of a fixed size take long to
-/// compile.
+/// A square matrix for the vector y of N components, and its solver; nullptr if there is not enough memory. N is 3, 7,
+/// 13 or run_time. Compiled in linear_solvers.cpp, because Eigen's fixed-size factorisations compile slowly.
 template <int N>
 SUNMatrix matrix_for(N_Vector y, SUNContext context);
 template <int N>

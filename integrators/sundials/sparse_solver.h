@@ -1,5 +1,5 @@
-// A sparse SUNDIALS matrix and a direct linear solver for it, on Eigen's SparseLU with column ordering and partial
-// pivoting. They go with the library's serial vector.
+// A sparse SUNDIALS matrix and its direct linear solver, based on Eigen's SparseLU with column ordering and partial
+// pivoting. For use with the library's serial vector.
 #pragma once
 
 #include <nvector/nvector_serial.h>
@@ -16,7 +16,7 @@ class SparseMatrix {
   public:
     using Entries = Eigen::SparseMatrix<double>;
 
-    /// An empty square matrix, to be freed by SUNMatDestroy; nullptr where there is no memory.
+    /// An empty square matrix, to be freed by SUNMatDestroy; nullptr if there is not enough memory.
     static SUNMatrix make(int size, SUNContext context) {
         Storage* m = new (std::nothrow) Storage;
         if (!m) return nullptr;
@@ -36,7 +36,7 @@ class SparseMatrix {
     static SUNMatrix_ID id(SUNMatrix) { return SUNMATRIX_CUSTOM; }
     static SUNMatrix clone(SUNMatrix m) { return make(static_cast<int>(entries(m).rows()), m->sunctx); }
     static void destroy(SUNMatrix m) { delete static_cast<Storage*>(m); }
-    // whoever fills it in writes every entry
+    // nothing to do: the function that fills the matrix writes every entry
     static int zero(SUNMatrix) { return SUNMAT_SUCCESS; }
     static int copy(SUNMatrix from, SUNMatrix to) {
         entries(to) = entries(from);
@@ -57,7 +57,7 @@ class SparseMatrix {
     }
 };
 
-/// The pattern of all matrices that it is given is the first one's.
+/// All matrices must have the sparsity pattern of the first one.
 class SparseFactors {
   public:
     bool factorize(SUNMatrix a) {

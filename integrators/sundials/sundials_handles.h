@@ -1,4 +1,4 @@
-// Owners of what SUNDIALS allocates.
+// Owning handles of objects allocated by SUNDIALS.
 #pragma once
 
 #include <sundials/sundials_context.h>
@@ -22,14 +22,14 @@ struct SundialsDeleter {
 template <class Handle>
 using SundialsOwner = std::unique_ptr<std::remove_pointer_t<Handle>, SundialsDeleter>;
 
-/// The owner of a new object. Throws std::bad_alloc where there was no memory for it.
+/// The owner of a new object. Throws std::bad_alloc if it is null.
 template <class Handle>
 SundialsOwner<Handle> owned(Handle handle) {
     if (!handle) throw std::bad_alloc();
     return SundialsOwner<Handle>(handle);
 }
 
-/// One context a solver: SUNDIALS shares nothing between them, so each may live in a thread of its own.
+/// One context per solver: SUNDIALS shares no data between contexts, so each solver may run in its own thread.
 class SundialsContext {
   public:
     SundialsContext() {

@@ -6,19 +6,19 @@
 
 namespace polhode {
 
-/// No timing of an unoptimised library is shown without the word.
+/// Appends a remark to the message of every run if the library is unoptimised, because this affects timings.
 inline void name_unoptimised_sundials(Trajectory& trajectory) {
     if (sundials_unoptimised())
         trajectory.message += trajectory.message.empty() ? "SUNDIALS unoptimised" : "; SUNDIALS unoptimised";
 }
 
-/// A remark before what the message says already.
+/// Prepends a remark to the message.
 inline Trajectory remarked(Trajectory trajectory, const char* remark) {
     trajectory.message = trajectory.message.empty() ? remark : remark + ("; " + trajectory.message);
     return trajectory;
 }
 
-/// One run of a session.
+/// Runs one session.
 template <SolverSession Session>
 Trajectory run_sundials(const Problem& problem, const Settings& settings, Session& session) {
     Trajectory trajectory = SolverRun(problem, settings, session).solve();

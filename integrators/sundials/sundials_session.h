@@ -1,5 +1,5 @@
-// What CVODE and ARKODE are given of one posed problem: state, tolerances, right-hand side, Jacobian, and an ear for
-// their messages.
+// Common base of the CVODE and ARKODE sessions for one posed problem: state, tolerances, right-hand side, Jacobian, and
+// a handler of their messages.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,8 +26,8 @@
 
 namespace polhode {
 
-/// Vector: FixedVector<N>, or a type with the same make() and data(). The problem must outlive the session. Not to be
-/// moved: the library points into it.
+/// Vector: FixedVector<N>, or a type with the same make() and data(). The problem must outlive the session. Not
+/// movable: the library holds pointers into it.
 template <class SystemType, class Vector = typename VectorFor<SystemType::dimension>::type>
 class SundialsSession {
   public:
@@ -37,25 +37,25 @@ class SundialsSession {
     SundialsSession& operator=(const SundialsSession&) = delete;
 
     double time() const { return t_; }
-    std::size_t size() const { return static_cast<std::size_t>(system_.size()); }  ///< of y
+    std::size_t size() const { return static_cast<std::size_t>(system_.size()); }  ///< number of state variables
     double* y() { return Vector::data(state_.get()); }
 
-    /// The motion at time(), as the solver left it.
+    /// The motion at time(), from the solver's unmodified state.
     auto sample() { return sample_at(t_); }
 
-    /// The same where the caller keeps the time: time() may differ from t by rounding.
+    /// The motion at t, for callers that keep the time: t may differ from time() by rounding.
     auto sample_at(double t) { return system_.motion(t, y()); }
 
     /// The time at which the right-hand side was not finite, since restart().
     std::optional<double> not_finite_at() const { return not_finite_at_; }
 
   protected:
-    /// Relative tolerance R, absolute tolerance R times each component's scale.
-    /// Throws std::bad_alloc where there is no memory for it.
+    /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc if there is not
+    /// enough memory.
     SundialsSession(const Problem& problem, double tolerance)
         : problem_(&problem),
           system_(problem),
-          // what is too small for binary64 is refused; below this the weights, the reciprocals, would overflow
+          // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
           tolerance_(std::max(tolerance, 1e-100)) {
         system_.initial(y());
         system_.scales(Vector::data(absolute_.get()));
@@ -63,12 +63,12 @@ class SundialsSession {
     }
     ~SundialsSession() = default;
 
-    // nothing but memory can fail where the arguments are right; flags are zero on success
+    // with valid arguments only allocation can fail; flags are zero on success
     static void demand(int flag) {
         if (flag != 0) throw std::bad_alloc();
     }
 
-    // Newton's method, the matrix of its linear systems and their solver
+    // creates Newton's method, the matrix of its linear systems and their solver
     void make_newton() {
         nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
         matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
@@ -83,7 +83,7 @@ class SundialsSession {
         system_.enter(segment, y());
         t_ = segment.begin, end_ = segment.end;
     }
-    // `status` is what the flag means; its name serves where the library said nothing
+    // `status` is the meaning of the flag; the flag's name is used if the library gave no message
     SolverFailure explained(const char* library, Status status, char* flag_name) {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
@@ -95,7 +95,7 @@ class SundialsSession {
     void rethrow() {
         if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
     }
-    // a segment of a rounding error's length, which no solver can start on: one explicit Euler step is exact there
+    // A segment as short as a rounding error, on which no solver can start: one explicit Euler step is exact there.
     void leap() {
         Numbers<dimension> rate(system_.size());
         system_.derivative(t_, y(), rate.data());
@@ -105,9 +105,9 @@ class SundialsSession {
         message_.clear();
     }
 
-    // A rate that is not finite ends the run: the solver would try ever smaller steps until all are spent. -1 says so,
-    // but SUNDIALS 6.4's nonlinear solvers take it for a failure to converge and try again: from the first -1 on there
-    // is no other answer.
+    // A rate that is not finite ends the run; otherwise the solver would try ever smaller steps up to its limit. The
+    // return value -1 requests this, but the nonlinear solvers of SUNDIALS 6.4 treat it as a convergence failure and
+    // retry. Therefore all calls after the first -1 also return -1.
     static int right_hand_side(double t, N_Vector y, N_Vector rate, void* session) {
         SundialsSession* self = static_cast<SundialsSession*>(session);
         if (self->not_finite_at_ || self->thrown_) return -1;
@@ -116,7 +116,7 @@ class SundialsSession {
         ++self->evaluations_;
         try {
             self->system_.derivative(t, Vector::data(y), dy);
-        } catch (...) {  // C code lies between here and whoever called
+        } catch (...) {  // must not propagate through C code
             self->thrown_ = std::current_exception();
             return -1;
         }
@@ -127,7 +127,7 @@ class SundialsSession {
         return -1;
     }
 
-    // for the matrix that goes with the vector of this size
+    // fills the matrix type of this vector size
     static int fill_jacobian(double t, N_Vector y, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector, N_Vector) {
         SundialsSession* self = static_cast<SundialsSession*>(session);
         if constexpr (dimension == run_time) {
@@ -146,7 +146,7 @@ class SundialsSession {
         return -1;
     }
 
-    // codes above zero are warnings
+    // positive codes are warnings
     static void note_message(int code, const char*, const char*, char* text, void* session) {
         if (code <= 0) static_cast<SundialsSession*>(session)->message_ = text;
     }
@@ -154,7 +154,7 @@ class SundialsSession {
     const Problem* problem_;
     SystemType system_;
     double tolerance_;
-    SundialsContext context_;  // before all that lives in it
+    SundialsContext context_;  // declared before the members that use it
     SundialsOwner<N_Vector> state_ = owned(made<Vector>(context_, system_.size()));
     SundialsOwner<N_Vector> absolute_ = owned(made<Vector>(context_, system_.size()));
     SundialsOwner<SUNNonlinearSolver> nonlinear_;

@@ -1,4 +1,4 @@
-// How long a truth may take.
+// Time limit for computing a reference solution.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace polhode::truth {
 
-/// While it lives, what this thread makes of a truth has `seconds` of its own time; one inside another gives no more
-/// than is left. Each step asks; an interruption spends it all.
+/// Limits the processor time of this thread to `seconds` during the lifetime of this object. A nested limit cannot
+/// exceed the remaining time of the outer one. Every step checks is_spent(); an interruption also ends the time.
 class Allowance {
   public:
     explicit Allowance(double seconds) : former_(end_) { end_ = std::min(end_, processor_time() + seconds); }
@@ -20,7 +20,7 @@ class Allowance {
 
     static bool is_spent() { return processor_time() > end_ || Interruption::is_wanted(); }
     static double left() { return end_ - processor_time(); }
-    /// The fault of a run that stops when it is spent.
+    /// Fault reported by a run that stops at the limit.
     static constexpr const char* fault = "the time allowed is spent";
 
   private:

@@ -1,4 +1,4 @@
-// One attempt at the truth: the motion computed twice, in two formulations by two orders and steps, and compared.
+// One attempt at the reference: two formulations, with different orders and steps, are computed and compared.
 #pragma once
 
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace polhode::truth {
 
-/// A reference with its decimals and what it cost.
+/// A reference with its decimals and its cost.
 struct Truth {
     Reference reference;
-    long steps = 0;                                   ///< of both runs
-    double seconds = 0;                               ///< wall clock, when it was computed
-    bool limit_reached = false;                       ///< there is none because the time allowed was spent
-    std::vector<DecimalColumns> decimals;             ///< one a sample, to more digits than agree
-    std::vector<std::string> impact_decimals;         ///< Reference::impact_times, to more digits than agree
-    std::vector<ReactionDecimals> reaction_decimals;  ///< Reference::reactions, to more digits than agree
+    long steps = 0;                                   ///< total of both runs
+    double seconds = 0;                               ///< wall clock of the computation, s
+    bool limit_reached = false;                       ///< unavailable because the time limit was reached
+    std::vector<DecimalColumns> decimals;             ///< one row per sample and body, with more digits than agree
+    std::vector<std::string> impact_decimals;         ///< Reference::impact_times, with more digits than agree
+    std::vector<ReactionDecimals> reaction_decimals;  ///< Reference::reactions, with more digits than agree
 };
 
-/// The truth from the cache, or else computed within the limit and kept there; throws as reference() does.
+/// Returns the reference from the cache, or computes it within the limit and caches it. Throws as reference() does.
 Truth find_truth(const Scene& scene, long samples, int digits, double seconds_limit = truth_seconds);
-/// The same at times of the caller's own (s).
+/// Returns the reference at the given times, s.
 Truth find_truth(const Scene& scene, const std::vector<double>& times, int digits,
                  double seconds_limit = truth_seconds);
 
-/// MPFR keeps pi and its like for the thread that asked for them. This gives them back where it ends.
+/// Frees the constants (such as pi) that MPFR caches for this thread, at the end of its lifetime.
 class KeptConstants {
   public:
     KeptConstants() = default;
@@ -37,34 +37,34 @@ class KeptConstants {
     ~KeptConstants();
 };
 
-/// Two runs of the truth, compared.
+/// Comparison of two runs of the reference.
 struct Attempt {
     std::string fault;         ///< why a run did not reach the end; empty if both did
     double agreed_digits = 0;  ///< -log10 of the largest difference
     Truth truth;
 };
 
-/// The truth by Taylor series in both formulations. `working` is the number of decimal digits of the arithmetic, 50 or
-/// 100; `local_digits` that of each step.
+/// Both formulations by Taylor series. `working` is the number of decimal digits of the arithmetic, 50 or 100;
+/// `local_digits` sets the local error 10^-local_digits of each step.
 template <unsigned working>
 Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// The truth by Radau collocation in both formulations, for stiff scenes; the digits are as for the Taylor series.
+/// Both formulations by Radau IIA collocation, for stiff scenes. Digits: see attempt_by_taylor().
 template <unsigned working>
 Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// The truth of several bodies by Taylor series, in joint coordinates and in maximal ones; the digits are as for one.
+/// Several bodies by Taylor series, in joint coordinates and in maximal coordinates. Digits: see attempt_by_taylor().
 template <unsigned working>
 Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// Whether the motion has a closed form throughout: no events, principal axes as given.
+/// True if the whole motion has a closed form: no events, and the given axes are principal.
 bool closed_form_serves(const Problem& problem);
 
-/// The truth by closed form, at any time; its beginning is also made by Taylor series and compared.
+/// Evaluates the closed form at all times. Compares the start of the motion with a Taylor series as well.
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
-/// The truth by Taylor series of Euler's equations and by closed form, compared: for motions that hang on a component
-/// of w so small beside the others that momenta in world axes cannot hold it.
+/// Compares a Taylor series of Euler's equations with the closed form. For motions that depend on a component of w that
+/// is too small, compared with the others, for momenta in world axes to represent it.
 Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
                                           double local_digits);
 

@@ -1,6 +1,5 @@
-// The attempt by closed form, for runs so long that a series would take hours: any time costs the same. A thousandth of
-// such a run's revolutions is left to the series all the same, to be compared with: a formula that is wrong is wrong at
-// once.
+// The attempt by closed form, for runs so long that a series would take hours. Its cost does not depend on the time.
+// The first 100 rad of the motion are compared with a Taylor series, because a wrong formula is wrong from the start.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -17,7 +16,7 @@ bool is_diagonal(const Matrix3<P>& m) {
     return m[0][1] == 0 && m[0][2] == 0 && m[1][0] == 0 && m[1][2] == 0 && m[2][0] == 0 && m[2][1] == 0;
 }
 
-// one piece, body axes that are principal, and a centre of mass at a pivot or in free fall
+// the closed form of a scene with one segment, principal body axes, and a centre of mass at a pivot or in free fall
 struct Piece {
     ExactBody<P> body;
     Vector3<P> acceleration_W;
@@ -61,7 +60,7 @@ bool closed_form_serves(const Problem& problem) {
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
     const Piece piece(problem.scene);
     const Forcing<P> forcing = forcing_at<P>(problem.scene, piece.body, 0, Quaternion<P>{});
-    // the second run starts from where the first one ends, and goes back: other phases, other rounding
+    // the second run starts from the end of the first one and goes back: different phases, different rounding errors
     const P end(sample_times.back());
     const Rotation<P> last = piece.form->at(end);
     const std::optional<ClosedForm<P>> back = piece.begun(forcing, last.w, last.q);
@@ -77,7 +76,7 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     }
     Attempt attempt = compared(problem, sample_times, first, second,
                                "closed form in 100 digits, from the start and back from the end", 100);
-    // the beginning by series
+    // compare the start with a series
     Scene beginning = problem.scene;
     const double rate = std::max(problem.scales.angular_velocity, 1e-300);
     beginning.duration = std::min(problem.scene.duration, 100 / rate);

@@ -1,4 +1,4 @@
-// The attempt by collocation, to be instantiated for each working precision in a file of its own.
+// The attempt by collocation. Each working precision is instantiated in its own file.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The attempt at the truth of several bodies, to be instantiated for each working precision in a file of its own.
+// The attempt for several bodies. Each working precision is instantiated in its own file.
 #pragma once
 
 #include <cmath>
@@ -12,15 +12,15 @@
 
 namespace polhode::truth {
 
-/// What a formulation of a mechanism tells at a sample: the motions, and what is known beside them.
+/// Output of a mechanism's formulation at a sample: the motions, and further quantities where available.
 template <class P>
 struct MechanismMoment {
     Motions<P> motions;
     std::vector<Reaction<P>> reactions;
-    std::vector<std::array<double, 2>> coordinates;  ///< of each joint, rad or m; where the formulation has them
+    std::vector<std::array<double, 2>> coordinates;  ///< of each joint, rad or m; empty if not available
 };
 
-/// A formulation that tells all of it.
+/// A formulation whose motion() returns all of these.
 template <class P, class Form>
 class Telling : public Form {
   public:
@@ -35,7 +35,7 @@ class Telling : public Form {
     }
 };
 
-/// A run, with what stands beside its motions apart.
+/// Separates a run into its motions and the other quantities.
 template <class P>
 std::pair<Run<P, Motions<P>>, Beside<P>> taken_apart(Run<P, MechanismMoment<P>> run) {
     std::pair<Run<P, Motions<P>>, Beside<P>> parts;

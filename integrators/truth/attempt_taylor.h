@@ -1,4 +1,4 @@
-// The attempt by Taylor series, to be instantiated for each working precision in a file of its own.
+// The attempt by Taylor series. Each working precision is instantiated in its own file.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace polhode::truth {
 
-/// Runs f in a thread of its own, with as much time as is left and interrupted with this one; the caches that mpfr
-/// keeps for it go with it. Where the system gives no thread, in the caller's, when the result is asked for.
+/// Runs f in a new thread, with the remaining time of this one and its interruption. Frees MPFR's cache of that thread.
+/// If no thread can be created, f runs in the calling thread when the result is requested.
 template <class F>
 auto in_thread(F f) {
     const auto work = [f, seconds = Allowance::left(), interruption = Interruption::current()] {
@@ -30,7 +30,7 @@ auto in_thread(F f) {
     }
 }
 
-/// Of one run.
+/// Step limit of one run.
 inline constexpr long most_taylor_steps = 400'000;
 
 template <unsigned working>

@@ -1,3 +1,9 @@
+// Cache files of reference solutions: one text file per key, written atomically and checked by a checksum.
+//
+// encode() writes the mark, the key, the message, the samples (doubles in hexadecimal, then decimals), the impacts and,
+// for several bodies, the system's invariants and the reactions. decode() reads them through Words, which throws on any
+// malformed word; decode() then returns nothing, and the reference is computed again. cache_key() hashes the scene, the
+// sample times, the digits and the identity of the program. CacheClaim prevents two processes from computing one key.
 #include "integrators/truth/cache.h"
 
 #include <fmt/format.h>
@@ -26,10 +32,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// how every file of the cache begins
+// first line of every cache file
 constexpr std::string_view mark = "polhode truth";
 constexpr std::string_view checksum_word = "checksum ";
-// before what only a truth of several bodies has
+// precedes the data that only references of several bodies have
 constexpr std::string_view bodies_word = "bodies";
 
 fs::path cache_directory() {
@@ -43,7 +49,7 @@ fs::path cache_directory() {
     return {};
 }
 
-// every pair of a sample, in one order for writing and reading
+// visits every Pair of a sample, in the same order for writing and reading
 template <class SampleType, class Visit>
 void each_pair(SampleType& sample, Visit&& visit) {
     visit(sample.q.w), visit(sample.q.x), visit(sample.q.y), visit(sample.q.z);
@@ -52,7 +58,7 @@ void each_pair(SampleType& sample, Visit&& visit) {
     visit(sample.energy);
 }
 
-// the same of what several bodies have together, and of a reaction
+// visits every Pair of a system's invariants, and of a reaction
 template <class SystemType, class Visit>
 void each_pair_of_system(SystemType& system, Visit&& visit) {
     visit(system.kinetic), visit(system.energy);
@@ -71,7 +77,7 @@ void put(std::string& text, double value) {
     text.append(buffer, end.ptr).append(" ");
 }
 
-// Words between blanks, one after the other; throws std::runtime_error where one is not what is asked for.
+// Reads words separated by blanks. Throws std::runtime_error if a word does not have the requested type.
 class Words {
   public:
     explicit Words(std::string_view text) : rest_(text) {}
@@ -132,7 +138,7 @@ std::string encode(const std::string& key, const Truth& truth) {
         for (const std::string& decimal : truth.decimals[i]) text.append(decimal).append(" ");
         text += '\n';
     }
-    // only where there are any: the files of scenes without planes stay what they were
+    // Written only if there are impacts: files of scenes without planes keep their format.
     if (!reference.impact_times.empty()) {
         text += fmt::format("{} ", reference.impact_times.size());
         put(text, reference.impact_time_error);
@@ -142,7 +148,7 @@ std::string encode(const std::string& key, const Truth& truth) {
         }
         text += '\n';
     }
-    // only of several bodies
+    // written only for several bodies
     if (!reference.system.empty()) {
         const auto pair = [&](const Pair& p) { put(text, p.high), put(text, p.low); };
         text += fmt::format("{} {} {}\n", bodies_word, reference.bodies, reference.reactions.size());
@@ -162,7 +168,7 @@ std::string encode(const std::string& key, const Truth& truth) {
 
 namespace {
 
-// What encode() writes of several bodies.
+// Reads the data of several bodies that encode() writes.
 void read_system(Words& in, Truth& truth) {
     Reference& reference = truth.reference;
     const auto pair = [&](Pair& p) { p.high = in.real(), p.low = in.real(); };
@@ -192,7 +198,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
         Truth truth;
         if (in.line() != mark || in.line() != key) return {};
         truth.reference.message = in.line();
-        // a sample takes 48 words, each with a blank: no room is made for what the text cannot hold
+        // a sample has 48 words, each with a blank: allocates no more than the text can contain
         const std::size_t samples = in.count(in.left() / 96);
         truth.reference.available = in.count(1) == 1;
         truth.steps = static_cast<long>(in.count(std::numeric_limits<long>::max()));
@@ -274,11 +280,11 @@ void keep(const std::string& key, const Truth& truth) {
     try {
         const fs::path directory = fs::path(path).parent_path();
         fs::create_directories(directory);
-        static std::once_flag once;  // a cache is long to list
+        static std::once_flag once;  // listing the directory is slow
         std::call_once(once, [&] { remove_abandoned(directory.string()); });
         write_atomically(path, encode(key, truth));
     } catch (const std::exception&) {
-        // left uncached
+        // the result stays uncached
     }
 }
 

@@ -1,4 +1,4 @@
-// The truth on disk, by content: computed once for a scene, whoever asks.
+// Cache of reference solutions on disk, addressed by content: each is computed once per scene.
 #pragma once
 
 #include <functional>
@@ -13,39 +13,38 @@
 
 namespace polhode::truth {
 
-/// The identity of the source files that compute a truth, of their compiler, and of the libraries that are headers
-/// alone; generated as the program is built.
+/// Generated hash of the sources that compute a reference, of their compiler and of the header-only libraries.
 const char* program_sources();
 
-/// What computes a truth: those sources, and the versions of MPFR and GMP.
+/// Identifies the program that computes a reference: program_sources() and the versions of MPFR and GMP.
 std::string program();
 
-/// The hash of all that a truth at equally spaced samples depends on: the scene without its name and texts, the number
-/// of samples, the digits, and `by`, what computes it. So a truth that other code has made is never found, and no
-/// number has to be raised by hand where code changes.
+/// Hash of all inputs of a reference at equally spaced samples: the scene without its name and texts, the number of
+/// samples, the digits, and `by`, the program that computes it. Results of other code are therefore never found, and no
+/// version number has to be maintained by hand.
 std::string cache_key(const Scene& scene, long samples, int digits, const std::string& by = program());
 
-/// The hash of all that a truth at times of the caller's own (s) depends on.
+/// Hash of all inputs of a reference at the given times, s.
 std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits,
                       const std::string& by = program());
 
-/// The truth kept under `key`; nothing where there is none, or the file is torn or foreign: of that one line on
-/// standard error tells.
+/// Returns the reference cached under `key`. Returns nothing if there is none or if the file is damaged or foreign; in
+/// the latter case, reports it in one line on standard error.
 std::optional<Truth> cached(const std::string& key);
 
-/// The text of a cache file: lines of a mark, key and message, then numbers, then a checksum over all of it.
+/// The text of a cache file: lines with the mark, the key and the message, then numbers, then a checksum of all of it.
 std::string encode(const std::string& key, const Truth& truth);
 
-/// The truth that encode() wrote; nothing where the text is torn, of another key, or anything else.
+/// Decodes the text of encode(). Returns nothing if the text is damaged, belongs to another key or has another format.
 std::optional<Truth> decode(const std::string& key, std::string_view text);
 
-/// Keeps it, atomically. A cache that cannot be written is no fault: the truth is computed again.
+/// Writes the reference to the cache atomically. Write errors are ignored: the reference is then computed again.
 void keep(const std::string& key, const Truth& truth);
 
-/// While it lives, no other process that uses this cache computes the truth of its key.
+/// During its lifetime, no other process with the same cache computes the reference of this key.
 class CacheClaim {
   public:
-    /// Waits while another process has the claim, but no longer than until is_over() says so.
+    /// Waits while another process holds the claim, until is_over() returns true.
     CacheClaim(const std::string& key, const std::function<bool()>& is_over);
 
   private:
@@ -53,7 +52,7 @@ class CacheClaim {
     std::optional<Claims::Claim> claim_;
 };
 
-/// Where the file of `key` is or would be; empty where there is no place for a cache.
+/// The path of the cache file of `key`; empty if there is no cache directory.
 std::string cache_path(const std::string& key);
 
 }  // namespace polhode::truth

@@ -1,6 +1,9 @@
-// Radau IIA collocation for stiff motion: implicit, of high order, in multiprecision. The stage equations are solved
-// by Newton's iteration with the residual in the working precision and the Jacobian assembled and factored in double:
-// iterative refinement, which gains some ten digits an iteration.
+// Radau IIA collocation for stiff motion: implicit, of high order, in multiprecision.
+//
+// CollocationStep solves the stage equations by Newton's iteration. The residual is computed in the working precision;
+// the Jacobian is assembled and factored in double. This is iterative refinement, which gains about ten digits per
+// iteration. collocate() controls the step by the last Legendre coefficients of the collocation polynomial.
+// collocation() follows a scene from event to event. See E. Hairer and G. Wanner, Solving ODEs II, IV.5 and IV.8.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +20,11 @@ namespace polhode::truth {
 
 struct CollocationSettings {
     int stages;
-    double digits;  ///< the collocation polynomial's last Legendre coefficients: 10^-digits of each block's scale
+    double digits;  ///< bound of the polynomial's last Legendre coefficients: 10^-digits of each block's scale
     long max_steps;
 };
 
-/// One integration step and what it needs. Form: multiprecision; Linear: the same formulation in double.
+/// One integration step with its working storage. form_ computes in multiprecision, linear_ in double.
 template <class P, template <class> class FormOf>
 class CollocationStep {
   public:
@@ -46,12 +49,12 @@ class CollocationStep {
         linear_.enter(begin, unused.data());
     }
 
-    /// The largest row sum of the Jacobian at y, its variables measured by their scales: the fastest rate, 1/s.
+    /// Estimate of the fastest rate, 1/s: the largest row sum of |J| at y, with variables in units of their scales.
     double fastest_rate(const std::vector<P>& y, const std::vector<double>& scales) const {
         return (rows(y.data(), scales).cwiseAbs().rowwise().sum()).maxCoeff();
     }
 
-    /// Solves the stage equations for a step h from y. False where Newton's iteration does not settle.
+    /// Solves the stage equations for a step h from y. Returns false if Newton's iteration does not converge.
     bool solve(const std::vector<P>& y, const P& h, const std::vector<double>& scales, double digits) {
         const int s = table_.stages;
         for (int i = 0; i <= s; ++i) std::copy(y.begin(), y.end(), values_.begin() + i * n_);
@@ -61,7 +64,7 @@ class CollocationStep {
             if (last > 1e-5) factor(h.template convert_to<double>(), scales);
             const double correction = correct(scales);
             if (!std::isfinite(correction)) return false;
-            // linear convergence: what is left is far below the last correction
+            // linear convergence: the remaining error is far below the last correction
             if (correction <= std::pow(10.0, -digits)) return true;
             if (iteration > 3 && correction > 0.5 * last) return false;
             last = correction;
@@ -69,7 +72,7 @@ class CollocationStep {
         return false;
     }
 
-    /// The collocation polynomial at t + theta h.
+    /// Evaluates the collocation polynomial at t + theta h.
     void evaluate(const P& theta, P* y) const {
         const std::vector<P> basis = table_.basis(theta);
         for (int i = 0; i < n_; ++i) {
@@ -79,7 +82,7 @@ class CollocationStep {
         }
     }
 
-    /// log2 of its last two Legendre coefficients, the larger of each block over the block's scale.
+    /// log2 of the larger of the polynomial's last two Legendre coefficients, relative to the scale of each block.
     double log2_tail(const std::vector<Block>& blocks) const {
         double largest = -std::numeric_limits<double>::infinity();
         for (const std::vector<P>* row : {&table_.last, &table_.last_but_one})
@@ -100,7 +103,7 @@ class CollocationStep {
     int n_;
     RadauNodes<P> table_;
     Eigen::MatrixXd a_;
-    std::vector<P> state_, values_, rates_, residual_;  // values at the table's nodes; f and residual at the stages
+    std::vector<P> state_, values_, rates_, residual_;  // values at the table's nodes; rates and residual at the stages
     Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
     Eigen::VectorXd row_scales_;
 
@@ -117,14 +120,14 @@ class CollocationStep {
             }
     }
 
-    // with room for all variables; those that a pivot leaves out stay zero
+    // sized for all 13 variables; those that a scene with a pivot does not use stay zero
     struct Linearized {
         static constexpr int dimension = 13;
         const FormOf<double>& form;
         void derivative(double, const Dual<13>* state, Dual<13>* rate) const { form.derivative(state, rate); }
     };
 
-    // the Jacobian in variables measured by their scales
+    // the Jacobian, with variables in units of their scales
     Eigen::MatrixXd rows(const P* y, const std::vector<double>& scales) const {
         double rounded[13] = {}, entries[13 * 13];
         for (int i = 0; i < n_; ++i) rounded[i] = y[i].template convert_to<double>();
@@ -135,7 +138,7 @@ class CollocationStep {
         return J;
     }
 
-    // 1 - h A (x) J, each row brought to a largest entry of 1
+    // factors 1 - h A (x) J, each row scaled to a largest entry of 1
     void factor(double h, const std::vector<double>& scales) {
         const Eigen::Index s = table_.stages, n = n_;
         Eigen::MatrixXd M = Eigen::MatrixXd::Identity(s * n, s * n);
@@ -147,10 +150,10 @@ class CollocationStep {
         factors_.compute(row_scales_.asDiagonal() * M);
     }
 
-    // one Newton correction; returns its largest component over its scale
+    // applies one Newton correction; returns its largest component relative to its scale
     double correct(const std::vector<double>& scales) {
         const int count = table_.stages * n_;
-        // a common power of two keeps the residual in double's range
+        // a common power of two keeps the residual within the range of double
         double log2_largest = -std::numeric_limits<double>::infinity();
         for (const P& r : residual_) log2_largest = std::max(log2_largest, log2_magnitude(r));
         if (log2_largest == -std::numeric_limits<double>::infinity()) return 0;
@@ -165,8 +168,8 @@ class CollocationStep {
     }
 };
 
-/// Steps from `begin` to `end` by lengths that the polynomial's last coefficients choose; y goes along. Calls
-/// accept(t, reached, h) after each step, with the polynomial in `step` and y still at t. Returns a fault, or nothing.
+/// Integrates y from `begin` to `end` with steps controlled by the polynomial's last coefficients. Calls accept(t,
+/// reached, h) after each step, while `step` holds the polynomial and y is still at t. Returns a fault, or "".
 template <class P, template <class> class FormOf, class Accept>
 std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end, std::vector<P>& y,
                       std::vector<Block>& blocks, const CollocationSettings& settings, long& steps, Accept&& accept) {
@@ -206,7 +209,7 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
     return "";
 }
 
-/// on_step(t, h, step): the polynomial of the step from t to t + h.
+/// Follows a scene. on_step(t, h, step) receives the polynomial of the step from t to t + h.
 template <class P, template <class> class FormOf, class OnStep = ForgetStep>
 Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, const Scales& given,
                    const Vector3<double>& moments, const CollocationSettings& settings, const OnStep& on_step = {}) {

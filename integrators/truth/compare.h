@@ -1,4 +1,8 @@
-// Two runs set side by side, and the truth written from the first.
+// Comparison of two runs, and the reference made from the first one.
+//
+// Difference accumulates the largest difference between motions; disagreement() applies it to two runs. written()
+// converts a run to samples and decimals. compared() combines both into an Attempt. For several bodies, reactions are
+// compared as well: components that redundant constraints leave undetermined become NaN.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,13 +23,13 @@
 
 namespace polhode::truth {
 
-/// Lengths that the blocks of a motion would have if its bodies turned by a radian in the run: what is nothing beside
-/// them is round-off, and differences are then relative to them.
+/// Lengths that the blocks would have if the bodies rotated by one radian during the run. Lengths that are negligible
+/// compared with them are round-off; differences are then relative to the natural sizes.
 template <class P>
 struct NaturalSizes {
     P angular_velocity{0}, position{0}, velocity{0};
 };
-/// Of several bodies: their largest radius of gyration, and the scene's duration.
+/// For several bodies: from their largest radius of gyration and the scene's duration.
 template <class P>
 NaturalSizes<P> natural_sizes(const Scene& scene) {
     P square(0);
@@ -37,14 +41,14 @@ NaturalSizes<P> natural_sizes(const Scene& scene) {
     return {rate, size, size * rate};
 }
 
-/// The larger of two; what is not a number is larger than all.
+/// The larger of two numbers; NaN counts as the largest.
 template <class P>
 P larger(const P& a, const P& b) {
     return !(b <= a) && !isnan(a) ? b : a;
 }
 
-/// The largest difference between motions: the attitude's angle in rad, and each other block relative to its largest
-/// length among all of them (absolute where that is zero). Infinite where one of the motions is not finite.
+/// Accumulates the largest difference between motions: the attitude's angle in rad, and each other block relative to
+/// its largest length over all motions (absolute if that is zero). Infinite if a motion is not finite.
 template <class P>
 class Difference {
   public:
@@ -56,7 +60,7 @@ class Difference {
     void note(const Motion<P>& x, const Motion<P>& y) {
         const Quaternion<P> between = conjugate(x.q) * y.q;
         angle_ = larger(angle_, P(2 * length(vector_part(between))));
-        if (between.w <= 0) angle_ = std::max(angle_, P(3));  // opposite sign: a flip is a disagreement too
+        if (between.w <= 0) angle_ = std::max(angle_, P(3));  // opposite sign: a sign flip counts as a disagreement
         w_.note(x.angular_velocity_B, y.angular_velocity_B);
         p_.note(x.position_W, y.position_W);
         v_.note(x.velocity_W, y.velocity_W);
@@ -89,7 +93,7 @@ double disagreement(const Run<P>& a, const Run<P>& b) {
     for (std::size_t i = 0; i < a.motions.size(); ++i) difference.note(a.motions[i], b.motions[i]);
     return difference.worst();
 }
-/// Of several bodies: lengths are relative to the largest of all bodies.
+/// For several bodies: differences are relative to the largest length over all bodies.
 template <class P>
 double disagreement(const Run<P, Motions<P>>& a, const Run<P, Motions<P>>& b, const NaturalSizes<P>& natural = {}) {
     Difference<P> difference(natural);
@@ -106,7 +110,7 @@ Vector3<Pair> pairs(const Vector3<P>& v) {
     return result;
 }
 
-/// Appends the sample of a body, without its energy and its angular momentum, and its decimals.
+/// Appends the decimals and the sample of a body, without energy and angular momentum.
 template <class P>
 ReferenceSample& write_motion(Truth& truth, double t, const Motion<P>& m, int digits) {
     ReferenceSample sample;
@@ -127,7 +131,7 @@ ReferenceSample& write_motion(Truth& truth, double t, const Motion<P>& m, int di
     return truth.reference.samples.back();
 }
 
-/// Fills in the truth's samples from `run`.
+/// Converts `run` to the samples of a reference.
 template <class P>
 Truth written(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& run, int digits) {
     const ExactBody<P> body = exact_body<P>(problem.scene);
@@ -143,15 +147,15 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
     return truth;
 }
 
-/// What the makers of a truth of several bodies know beside their motions, at each sample time, or of none.
+/// Further quantities that a formulation of several bodies provides, at every sample time or not at all.
 template <class P>
 struct Beside {
     std::vector<std::vector<Reaction<P>>> reactions;  ///< of all joints, then of all loops
-    /// Of each joint, as JointCoordinates has them. Without, its angles are followed from sample to sample.
+    /// Of each joint, as in JointCoordinates. If empty, the angles are tracked from sample to sample.
     std::vector<std::vector<std::array<double, 2>>> coordinates;
 };
 
-/// Fills in the truth's samples of several bodies, and of the whole, from `run`.
+/// Converts `run` to the samples of several bodies and of the whole system.
 template <class P>
 Truth written(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& run,
               int digits, const Beside<P>& beside = {}) {
@@ -180,10 +184,10 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
     return truth;
 }
 
-/// The largest difference between the reactions of two runs: of forces relative to the largest, of torques to the
-/// largest or to what a force does about the child's centre of mass. Constraints that are redundant leave a part of the
-/// reactions open, which the two formulations choose each in its own way: components that differ by more than
-/// `undetermined` become NaN in the first run, and do not count.
+/// The largest difference between the reactions of two runs. Forces are relative to the largest force, torques to the
+/// largest torque or moment of a force about the child's centre of mass. Redundant constraints leave part of the
+/// reactions undetermined, and the two formulations choose that part differently. Components that differ by more than
+/// `undetermined` are set to NaN in the first run and do not count.
 template <class P>
 double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double undetermined) {
     const std::vector<P> arms = MechanismMeasure<P>(scene).arms();
@@ -212,7 +216,7 @@ double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double
     return worst.template convert_to<double>();
 }
 
-/// An attempt of two runs whose largest difference is known, and what the first one makes of the truth.
+/// Makes an attempt from two runs with a known largest difference; `truth` comes from the first run.
 template <class P, class Sample>
 Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample>& second, double difference,
                    const std::string& how, int digits) {
@@ -220,7 +224,7 @@ Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample
     P late(0);
     for (std::size_t i = 0; i < std::min(first.impacts.size(), second.impacts.size()); ++i)
         late = std::max(late, P(abs(first.impacts[i] - second.impacts[i])));
-    // another number of impacts is another motion
+    // a different number of impacts means a different motion
     if (first.impacts.size() != second.impacts.size()) difference = std::numeric_limits<double>::infinity();
     attempt.agreed_digits = difference > 0 ? -std::log10(difference) : digits;
     attempt.truth = std::move(truth);
@@ -239,14 +243,14 @@ Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample
     return attempt;
 }
 
-/// The attempt that did not reach the end.
+/// An attempt that did not reach the end.
 inline Attempt failed_attempt(const std::string& fault) {
     Attempt attempt;
     attempt.fault = fault;
     return attempt;
 }
 
-/// Both runs as an attempt; `how` says by what.
+/// Compares both runs and returns the attempt; `how` describes the method in its message.
 template <class P>
 Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& first,
                  const Run<P>& second, const std::string& how, int digits) {
@@ -256,8 +260,8 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
                       digits);
 }
 
-/// The same of several bodies. Where both runs know reactions, these are compared and written too; what the motion does
-/// not determine of them is NaN.
+/// Compares both runs of several bodies. If both provide reactions, these are compared and written too. Reactions that
+/// the motion does not determine are NaN.
 template <class P>
 Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& first,
                  const Run<P, Motions<P>>& second, const std::string& how, int digits,
@@ -268,7 +272,7 @@ Attempt compared(const Problem& problem, const std::vector<double>& sample_times
     Beside<P> beside = beside_first;
     if (beside_second.reactions.empty()) beside.reactions.clear();
     if (!beside.reactions.empty()) {
-        // motions that agree have reactions that do, a few digits less: what differs by more is undetermined
+        // the reactions agree to a few digits less than the motions; larger differences mean undetermined components
         const double undetermined = std::max(1e-12, 1e4 * difference);
         difference = std::max(difference, disagreement(problem.scene, beside, beside_second, undetermined));
     }

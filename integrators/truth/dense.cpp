@@ -12,7 +12,7 @@ namespace {
 
 using P = Real<50>;
 
-// what is below 2^-60 of a block's scale is nothing beside the rounding to binary64
+// terms below 2^-60 of a block's scale are negligible compared with the rounding to binary64
 constexpr double negligible = 0x1p-60;
 constexpr long most_steps = 100'000;
 
@@ -60,7 +60,7 @@ ReferenceSample DenseTruth::at(double t) const {
 DenseTruth dense_reference(const Scene& scene, double end) {
     DenseTruth dense;
     dense.scene_ = scene;
-    // a little further on, so that an event at the end opens a piece as well
+    // slightly longer, so that an event at the end also starts a piece
     dense.scene_.duration = end * (1 + 1e-6);
     validate(dense.scene_, scene.name);
     if (is_mechanism(scene)) {
@@ -100,7 +100,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
                     row[static_cast<std::size_t>(k) * width + i] = c;
                     matters = matters || std::abs(c) > negligible * block.scale;
                 }
-            // of three, since some may vanish by symmetry
+            // three consecutive orders, because some may vanish by symmetry
             small = matters ? 0 : small + 1;
             degree = k;
         }
@@ -116,8 +116,8 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         for (int k = 0; k < series.order(); ++k) powers.push_back(powers.back() * h);
         keep(t, h, series.order(), [&](int i, int k) { return P(P(series.coefficient(i, k)) * powers[k]); });
     };
-    // the collocation polynomial from its values at as many points as it has coefficients, by divided differences: in
-    // 50 digits nothing is lost
+    // Converts the collocation polynomial to monomials by divided differences of as many values as it has coefficients.
+    // The rounding errors are negligible in 50 digits.
     const auto keep_collocation = [&](const P& t, const P& h, const auto& step) {
         const int order = step.stages();
         std::vector<std::vector<P>> values(order + 1, std::vector<P>(n));
@@ -150,7 +150,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.pieces_.clear(), dense.coefficients_.clear();
         const Vector3<double>& moments = problem.body.principal.moments;
         std::string how;
-        // orders and steps as in attempt_by_taylor and attempt_by_collocation
+        // orders and steps as in attempt_by_taylor() and attempt_by_collocation()
         truth::Run<P> first, other;
         if (by_collocation) {
             const int stages = std::max(16, static_cast<int>(std::ceil(0.6 * local)));
@@ -179,7 +179,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         agreed = difference > 0 ? -std::log10(difference) : 50;
         if (agreed >= 17) {
             dense.available = true;
-            // two roundings of a quaternion's components turn it by at most 4 2^-53 2
+            // two roundings of a quaternion's components rotate it by at most 4 2^-53 2
             dense.bound = difference + 8 * 0x1p-53;
             dense.message =
                 fmt::format("{} in {} and {} steps ({}, {}), their coefficients rounded to binary64", how, first.steps,

@@ -1,4 +1,4 @@
-// The truth as polynomials in time: for files of so many samples that multiprecision would take minutes over them.
+// The reference as polynomials in time, for files with so many samples that multiprecision would take minutes.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,17 @@
 
 namespace polhode {
 
-/// A scene's motion at any time, in binary64: the multiprecision polynomials of the truth's own steps (Taylor's,
-/// collocation's where the motion is stiff), their coefficients rounded once, what they add to the state at the step's
-/// begin summed apart from it. No piece goes beyond an event. Made twice in two formulations like reference(), which
-/// compare at 257 times.
+/// A scene's motion at any time, in binary64. It stores the multiprecision polynomials of the reference's own steps
+/// (Taylor polynomials, or collocation polynomials for stiff motion) with coefficients rounded once. The increment
+/// since the start of the step is summed separately from the state there. No piece extends beyond an event. Like
+/// reference(), it is computed by two formulations, which are compared at 257 times.
 class DenseTruth {
   public:
     bool available = false;
-    std::string message;  ///< why it is not, or how it was made
-    double bound = 0;     ///< as Reference::bound: what the two formulations differ by, and rounding to binary64
+    std::string message;  ///< why it is unavailable, or how it was computed
+    double bound = 0;     ///< as Reference::bound: difference of the two formulations plus rounding to binary64
 
-    /// The motion at t (s), 0 <= t <= the end that was asked for; at the time of an event: after it. Low parts are
-    /// zero. Safe to call from several threads.
+    /// The motion at t in [0, end], s; at the time of an event, after it. Low parts are zero. Thread-safe.
     ReferenceSample at(double t) const;
 
     std::size_t pieces() const { return pieces_.size(); }
@@ -34,12 +33,12 @@ class DenseTruth {
         Pair begin;             // s
         double per_length = 0;  // 1/s
         int degree = 0;
-        std::size_t offset = 0;  // of its coefficients: degree + 1 rows of `width`, the lowest order first, then the
-                                 // low parts of the lowest
+        // of the coefficients: degree + 1 rows of `width` from order 0 up, then the low parts of order 0
+        std::size_t offset = 0;
     };
     Scene scene_;
     ExactBody<double> body_;
-    int width_ = 14;  // 13 state variables or 7, and room for pairs
+    int width_ = 14;  // 13 or 7 state variables, padded to an even number
     std::vector<Piece> pieces_;
     std::vector<double> coefficients_;
 
@@ -47,9 +46,9 @@ class DenseTruth {
     void evaluate(const Piece& piece, double t, double* y) const;
 };
 
-/// From t = 0 to `end` (s, > 0, also beyond the scene's duration). Not available where the motion is so
-/// sensitive or long that 17 digits cannot be had in a few seconds (reference() then still may be), or with a user's
-/// own torque. Throws InputError on an invalid scene.
+/// Computes the polynomials from t = 0 to `end` (s, > 0; may exceed the scene's duration). Unavailable for several
+/// bodies, planes and user-defined torques, and if the motion is so sensitive or long that 17 digits do not agree; then
+/// reference() may still be available. Throws InputError if the scene is invalid.
 DenseTruth dense_reference(const Scene& scene, double end);
 
 }  // namespace polhode

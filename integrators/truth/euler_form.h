@@ -1,5 +1,5 @@
-// The first formulation of the truth: Euler's equations in body axes, from the one right-hand side of
-// motion/equations.h, with the full tensor. State: w_B, q, and p, v where there is no pivot.
+// First formulation of the reference: Euler's equations in body axes, with the full tensor, from the right-hand side in
+// motion/equations.h that all methods share. State: w_B, q, and p, v if there is no pivot.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ class EulerForm : public BodyState {
 
     int dimension() const { return body_.pivoted ? BodyState::rotation : BodyState::motion; }
     const ExactBody<P>& body() const { return body_; }
-    const Forcing<P>& forcing() const { return forcing_; }  ///< of the piece last entered
+    const Forcing<P>& forcing() const { return forcing_; }  ///< of the piece entered last
 
     std::vector<truth::Block> blocks(const Scales& scales, const Vector3<double>&) const {
         const double size[] = {scales.angular_velocity, 1, scales.position, scales.velocity};
@@ -36,7 +36,7 @@ class EulerForm : public BodyState {
         if (!body_.pivoted) set_translation(y, body_.position_W, body_.velocity_W);
     }
 
-    /// Takes up the loads that act from `begin` on, and applies the impulses at that time to y.
+    /// Sets the loads that act from `begin` on, and applies the impulses at that time to y.
     void enter(double begin, P* y) {
         forcing_ = forcing_at<P>(*scene_, body_, begin, Quaternion<P>{});
         for (const PosedImpulse<P>& impulse : impulses_at<P>(*scene_, body_, begin, Quaternion<P>{})) {
@@ -56,7 +56,7 @@ class EulerForm : public BodyState {
         else
             derivative_of<true>(y, dy);
     }
-    /// The same where it is known whether there is translation, which is where there is no pivot.
+    /// The derivative for known `translation`, which is true if there is no pivot.
     template <bool translation, class S>
     void derivative_of(const S* y, S* dy) const {
         LoadedEquations<P, FullInertia<P>, translation>{inertia_, &forcing_}.derivative(0, y, dy);

@@ -1,4 +1,4 @@
-// The truth's two formulations with impacts on planes.
+// The reference's two formulations, with impacts on planes.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace polhode::truth {
 
-/// The Euler form; impulses by motion/impact.h.
+/// Euler form; impulses are computed by motion/impact.h.
 template <class P>
 class EulerFormWithPlanes : public EulerForm<P> {
   public:
@@ -41,8 +41,8 @@ class EulerFormWithPlanes : public EulerForm<P> {
     ContactGeometry<P> geometry_;
 };
 
-/// The momentum form. The impulse of a lone contact is found from what a unit impulse on P and L does to the speed of
-/// the point that touches, not from the formula of motion/impact.h; several at once are that file's.
+/// Momentum form. The impulse of a single contact is computed from the change that a unit impulse on P and L makes to
+/// the speed of the contact point, independently of motion/impact.h. Several simultaneous contacts use motion/impact.h.
 template <class P>
 class MomentumFormWithPlanes : public MomentumForm<P> {
   public:
@@ -91,7 +91,7 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
         this->set_momenta(y, Vector3<P>(this->angular_momentum(y) + j * cross(r, n)),
                           Vector3<P>(this->linear_momentum(y) + j * n));
     }
-    // along n of the body's point at r from the centre of mass, world axes
+    // speed along n of the body's point at r from the centre of mass, world axes
     P speed(const P* y, const Vector3<P>& r, const Vector3<P>& n) const {
         const Placement<P> at = placement(y);
         return dot(n, at.velocity_W) + dot(at.angular_velocity_W, cross(r, n));
@@ -100,7 +100,7 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
     MassProperties<P> body_;
     Matrix3<P> inverse_inertia_;
     ContactGeometry<P> geometry_;
-    P inverse_size_ = P(0);  // no less than the largest factor by which I^-1 lengthens a vector
+    P inverse_size_ = P(0);  // upper bound of the factor by which I^-1 lengthens a vector
 };
 
 }  // namespace polhode::truth

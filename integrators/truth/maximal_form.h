@@ -1,7 +1,7 @@
-// The second formulation of the truth of a mechanism, written on its own so that a wrong sign in one of the two cannot
-// pass: every body in world axes with all six freedoms, held by multipliers (integrators/maximal). Of the first
-// formulation it shares the algebra, the bodies' mass properties and how they start, and nothing else. In
-// multiprecision nothing drifts off its constraints that a sample would show.
+// Second formulation of the reference for a mechanism, written independently so that a sign error in either of the two
+// is detected. Every body has all six degrees of freedom in world axes and is constrained by multipliers
+// (integrators/maximal). It shares with the first formulation only the algebra, the mass properties and the initial
+// state. In multiprecision the drift from the constraints is not visible in any sample.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class MaximalForm : public maximal::System<P> {
 
     using Base::Base;
 
-    /// As the system's; and finds what never changes from here on.
+    /// Enters the leg as the base class does, then finds the variables that stay constant on it.
     void enter(double begin, P* y) {
         Base::enter(begin, y);
         find_constants(y);
@@ -46,10 +46,10 @@ class MaximalForm : public maximal::System<P> {
         for (int b = 0; b < mechanism.world(); ++b) {
             const int first = this->place(b);
             if (first < 0) continue;
-            // the error of w is that of L over the smallest moment
+            // the error of w is the error of L divided by the smallest moment
             const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
             const double mass = static_cast<double>(mechanism.bodies[b].mass);
-            // centres that stay where they are have no scale of their own
+            // centres that do not move have no scale of their own
             const double reach = static_cast<double>(mechanism.bodies[b].reach());
             const double velocity = std::max(scales.velocity, scales.angular_velocity * reach);
             all.push_back({first, 4, 1});
@@ -72,8 +72,8 @@ class MaximalForm : public maximal::System<P> {
   private:
     std::vector<std::pair<int, P>> constants_;  // components of y with their values
 
-    // A planar mechanism has no third dimension, here too: of all variables those are left out whose rates vanish
-    // identically, whatever values the others take, once they are left out. What folds to zero is zero exactly.
+    // Finds variables whose rates vanish identically, for any values of the others, once they are held constant: a
+    // planar mechanism then has no third dimension here either. Terms that fold to zero are exactly zero.
     void find_constants(const P* y) {
         const int n = this->dimension();
         constants_.clear();

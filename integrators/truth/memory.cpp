@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-// FLINT's, which is there where certified truths are
+// FLINT's function; present if the program has certified references
 extern "C" [[gnu::weak]] void __flint_set_memory_functions(  // NOLINT(bugprone-reserved-identifier)
     void* (*)(std::size_t), void* (*)(std::size_t, std::size_t), void* (*)(void*, std::size_t), void (*)(void*));
 
@@ -14,7 +14,7 @@ namespace {
 
 void (*end_of_process)() = nullptr;
 
-// GMP asks for no block of size 0, FLINT does, and takes any pointer for one
+// GMP never requests a block of size 0; FLINT does, and accepts any pointer for it
 void* checked(void* block, std::size_t size) {
     if (!block && size > 0) {
         end_of_process();

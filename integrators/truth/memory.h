@@ -1,11 +1,11 @@
-// What becomes of the process when the libraries of long numbers get no memory.
+// Handling of allocation failures in the multiprecision libraries.
 #pragma once
 
 namespace polhode::truth {
 
-/// GMP, MPFR and FLINT can neither throw nor return where an allocation fails: they say so in words of their own and
-/// abort. With this they call `ends` instead, which must not return. To be called before any of them is used; for a
-/// program, not for a library within another one's.
+/// Sets the function that GMP, MPFR and FLINT call when an allocation fails. These libraries can neither throw nor
+/// return an error there: by default they print a message and abort. `ends` must not return. Call this before any of
+/// them is used, from a program; a library within another program must not call it.
 void when_out_of_memory(void (*ends)());
 
 }  // namespace polhode::truth

@@ -1,12 +1,12 @@
-// The second formulation of the truth, written on its own so that a wrong sign in one of the two cannot pass: momenta
-// in world axes, straight from the scene's loads. Of the first formulation it shares the algebra and the body's mass
-// properties, and nothing else.
+// Second formulation of the reference, written independently so that a sign error in either of the two is detected:
+// momenta in world axes, computed directly from the scene's loads. It shares with the first formulation only the
+// algebra and the body's mass properties.
 //
 //   dL/dt = tau_W,  dq/dt = 1/2 q (0, w_B),  w_B = I^-1 R(q)^T L        L about the pivot or the centre of mass
 //   dp/dt = P/m,    dP/dt = F_W                                         in flight
 //
-// R(q) is the homogeneous form, so everything is polynomial in the state; it is the motion for |q| = 1, and |q| is
-// kept by the equations. State: L, q, and p, P where there is no pivot.
+// R(q) is the homogeneous form, so the equations are polynomial in the state. They describe the motion for |q| = 1,
+// which they preserve. State: L, q, and p, P if there is no pivot.
 #pragma once
 
 #include <utility>
@@ -44,7 +44,7 @@ class MomentumForm {
 
     /// `moments`: any estimate of the principal moments.
     std::vector<Block> blocks(const Scales& scales, const Vector3<double>& moments) const {
-        // the error of w is that of L over the smallest moment
+        // the error of w is the error of L divided by the smallest moment
         double smallest = moments[0];
         for (int i = 1; i < 3; ++i) smallest = moments[i] < smallest ? moments[i] : smallest;
         std::vector<Block> blocks{{0, 3, smallest * scales.angular_velocity}, {3, 4, 1}};
@@ -66,7 +66,7 @@ class MomentumForm {
         put(y, 10, mass_ * cast<P>(start.velocity_W));
     }
 
-    /// Takes up the loads that act from `begin` on, and applies the impulses at that time to y.
+    /// Sets the loads that act from `begin` on, and applies the impulses at that time to y.
     void enter(double begin, P* y) {
         acting_.clear();
         for (const Load& load : scene_->loads) {
@@ -105,14 +105,14 @@ class MomentumForm {
                 torque_W = torque_W - axes * Vector3<S>(c[0] * w_B[0], c[1] * w_B[1], c[2] * w_B[2]);
                 const P translational(drag->translational);
                 if (scene_->pivot) {
-                    // the centre of mass moves at R (w x a); its drag turns the body by R (a x F)
+                    // the centre of mass moves at R (w x a); its drag exerts the torque R (a x F)
                     const Vector3<S> velocity_B = cross(w_B, to_center_);
                     torque_W = torque_W - translational * (axes * cross(to_center_, velocity_B));
                 } else {
                     force_W = force_W - (translational / mass_) * momentum;
                 }
             } else if (const auto* spring = std::get_if<Spring>(load)) {
-                // d = q q_rest* turns the rest attitude into the present one; its axis is the spring's, in the world
+                // d = q q_rest* rotates the rest attitude into the present one; its axis is the spring's, in world axes
                 const Quaternion<S> d = q * conjugate(normalized(cast<P>(spring->rest_orientation)));
                 torque_W = torque_W - (P(2) * P(spring->stiffness)) * (d.w * vector_part(d));
             }
@@ -141,7 +141,7 @@ class MomentumForm {
     }
 
   protected:
-    // the state: L about the pivot or the centre of mass and q, and in flight the position and the momentum
+    // state: L about the pivot or the centre of mass, q; without a pivot also position and momentum
     template <class S>
     static Vector3<S> angular_momentum(const S* y) {
         return vector_at(y, 0);
@@ -158,7 +158,7 @@ class MomentumForm {
     const Scene* scene_;
     MassProperties<P> body_;
     P mass_;
-    Vector3<P> reference_, to_center_;  // body point that L is about, and from it the centre of mass; body axes
+    Vector3<P> reference_, to_center_;  // body point that L refers to; from it to the centre of mass; body axes
     Matrix3<P> inertia_, inverse_inertia_;
     std::vector<const Load*> acting_;
 
@@ -166,7 +166,7 @@ class MomentumForm {
     static Vector3<S> in_world(Frame frame, const Vector3<double>& v, const Matrix3<S>& axes) {
         return frame == Frame::world ? cast<S>(cast<P>(v)) : axes * cast<P>(v);
     }
-    // from the point that L is about to the point of attack
+    // from the point that L refers to, to the point of application
     template <class S>
     Vector3<S> arm_W(Frame point_frame, const Vector3<double>& point, const Matrix3<S>& axes,
                      const Vector3<S>& position) const {
@@ -183,7 +183,7 @@ class MomentumForm {
         if (!scene_->pivot) put(y, 10, vector_at(y, 10) + J);
     }
 
-    // the inverse of a positive definite matrix by Gauss-Jordan elimination
+    // the inverse of a positive definite matrix, by Gauss-Jordan elimination
     static Matrix3<P> eliminated(Matrix3<P> m) {
         Matrix3<P> result = diagonal(Vector3<P>(P(1), P(1), P(1)));
         for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// What the truth's formulations share: the motion they stand for, and the layout of a state.
+// Types shared by the reference's formulations: the motion of bodies and the layout of a state.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ using Motion = BodyMotion<P>;
 template <class P>
 using Motions = std::vector<Motion<P>>;
 
-/// A block of a state's variables that are measured by one scale.
+/// A block of state variables with a common scale.
 struct Block {
     int first, size;
     double scale;  ///< estimate of the block's largest length over the run

@@ -1,3 +1,13 @@
+// Computes reference solutions (ground truth), each with an error bound from the difference of two runs.
+//
+// find_truth() validates the scene, searches the cache and otherwise calls compute(). compute() repeats attempts with
+// more local digits until both runs agree to the requested digits. way_of() selects the pair of runs:
+//   Way::series                       Taylor series, Euler's equations and world momenta (attempt_taylor.h)
+//   Way::collocation                  Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
+//   Way::closed_form                  from both ends, start checked by a series (attempt_closed_form.cpp)
+//   Way::series_in_joint_coordinates  Taylor series, joint and maximal coordinates (attempt_mechanism.h)
+// Both runs share rounding errors of the mass properties and the initial state, which their difference does not show.
+// SharedData adds these errors to the bound (shared.h).
 #include "integrators/truth/reference.h"
 
 #include <fmt/format.h>
@@ -33,22 +43,22 @@ Truth none(std::string message) {
 }
 
 constexpr int usual_digits = 25;
-// written beyond the digits asked for, so that rounding leaves those right
+// digits written beyond the requested ones, so that rounding keeps the requested ones correct
 constexpr int guard_digits = 2;
 
-// Beyond this many radians a series takes hours, and the closed form, where there is one, as long as ever. Up to there
-// the series is the truth, so that no closed form is judged by itself.
+// Beyond this rotation, rad, a series takes hours; a closed form, if there is one, costs the same at any time. Below it
+// the series is the reference, so that no closed form is compared with itself.
 constexpr double most_radians_by_series = 2e5;
 bool is_long(const Problem& problem) {
     return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
            truth::closed_form_serves(problem);
 }
 
-// the arithmetic carries at least six digits more than a step does
+// the arithmetic carries at least six digits more than the local error of a step
 bool is_narrow(double local_digits) { return local_digits <= 44; }
 constexpr double least_broad_digits = 45;
 
-/// By what the motion is followed.
+/// Method that computes the motion.
 enum class Way { closed_form, series_in_joint_coordinates, collocation, series };
 
 Way way_of(const Problem& problem) {
@@ -74,13 +84,13 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
                   : truth::attempt_by_taylor<100>(problem, times, local_digits);
 }
 
-// What the arithmetic takes of what both runs of a truth are given.
+// Effect of rounding errors in the data that both runs share (mass properties, initial state).
 class SharedData {
   public:
     SharedData(const Problem& problem, double duration)
         : problem_(problem), radians_(problem.scales.angular_velocity * duration) {}
 
-    /// The least error of a truth by steps to so many digits.
+    /// Smallest error of a reference whose steps have `local_digits` digits.
     double error(double local_digits, double difference = 0) {
         const bool narrow = !is_long(problem_) && is_narrow(local_digits);
         std::optional<double>& rounding = narrow ? narrow_ : broad_;
@@ -89,7 +99,7 @@ class SharedData {
                 narrow ? truth::shared_rounding<50>(problem_.scene) : truth::shared_rounding<100>(problem_.scene);
         return truth::shared_error(*rounding, radians_, difference, narrow ? 50 : 100, local_digits);
     }
-    /// Counts it in an attempt's bound.
+    /// Adds this error to the bound of an attempt.
     void count(Attempt& attempt, double local_digits) {
         double& bound = attempt.truth.reference.bound;
         const double least = error(local_digits, bound);
@@ -104,14 +114,14 @@ class SharedData {
     std::optional<double> narrow_, broad_;
 };
 
-// How many digits of momenta the rate about the axis of the least moment takes, beside those of the rates.
+// Digits that the rotation rate about the axis of the smallest moment loses if it is computed from momenta.
 double digits_of_momenta(const Problem& problem) {
     if (!std::holds_alternative<OneBody>(problem.system)) return 0;
     const Vector3<double>& I = problem.body.principal.moments;
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
-// Tries until the digits agree. What an attempt lost (its local digits less those that agreed) the next one adds.
+// Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
     if (!scene.planes.empty() && is_strongly_damped(problem))
@@ -127,7 +137,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
                         "cancellation in 100 digits; a tensor about the centre of mass that is larger beside "
                         "the mass times the pivot's distance squared loses fewer",
                         digits));
-    // momenta that hold no rate let it grow without bounds: where there is a closed form they are not tried
+    // Momenta that do not represent a rate let it grow without bound. A closed form, if there is one, is used instead.
     const double beside = digits_of_momenta(problem);
     if (beside + digits > 50) local = std::max(local, least_broad_digits);
     const bool without_momenta = beside + digits > 100 && !is_long(problem) && truth::closed_form_serves(problem);
@@ -137,7 +147,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         fault = made.fault;
         if (!fault.empty()) break;
         shared.count(made, local);
-        // no digit agrees: what the motion hangs on may be lost in one of the two formulations
+        // no digit agrees: one of the formulations may have lost the component that determines the motion
         if (made.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
             if (other.fault.empty()) shared.count(other, std::max(local, least_broad_digits));
@@ -159,7 +169,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }
 
-// The truth kept under `key`, or else computed at those times and kept.
+// Returns the reference cached under `key`, or computes it at the given times and caches it.
 Truth find_or_compute(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits,
                       double seconds_limit) {
     if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
@@ -173,7 +183,7 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     const truth::KeptConstants constants;
     Truth made = compute(scene, times, digits);
     made.seconds = seconds();
-    // the other thread's time may be spent where this one's is not
+    // the other thread may have used up its time even if this one has not
     made.limit_reached = !made.reference.available && (truth::Allowance::is_spent() || made.limit_reached);
     if (made.limit_reached)
         made.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
@@ -182,7 +192,7 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     return made;
 }
 
-// Why there can be no truth; empty where there can.
+// Why no reference can be computed; empty if it can.
 std::string refusal(const Scene& scene, int digits) {
     if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
     validate(scene, scene.name);
@@ -200,7 +210,7 @@ DecimalReference in_decimals(const Truth& truth, const Scene& scene, int digits)
     DecimalReference result;
     result.available = truth.reference.available;
     result.message = truth.reference.message;
-    // rounding moves each component by at most 5 10^-written of itself, an attitude by twice that
+    // rounding changes each component by at most 5 10^-written of its value, an attitude by twice that
     const int written = digits + guard_digits;
     result.bound = truth.reference.bound + std::pow(10.0, 1 - written);
     result.scene_hash = content_hash(write_scene(scene));
@@ -239,7 +249,7 @@ Truth truth::find_truth(const Scene& scene, const std::vector<double>& times, in
     Scene timed = scene;
     if (times.back() > 0) timed.duration = times.back();
     const long samples = static_cast<long>(times.size()) - 1;
-    // the usual times: their truth may be there already
+    // equally spaced times: their reference may be cached already
     if (samples > 0 && times == sample_times(timed.duration, samples))
         return find_truth(timed, samples, digits, seconds_limit);
     if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why));

@@ -1,4 +1,4 @@
-// The truth: a scene's motion to digits that two separately written formulations agree on.
+// The reference solution (ground truth) of a scene, to the digits on which two independent formulations agree.
 #pragma once
 
 #include <array>
@@ -12,61 +12,60 @@
 
 namespace polhode {
 
-/// How long a truth may take where nobody says otherwise, s.
+/// Default limit of the time that one thread may spend on a reference, s.
 constexpr double truth_seconds = 3600;
 
-/// The truth at sample_time(duration, k, samples), k = 0..samples; a sample at the time of an event shows the motion
-/// after it. Made twice, in two formulations with two orders and steps; where they differ by more than 10^-digits
-/// (attitude in rad, other blocks relative to their largest length) precision is raised, and in the end
-/// `available` is false and the message says how many digits agreed. A scene with a user's own torque has no truth,
-/// nor has one with friction at a plane, or a body that comes to rest on one.
-/// Kept in a cache on disk by the scene's content: $POLHODE_CACHE, else $XDG_CACHE_HOME/polhode, else
-/// ~/.cache/polhode. One that would take longer than `seconds_limit` seconds of either thread's own time is not made:
-/// `available` is false, and nothing is kept. Throws InputError on an invalid scene, std::invalid_argument on fewer
-/// than 1 sample or digit.
+/// Computes the reference at sample_time(duration, k, samples), k = 0..samples. A sample at the time of an event shows
+/// the motion after the event. The motion is computed twice, by two formulations with different orders and steps. If
+/// they differ by more than 10^-digits (attitude in rad, other blocks relative to their largest length), the precision
+/// is raised; if that fails, `available` is false and the message gives the number of digits that agreed. Also
+/// unavailable: user-defined torques, friction at planes, bodies that come to rest on a plane, and runs that take
+/// either thread more than `seconds_limit` seconds of processor time (these are not cached). Other results are cached
+/// on disk by the scene's content, in $POLHODE_CACHE, $XDG_CACHE_HOME/polhode or ~/.cache/polhode, the first that is
+/// set. Throws InputError if the scene is invalid, std::invalid_argument if samples or digits is less than 1.
 Reference reference(const Scene& scene, long samples, int digits = 25, double seconds_limit = truth_seconds);
 
-/// The truth at times of the caller's own (s), which increase from 0 or later. The run lasts to the last of them, also
-/// where that lies beyond the scene's duration. Throws std::invalid_argument where there are no times or they are not
-/// in order; all else is as for equally spaced samples.
+/// Computes the reference at the given times, s, which must increase from 0 or later. The run ends at the last time,
+/// which may exceed the scene's duration. Throws std::invalid_argument if there are no times or they are out of order.
+/// Otherwise as reference() for equally spaced samples.
 Reference reference(const Scene& scene, const std::vector<double>& times, int digits = 25,
                     double seconds_limit = truth_seconds);
 
-/// What makes the truth of a posed scene: "Taylor series", "collocation" where the motion is stiff, "closed form" where
-/// it has one and lasts beyond 2 10^5 rad, "none" with a user's own torque.
+/// How the reference of a posed scene is computed: "closed form" if it has one and rotates by more than 2 10^5 rad,
+/// "collocation" if the motion is stiff, "none" for a user-defined torque, otherwise "Taylor series".
 std::string_view truth_method(const Problem& problem);
 
-/// The numbers of one line of a trajectory file after t, as decimals: q, w in world axes, p, v.
+/// The columns of a trajectory file after t, as decimals: q, w in world axes, p, v.
 using DecimalColumns = std::array<std::string, 13>;
 
-/// The numbers of a reaction as decimals: force, torque, both in world axes.
+/// The components of a reaction as decimals: force, torque, both in world axes.
 using ReactionDecimals = std::array<std::string, 6>;
 
-/// The truth in decimals.
+/// The reference as decimal strings.
 struct DecimalReference {
-    bool available = false;     ///< false: there is none, and nothing but `message` is set
-    std::string message;        ///< why there is none, or how it was made
-    double bound = 0;           ///< largest of the attitude's error (rad) and the other blocks' relative errors
-    std::string scene_hash;     ///< of write_scene(scene)
-    std::vector<double> times;  ///< of the samples, s
-    int bodies = 1;             ///< how many there are at each time
-    std::vector<DecimalColumns> columns;      ///< at each time those of each body
-    std::vector<ReactionDecimals> reactions;  ///< where they are known, as Reference::reactions; empty for NaN
-    std::vector<std::string> impact_times;    ///< s, of the impacts on the scene's planes
-    double impact_time_error = 0;             ///< s, largest of them
+    bool available = false;     ///< false: only `message` is set
+    std::string message;        ///< why it is unavailable, or how it was computed
+    double bound = 0;           ///< largest of the attitude error (rad) and the relative errors of the other blocks
+    std::string scene_hash;     ///< hash of write_scene(scene)
+    std::vector<double> times;  ///< sample times, s
+    int bodies = 1;             ///< number of bodies at each time
+    std::vector<DecimalColumns> columns;      ///< one row per time and body
+    std::vector<ReactionDecimals> reactions;  ///< as Reference::reactions, if known; NaN is an empty string
+    std::vector<std::string> impact_times;    ///< times of impacts on the scene's planes, s
+    double impact_time_error = 0;             ///< largest error of these times, s
 };
 
-/// The truth at sample_time(duration, k, samples), k = 0..samples, as decimals. `digits` digits are right relative to
-/// the largest length of a block (q, w, p or v), so that a component that nearly vanishes has fewer of its own; two
-/// more are written. The cache, the limit of time and what is thrown are as for reference().
+/// Computes the reference at sample_time(duration, k, samples), k = 0..samples, as decimals. `digits` digits are
+/// correct relative to the largest length of a block (q, w, p or v); a component that nearly vanishes has fewer correct
+/// digits. Two more digits are written. Cache, time limit and exceptions: see reference().
 DecimalReference decimal_reference(const Scene& scene, long samples, int digits = 17,
                                    double seconds_limit = truth_seconds);
 
-/// The same at times of the caller's own (s), as reference() takes them.
+/// Computes the reference at the given times, s, as decimals. Times and exceptions: see reference().
 DecimalReference decimal_reference(const Scene& scene, const std::vector<double>& times, int digits = 17,
                                    double seconds_limit = truth_seconds);
 
-/// The most digits that can be asked for.
+/// Largest number of digits that reference() and decimal_reference() support.
 constexpr int most_truth_digits = 80;
 
 }  // namespace polhode

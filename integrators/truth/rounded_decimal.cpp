@@ -19,7 +19,7 @@ std::string rounded_decimal(const std::string& number, int significant) {
         std::size_t i = keep;
         while (up && i > 0 && digits[i - 1] == '9') digits[--i] = '0';
         if (up && i > 0) ++digits[i - 1];
-        // 9.99 became 0.00: it is 1.00 with the next exponent
+        // all digits were 9 and became 0: set 1.00 with the next exponent
         if (up && i == 0) digits[0] = '1', ++exponent;
     }
     std::string text;

@@ -1,4 +1,4 @@
-// Decimal strings.
+// Rounding of decimal strings.
 #pragma once
 
 #include <string>

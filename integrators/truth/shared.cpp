@@ -13,10 +13,10 @@
 namespace polhode::truth {
 namespace {
 
-// bodies that a scene's check lets pass lose some 60 digits at the most
+// scenes that pass validation lose at most about 60 digits
 using Many = Real<200>;
 
-// The worst of what is noted; infinite where something is not a number.
+// Largest error noted; infinite if a value is NaN or infinite.
 class Worst {
   public:
     void note(const Many& off) {
@@ -51,7 +51,7 @@ class Worst {
     double worst_ = 0;
 };
 
-// I^-1 (a x Ib + b x Ia) of a unit rotation about each axis, and about two at once
+// I^-1 (a x Ib + b x Ia) for unit rotations about each axis and about each pair of axes
 template <class P>
 std::vector<Vector3<P>> gyroscopic_accelerations(const Matrix3<P>& inertia) {
     const Matrix3<P> inverse_inertia = inverse(inertia);
@@ -110,7 +110,7 @@ void note_bodies(const Scene& scene, Worst& worst) {
     }
     const Motions<P> begun = start(TreeForm<P>(scene));
     const Motions<Many> rightly = start(TreeForm<Many>(scene));
-    // as motions are compared: lengths relative to the largest of all bodies
+    // compared like motions: lengths relative to the largest of all bodies
     Difference<Many> difference(natural_sizes<Many>(scene));
     for (std::size_t i = 0; i < begun.size(); ++i) difference.note(cast<Many>(begun[i]), rightly[i]);
     worst.note(Many(difference.worst()));
@@ -120,7 +120,7 @@ void note_bodies(const Scene& scene, Worst& worst) {
 
 template <unsigned working>
 double shared_rounding(const Scene& scene) {
-    // what each step rounds anew, with room for sums of many terms
+    // rounding error of each step, with a margin for sums of many terms
     const double usual = std::pow(10.0, 4 - static_cast<double>(working));
     Worst worst;
     if (is_mechanism(scene))
@@ -136,7 +136,7 @@ template double shared_rounding<100>(const Scene&);
 double shared_error(double rounding, double radians, double difference, unsigned working, double local_digits) {
     if (rounding == 0) return 0;
     const double path = 1 + radians;
-    // what the steps err by without any growth, of which `difference` is what the motion made
+    // error of the steps without growth; difference / of_steps is the growth factor of the motion
     const double of_steps =
         std::max(std::pow(10.0, -local_digits), path * std::pow(10.0, -static_cast<double>(working)));
     return rounding * path * std::max(path, difference / of_steps);

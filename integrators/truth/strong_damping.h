@@ -1,4 +1,4 @@
-// When damping is so strong that the truth goes by collocation.
+// Criterion for strong damping, where the reference is computed by collocation.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace polhode::truth {
 
-/// The fastest decay times the length of the segment: trace(I^-1 D) is at most three times its largest eigenvalue.
+/// Fastest decay rate times the length of the segment. trace(I^-1 D) is at most three times its largest eigenvalue.
 inline double damping_number(const Problem& problem, const Segment& segment) {
     const Forcing<double>& f = segment.forcing;
     const double rate = f.has_translational_drag && !problem.body.pivoted ? f.specific_drag : 0;
@@ -17,11 +17,11 @@ inline double damping_number(const Problem& problem, const Segment& segment) {
     return std::max(rate, trace) * (segment.end - segment.begin);
 }
 
-/// Beyond this damping number a series would take its steps at the damping rate, and a collocation polynomial as the
-/// motion goes. (What binds a solver in binary64 is another question: run/stiffness.h.)
+/// Beyond this damping number the steps of a series are limited by the damping rate, those of a collocation polynomial
+/// only by the motion. (Stiffness for a solver in binary64 is a different criterion: run/stiffness.h.)
 constexpr double strong_damping_number = 3000;
 
-/// Whether the damping numbers of all segments together are beyond it.
+/// True if the sum of the damping numbers of all segments exceeds the limit.
 inline bool is_strongly_damped(const Problem& problem) {
     double sum = 0;
     for (const Segment& segment : problem.segments) sum += damping_number(problem, segment);

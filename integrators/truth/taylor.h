@@ -1,5 +1,8 @@
-// Taylor series method over any formulation of polynomial form: order fixed by the digits asked for, step from the
-// last coefficients (Jorba & Zou 2005), samples from the polynomial, legs between events.
+// Taylor series method for any polynomial formulation. The requested digits set the order; the last coefficients set
+// the step (A. Jorba and M. Zou 2005, Exp. Math. 14, 99); samples come from the polynomial; steps end at events.
+//
+// taylor() records a formulation's right-hand side (Series), expands it at each step and returns a Run. A formulation
+// that satisfies MeetsPlanes also stops at the first contact in a step and applies the impact (meet()).
 #pragma once
 
 #include <fmt/format.h>
@@ -21,25 +24,25 @@
 
 namespace polhode::truth {
 
-/// What a run came to. Sample: what the formulation makes of a state.
+/// Result of a run. Sample is the type that the formulation's motion() returns.
 template <class P, class Sample = Motion<P>>
 struct Run {
-    std::string fault;            ///< why it stopped early; empty if it did not
-    std::vector<Sample> motions;  ///< one a sample
-    std::vector<P> impacts;       ///< s, times of impacts on planes
+    std::string fault;            ///< why the run stopped early; empty if it did not
+    std::vector<Sample> motions;  ///< one per sample
+    std::vector<P> impacts;       ///< times of impacts on planes, s
     long steps = 0;
 };
 
 struct TaylorSettings {
     int order;
-    double digits;       ///< local error 10^-digits of each block's scale
-    double step_factor;  ///< the step over the one that just meets `digits`
+    double digits;       ///< local error: 10^-digits of each block's scale
+    double step_factor;  ///< ratio of the step to the one that just meets `digits`
     long max_steps;
 };
 
-/// The settings of the two runs of a truth with `digits` digits a step. The work order^2 / step is least near order =
-/// ln(10) / 2 digits (Jorba & Zou 2005); the other run goes by a higher order, a finer tolerance and a step shortened
-/// by an odd factor.
+/// Settings of the two runs of a reference with `digits` digits per step. The work order^2 / step is minimal near order
+/// = ln(10) / 2 digits (Jorba & Zou 2005). The fine run has a higher order, a smaller tolerance and steps shortened by
+/// the factor 0.93.
 struct TaylorRuns {
     TaylorSettings coarse, fine;
 
@@ -57,9 +60,9 @@ double log2_size(const Block& block, Component&& component) {
     return largest;
 }
 
-/// A formulation that knows planes: `geometry()` in its body axes, `placement(y)`, `fastest(a, b, reach)`: a bound on
-/// the speed of the body's points where the first block of y is no longer than a, that of translation no longer than b;
-/// `meet(tolerance, y)`: the impact of what is that near.
+/// A formulation with planes. `geometry()` is in its body axes; `placement(y)` returns the body's placement.
+/// `fastest(a, b)` bounds the speed of the body's points if the first block of y is at most a long and the translation
+/// block at most b. `meet(tolerance, y)` applies the impact of all contacts within the tolerance.
 template <class Form, class P>
 concept MeetsPlanes = requires(Form form, const P& x, P* y) {
     form.geometry();
@@ -68,7 +71,7 @@ concept MeetsPlanes = requires(Form form, const P& x, P* y) {
     form.meet(x, y);
 };
 
-/// No component of the block at `first` of y(t + s), 0 <= s <= h, is longer together with its two neighbours.
+/// Upper bound of the length of the three variables from `first` on, over y(t + s), 0 <= s <= h.
 template <class P, class T>
 P block_bound(const Series<T>& series, int first, const P& h) {
     P squares(0);
@@ -80,7 +83,7 @@ P block_bound(const Series<T>& series, int first, const P& h) {
     return square_root(squares);
 }
 
-/// When the first gap closes within a step of length h: time after its begin.
+/// Time from the start of the step until the first gap closes within the step of length h; nothing if none closes.
 template <class P, class T, class Form>
 std::optional<P> impact_within(const Form& form, const Series<T>& series, const P& h) {
     std::vector<P> y(form.dimension());
@@ -92,22 +95,22 @@ std::optional<P> impact_within(const Form& form, const Series<T>& series, const 
                          form.fastest(block_bound(series, 0, h), block_bound(series, 10, h)));
 }
 
-/// What is done with each step's polynomial: nothing.
+/// Default handler of each step's polynomial: does nothing.
 struct ForgetStep {
     template <class P, class Step>
     void operator()(const P&, const P&, const Step&) const {}
 };
 
-/// The impact at t, in place; false, with a fault, where the motion cannot be followed beyond it.
+/// Applies the impact at t to y. Returns false and sets a fault if the motion cannot be followed further.
 template <class P, class Form, class Sample>
 bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Scales& scales, P* y,
           Run<P, Sample>& run) {
     constexpr std::size_t most_impacts = 100'000;
     run.impacts.push_back(t);
     const double reach = form.geometry().reach.template convert_to<double>();
-    // gaps that differ by what the steps may have lost close together
+    // gaps that differ by no more than the error of the steps close together
     const ImpactOutcome outcome = form.meet(P(reach * std::pow(10.0, 6 - settings.digits)), y);
-    // below this speed the parabola of a flight is no higher than what the steps lose
+    // below this speed the height of the flight parabola is within the error of the steps
     const double resting = std::pow(10.0, -settings.digits / 2) * (scales.velocity + reach * scales.angular_velocity);
     const char* why = nullptr;
     if (!outcome.resolved)
@@ -122,9 +125,9 @@ bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Sc
     return !why;
 }
 
-/// Follows the legs with a formulation, which may be of several bodies. `blocks` begin with estimates of the largest
-/// lengths; `scales` are asked for only where the formulation meets planes. on_step(t, h, series): the polynomial of
-/// the step from t to t + h.
+/// Follows the legs with a formulation of one or several bodies. `blocks` initially hold estimates of the largest
+/// lengths. `scales` are used only by formulations with planes. on_step(t, h, series) receives the polynomial of the
+/// step from t to t + h.
 template <class P, class Form, class OnStep = ForgetStep>
 auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& sample_times, std::vector<Block> blocks,
             [[maybe_unused]] const Scales& scales, const TaylorSettings& settings, const OnStep& on_step = {}) {
@@ -160,7 +163,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
                 block.scale = std::max(block.scale, size);
             }
             series.expand(y.data());
-            // |c_k| h^k <= 10^-digits scale for the last coefficients; of four, since one may vanish by symmetry
+            // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
             double log2_step = std::numeric_limits<double>::infinity();
             for (const Block& block : blocks)
                 for (int k = settings.order - 3; k <= settings.order; ++k) {
@@ -203,7 +206,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
     return run;
 }
 
-/// The motion of a scene by a formulation that is made from it; `moments`: any estimate of the principal moments.
+/// Follows a scene with a formulation constructed from it. `moments`: any estimate of the principal moments.
 template <class P, class Form, class OnStep = ForgetStep>
 auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
             const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {

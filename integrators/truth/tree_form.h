@@ -1,5 +1,5 @@
-// The first formulation of the truth of a mechanism: joint coordinates by the articulated-body recursion, the one
-// right-hand side of motion/tree.h.
+// First formulation of the reference for a mechanism: joint coordinates with the articulated-body recursion, from the
+// right-hand side in motion/tree.h that all methods share.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ class TreeForm {
   public:
     static constexpr const char* name = "joint coordinates";
 
-    /// The scene must outlive it.
+    /// The scene must outlive this object.
     explicit TreeForm(const Scene& scene) : scene_(&scene), tree_(scene, bodies_mass_properties<P>(scene)) {}
 
     int dimension() const { return tree_.dimension(); }
@@ -31,7 +31,7 @@ class TreeForm {
     void derivative(const S* y, S* dy) const {
         tree_.derivative(y, dy);
     }
-    /// The bodies' motions, with quaternions of unit length.
+    /// The motions of the bodies, with unit quaternions.
     Motions<P> motion(const P* y) const {
         Motions<P> all = tree_.motions(y);
         for (Motion<P>& body : all) body.q = normalized(body.q);
@@ -39,7 +39,7 @@ class TreeForm {
     }
     std::vector<Reaction<P>> reactions(const P* y) const { return tree_.reactions(*scene_, y); }
 
-    /// `scales`: of the components of y, as MechanismModel::scales() has them.
+    /// `scales`: one per component of y, as from MechanismModel::scales().
     std::vector<Block> blocks(const std::vector<double>& scales) const {
         std::vector<Block> all;
         for (const polhode::Link<P>& link : tree_.links().links) {
@@ -55,7 +55,7 @@ class TreeForm {
         }
         return all;
     }
-    /// Those of each joint, as the tree has them.
+    /// The coordinates of each joint, as in Tree.
     std::vector<std::array<P, 2>> joint_coordinates(const P* y) const { return tree_.joint_coordinates(y); }
 
   private:

@@ -1,4 +1,4 @@
-// The truth as a method of its own, so that it can be solved for, timed and tabulated like any other.
+// The reference as a method, so that it can be solved, timed and tabulated like any other.
 #include "integrators/method.h"
 #include "integrators/truth/attempt.h"
 

@@ -62,7 +62,6 @@ TEST(Limits, MatchTheSecurityPage) {
         {"nested parentheses of experiment, --filter", count(deepest_parentheses)},
         {"product of nested repetitions of experiment, --filter", count(most_unrolled)},
         {"trajectory of check, plot", mebibytes(largest_file)},
-        {"table of mechanisms of ensemble", "4096 MiB"},
     };
     EXPECT_EQ(limits_of_security_page(), expected);
 }

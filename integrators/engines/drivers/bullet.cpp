@@ -1,4 +1,4 @@
-// Bullet's rigid bodies: btRigidBody in a btDiscreteDynamicsWorld. Compiled twice, for either precision of Bullet's.
+// Bullet's rigid bodies: btRigidBody in a btDiscreteDynamicsWorld. Compiled for both precisions of Bullet.
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ class BulletWorld {
         info.m_startWorldTransform =
             btTransform(btQuaternion(btScalar(body.q.x), btScalar(body.q.y), btScalar(body.q.z), btScalar(body.q.w)),
                         bullet(body.p));
-        // the coefficients of the two that touch are multiplied: the planes' are 1
+        // Bullet multiplies the coefficients of both bodies in contact; those of the planes are 1
         if (!body.planes.empty()) {
             info.m_restitution = btScalar(body.planes.front().restitution);
             info.m_friction = btScalar(body.planes.front().friction);

@@ -1,4 +1,4 @@
-// Bullet's joints between btRigidBody. Compiled with the driver, for either precision of Bullet's.
+// Bullet's joints between btRigidBody. Compiled with the driver, for both precisions of Bullet.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -23,7 +23,7 @@ class BulletMechanism {
             if (known.setting != "default") body->setActivationState(DISABLE_DEACTIVATION);
             if (known.setting == "explicit") body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
             if (known.setting == "none") body->setFlags(0);
-            // bodies collide with nothing
+            // bodies do not collide
             world_.addRigidBody(body.get(), 1, 0);
             body->setAngularVelocity(bullet(link.start.w)), body->setLinearVelocity(bullet(link.start.v));
             bodies_.push_back(std::move(body));
@@ -58,7 +58,7 @@ class BulletMechanism {
     }
     void add(const Mechanism& known, const LinkJoint& joint) {
         btRigidBody &parent = body(joint.parent), &child = body(joint.child);
-        // the frame of the joint at the start, in either body
+        // the joint's frame at the start, in each body
         const auto frames = [&](const Quaternion<double>& frame) {
             const auto in = [&](int index, const Vector3<double>& point) {
                 return btTransform(bullet(conjugate(known.attitude(index)) * frame), bullet(point));
@@ -72,7 +72,7 @@ class BulletMechanism {
             joints_.push_back(std::make_unique<btPoint2PointConstraint>(parent, child, bullet(joint.parent_point),
                                                                         bullet(joint.child_point)));
         } else if (joint.type == "prismatic") {
-            // it slides along x: z is any across it
+            // a slider moves along x; z is any axis perpendicular to it
             const Vector3<double>& x = joint.axes_W[0];
             const Vector3<double> across = rotate(frame_about(x), Vector3<double>(1, 0, 0));
             const auto [a, b] = frames(frame_about(across, x));
@@ -85,7 +85,7 @@ class BulletMechanism {
             joints_.push_back(std::make_unique<btFixedConstraint>(parent, child, a, b));
         } else {
             if (!joint.is_cross()) throw Unsupported("Bullet's universal joint has its axes at right angles");
-            // z fixed in the parent, x in the child, and no turn about y
+            // z fixed in the parent, x in the child, no rotation about y
             const auto [a, b] = frames(frame_about(joint.axes_W[0], joint.axes_W[1]));
             auto cross = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, a, b, RO_XYZ);
             cross->setLinearLowerLimit(btVector3(0, 0, 0)), cross->setLinearUpperLimit(btVector3(0, 0, 0));

@@ -1,4 +1,7 @@
-// Bullet's Featherstone bodies: a btMultiBody without links.
+// Bullet's Featherstone bodies: a btMultiBody without links for one body, and one btMultiBody per tree of a mechanism.
+//
+// MultibodyWorld has the body as its base. MultibodyMechanism adds a link per joint (two for a universal joint, with a
+// massless link between). serve.h runs the requests.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
@@ -20,7 +23,7 @@ class MultibodyWorld {
         : body_(0, body.mass, bullet(body.moments), false, body.setting == "default") {
         if (!body.planes.empty()) throw Unsupported("planes are hit by this driver's btRigidBody only: see bullet");
         world_.setGravity(bullet(body.gravity));
-        // the base's rotation is kept from world to body
+        // Bullet stores the base's rotation from world to body
         body_.setWorldToBaseRot(btQuaternion(body.q.x, body.q.y, body.q.z, body.q.w).inverse());
         body_.setBasePos(bullet(body.p));
         if (body.setting != "default") {
@@ -32,7 +35,7 @@ class MultibodyWorld {
         world_.addMultiBody(&body_);
         set_velocities(body.w, body.v);
         if (body.pivot) {
-            // only bodies with a collider are in an island, and only islands are solved; it collides with nothing
+            // only bodies with a collider belong to an island, and only islands are solved; it touches nothing
             collider_.setCollisionShape(&shape_);
             body_.setBaseCollider(&collider_);
             world_.addCollisionObject(&collider_, 0, 0);
@@ -83,7 +86,7 @@ class MultibodyWorld {
     std::unique_ptr<btMultiBodyPoint2Point> joint_;
 };
 
-/// The trees of a mechanism, a btMultiBody each: of what hangs on the world the base is fixed, else a free body is it.
+/// One btMultiBody per tree of a mechanism. Its base is the free body, or fixed if the tree is attached to the world.
 class MultibodyMechanism {
   public:
     explicit MultibodyMechanism(const Mechanism& known) : places_(known.bodies.size()) {
@@ -108,7 +111,7 @@ class MultibodyMechanism {
         std::vector<Motion> all;
         for (const Place& place : places_) {
             const btMultiBody& tree = *trees_[place.tree];
-            // columns of the attitude
+            // the columns of the attitude
             btMatrix3x3 R;
             for (int i = 0; i < 3; ++i) {
                 btVector3 unit(0, 0, 0);
@@ -143,7 +146,7 @@ class MultibodyMechanism {
             if (!is_own) continue;
             belongs[std::size_t(joint.child)] = true;
             joints.push_back(&joint);
-            // a universal joint is two hinges with a link without mass between
+            // a universal joint consists of two hinges with a massless link between them
             links += joint.type == "universal" ? 2 : 1;
         }
         const LinkBody nothing{0, {}, {}};

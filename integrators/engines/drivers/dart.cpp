@@ -1,6 +1,6 @@
-// DART: a body node on a FreeJoint, or on a BallJoint at its pivot.
+// DART: a body node with a FreeJoint, or with a BallJoint at its pivot.
 #include <fmt/format.h>
-// dart/dart.hpp does not compile where its optional parts are missing
+// not dart/dart.hpp, which does not compile if its optional parts are missing
 #include <dart/config.hpp>
 #include <dart/constraint/BallJointConstraint.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>
@@ -63,7 +63,7 @@ class DartWorld {
             free_->setLinearVelocity(eigen(v));
             free_->setAngularVelocity(eigen(w));
         } else {
-            // its velocities are those in body axes
+            // the ball joint's velocities are in body axes
             ball_->setVelocities(node_->getWorldTransform().linear().transpose() * eigen(w));
         }
     }
@@ -134,7 +134,7 @@ class DartMechanism {
         joint->setLinearVelocity(eigen(body.start.v)), joint->setAngularVelocity(eigen(body.start.w));
         return node;
     }
-    // The joint's frame is the child's as it stands at the start.
+    // The joint's frame is the child's frame at the start.
     dd::BodyNode* jointed(dd::Skeleton& skeleton, const Mechanism& known, const LinkJoint& joint) {
         dd::BodyNode* parent = joint.parent < 0 ? nullptr : nodes_[std::size_t(joint.parent)];
         const Quaternion<double> turn = conjugate(known.attitude(joint.parent)) * known.attitude(joint.child);
@@ -143,7 +143,7 @@ class DartMechanism {
                 Eigen::Quaterniond(turn.w, turn.x, turn.y, turn.z).toRotationMatrix();
             properties.mT_ParentBodyToJoint.translation() = eigen(joint.parent_point);
             properties.mT_ChildBodyToJoint.translation() = eigen(joint.child_point);
-            // DART tells of each name that is there twice
+            // DART prints a message for each duplicate name
             properties.mName = fmt::format("joint_{}", joint.child);
             return properties;
         };

@@ -1,6 +1,6 @@
-// Several bodies and joints as a driver is asked for them, and the march through their steps.
+// Several bodies and joints as a driver receives them, and the loop over their steps.
 //
-// A driver gives a mechanism's world: the engine with all bodies and joints in it, made anew for every run.
+// A driver provides a MechanismWorld: the engine with all bodies and joints, created anew for every run.
 #pragma once
 
 #include <concepts>
@@ -15,49 +15,49 @@
 
 namespace polhode::engines {
 
-/// Where a body is and how it moves; world axes.
+/// Position and velocity of a body; world axes.
 struct Motion {
     Quaternion<double> q;
     Vector3<double> w, p, v;
 };
 
-/// A body of several: its origin is its centre of mass, its axes are its principal ones. It starts at `start`.
+/// A body of a mechanism. Its origin is its centre of mass and its axes are its principal axes. It starts at `start`.
 struct LinkBody {
     double mass;
     Vector3<double> moments;
     Motion start;
 };
 
-/// A joint, or what closes a loop; see EngineJoint. All coordinates are zero at the start.
+/// A joint or the closure of a loop; see EngineJoint. All coordinates are zero at the start.
 struct LinkJoint {
     std::string type;
     int parent, child;  ///< indices; -1: the world
     Vector3<double> anchor_W, parent_point, child_point;
     std::vector<Vector3<double>> axes_W, parent_axes, child_axes;  ///< unit
-    Vector3<double> turning_W;                                     ///< child against parent
-    std::vector<double> rates;                                     ///< of the coordinates
+    Vector3<double> turning_W;  ///< angular velocity of the child relative to the parent
+    std::vector<double> rates;  ///< rates of the coordinates
 
-    /// Whether a universal joint is a cross, as most engines have it.
+    /// True if a universal joint has perpendicular axes, as most engines require.
     bool is_cross() const { return std::abs(dot(axes_W.at(0), axes_W.at(1))) < 1e-9; }
 };
 
 struct Mechanism {
     std::vector<LinkBody> bodies;
-    std::vector<LinkJoint> joints;  ///< parents before children
+    std::vector<LinkJoint> joints;  ///< parents precede children
     std::vector<LinkJoint> loops;
     Vector3<double> gravity;
     std::string setting;
 
     const LinkBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
-    /// The attitude of a body or of the world at the start.
+    /// The attitude of a body, or of the world, at the start.
     Quaternion<double> attitude(int index) const { return index < 0 ? Quaternion<double>() : body(index).start.q; }
-    /// The joint that carries a body; nullptr of a free one.
+    /// The joint that carries a body; nullptr for a free body.
     const LinkJoint* carrier(int index) const {
         for (const LinkJoint& joint : joints)
             if (joint.child == index) return &joint;
         return nullptr;
     }
-    /// The bodies in an order in which parents come before children: free ones first.
+    /// The bodies in an order in which parents precede children; free bodies come first.
     std::vector<int> outwards() const {
         std::vector<int> order;
         for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
@@ -67,7 +67,7 @@ struct Mechanism {
     }
 };
 
-/// World axes with z along `z`; x along `x` where that is given, which must be perpendicular.
+/// World axes with z along `z`, and x along `x` if given (must be perpendicular to z).
 inline Quaternion<double> frame_about(const Vector3<double>& z, Vector3<double> x = {}) {
     if (dot(x, x) == 0) {
         int least = 0;
@@ -89,7 +89,7 @@ inline Quaternion<double> frame_about(const Vector3<double>& z, Vector3<double> 
     return normalized(q);
 }
 
-/// An engine with several bodies in it.
+/// An engine with several bodies.
 template <class World>
 concept MechanismWorld = std::constructible_from<World, const Mechanism&> && requires(World world, double h) {
     { world.motions() } -> std::same_as<std::vector<Motion>>;  // of all bodies, in their order
@@ -103,14 +103,14 @@ struct MechanismRequest {
     long samples, steps_per_sample, repetitions;
 };
 
-/// What is written back.
+/// The result of a request.
 struct MechanismRun {
     std::vector<std::vector<Motion>> moments;
     double seconds = 0;
     long steps = 0;
 };
 
-/// A world marched through a request.
+/// Runs a world through a request.
 template <MechanismWorld World>
 MechanismRun march_mechanism(const MechanismRequest& request) {
     MechanismRun run;

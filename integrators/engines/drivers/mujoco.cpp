@@ -1,4 +1,7 @@
-// MuJoCo: a body with a free joint, or with a ball joint at its pivot.
+// MuJoCo: a body with a free joint, or with a ball joint at its pivot; mechanisms as nested bodies.
+//
+// Models are written as MJCF text and loaded from memory (model_of()). MujocoWorld has one body; MujocoMechanism nests
+// each body in its parent and closes loops by "connect" equality constraints. serve.h runs the requests.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -11,7 +14,7 @@ namespace {
 
 std::string text(const Vector3<double>& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]); }
 
-// MuJoCo stops the program at an error.
+// Replaces MuJoCo's error handler, which would end the program.
 [[noreturn]] void give_up(const char* message) { throw std::runtime_error(message); }
 
 const char* integrator_of(const std::string& setting) {
@@ -21,7 +24,7 @@ const char* integrator_of(const std::string& setting) {
                                        : "Euler";
 }
 
-// A model of a text; its data is made by the caller.
+// Loads a model from text; the caller creates its data.
 mjModel* model_of(const std::string& xml) {
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
@@ -37,7 +40,7 @@ mjModel* model_of(const std::string& xml) {
 void advance(mjModel* model, mjData* data, double h) {
     model->opt.timestep = h;
     mj_step(model, data);
-    // MuJoCo answers a bad state by starting anew, with a warning
+    // MuJoCo resets a bad state and continues with a warning
     if (data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
             data->warning[mjWARN_BADQACC].number >
         0)
@@ -116,10 +119,10 @@ class MujocoWorld {
     mjData* data_ = nullptr;
 };
 
-// A body's name; "world" for none.
+// The body's name in the model; "world" for a negative index.
 std::string name_of_body(int index) { return index < 0 ? "world" : fmt::format("b{}", index); }
 
-// The joints of a body: all are at zero as it stands.
+// The joints of a body. All coordinates are zero in the initial configuration.
 std::string joints_text(const LinkJoint* joint) {
     if (!joint) return "<freejoint/>";
     if (joint->type == "fixed") return "";
@@ -131,7 +134,7 @@ std::string joints_text(const LinkJoint* joint) {
     return all;
 }
 
-// A body and all that it carries.
+// A body and all bodies that it carries.
 std::string body_text(const Mechanism& known, int index) {
     const LinkJoint* joint = known.carrier(index);
     const LinkBody& body = known.body(index);
@@ -147,7 +150,7 @@ std::string body_text(const Mechanism& known, int index) {
     return all + "</body>";
 }
 
-// A hinge that closes a loop holds two points of its axis.
+// Constraints that close a loop. A hinge constrains two points of its axis.
 std::string closure_text(const LinkJoint& loop) {
     std::string all;
     const auto hold = [&](const Vector3<double>& anchor) {
@@ -193,7 +196,7 @@ class MujocoMechanism {
     MujocoMechanism(const MujocoMechanism&) = delete;
     MujocoMechanism& operator=(const MujocoMechanism&) = delete;
 
-    // a step leaves the places and velocities of bodies as they were when it began
+    // updates positions and velocities of the bodies: a step leaves them at their values at its start
     std::vector<Motion> motions() {
         mj_kinematics(model_, data_), mj_comPos(model_, data_), mj_comVel(model_, data_);
         std::vector<Motion> all;
@@ -219,7 +222,7 @@ class MujocoMechanism {
 int main() {
     using namespace polhode::engines;
     mju_user_error = give_up;
-    // else it writes a log file where it happens to be
+    // otherwise MuJoCo writes a log file into the current directory
     mju_user_warning = [](const char*) {};
     return serve<MujocoWorld, MujocoMechanism>(
         {"mujoco",

@@ -1,4 +1,7 @@
-// Open Dynamics Engine.
+// Open Dynamics Engine: a dBody with optional ball joint and contacts, or several with joints.
+//
+// OdeWorld has one body; contacts are created in touch() with the planes' restitution and friction. OdeMechanism has
+// one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
@@ -80,7 +83,7 @@ class OdeWorld {
         dBodyGetMass(body_, &mass);
         return mass;
     }
-    // ODE's convex bodies want faces; a box is all that there is without.
+    // ODE's convex bodies require faces, which the request does not contain; boxes and balls do not.
     void add_shape(const Body& body) {
         dGeomID shape = nullptr;
         if (body.ball) {
@@ -198,7 +201,7 @@ class OdeMechanism {
 };
 
 std::string version() {
-    // "ODE ODE_OPT_.. ODE_double_precision": the library tells no number of its version; this is the headers'
+    // from the headers: the library reports only "ODE ODE_OPT_.. ODE_double_precision" and no version number
     return POLHODE_ODE_VERSION;
 }
 

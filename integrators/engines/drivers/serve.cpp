@@ -37,7 +37,7 @@ Request read_request(const json& request) {
     const long steps = request.at("steps_per_sample");
     known.settings.samples = request.at("samples");
     known.settings.repetitions = request.at("repetitions");
-    // a part of the sample interval that gives the number of steps back
+    // the fraction of the sample interval from which the same number of steps is computed
     known.settings.step = scene.duration / static_cast<double>(known.settings.samples) / static_cast<double>(steps);
     Body& body = known.body;
     body.mass = request.at("mass"), body.moments = vector_from(request.at("moments"));

@@ -1,6 +1,6 @@
-// What the programs that hold an engine share: the protocol, and the march through a request's steps.
+// Common part of the engine drivers: the protocol, and the loop over a request's steps.
 //
-// A driver gives a World: the engine with one body in it, made anew for every run.
+// A driver provides an EngineWorld: the engine with one body, created anew for every run.
 #pragma once
 
 #include <chrono>
@@ -21,63 +21,63 @@
 
 namespace polhode::engines {
 
-/// A body as an engine is asked to make it: its origin is its centre of mass, its axes are its principal ones.
+/// A body to be created in an engine. Its origin is its centre of mass and its axes are its principal axes.
 struct Body {
     double mass;                           ///< kg
     Vector3<double> moments;               ///< kg m^2
     Quaternion<double> q;                  ///< body to world
     Vector3<double> w, p, v;               ///< world axes, rad/s, m, m/s
     Vector3<double> gravity;               ///< of the world at t = 0, m/s^2
-    std::optional<Vector3<double>> pivot;  ///< body axes: held at the world's origin by a ball joint
+    std::optional<Vector3<double>> pivot;  ///< point fixed at the world's origin by a ball joint, body axes, m
     std::vector<Plane> planes;             ///< unit normals
-    std::vector<Vector3<double>> hull;     ///< corners, body axes
-    std::optional<double> ball;            ///< or a radius, m
+    std::vector<Vector3<double>> hull;     ///< corners, body axes, m
+    std::optional<double> ball;            ///< radius of a ball instead of the hull, m
     std::string setting;                   ///< one of Driver::settings
 };
 
-/// Thrown by a World for what its engine cannot represent.
+/// Thrown by a World for scenes that its engine cannot represent.
 struct Unsupported : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// An engine with one body in it.
+/// An engine with one body.
 template <class World>
 concept EngineWorld = std::constructible_from<World, const Body&> &&
     requires(World world, const World known, const Vector3<double>& vector, double h) {
     { known.motion() } -> std::same_as<Motion>;
-    world.set_velocities(vector, vector);  // w and v: after an impulse
+    world.set_velocities(vector, vector);  // sets w and v after an impulse
     world.set_gravity(vector);
-    world.apply(vector, vector);  // force at the centre of mass and torque, for a step
+    world.apply(vector, vector);  // force at the centre of mass and torque, for one step
     world.step(h);
     { known.mass() } -> std::convertible_to<double>;
     { known.moments() } -> std::convertible_to<Vector3<double>>;
 };
 
-/// What a driver says of its engine.
+/// Information about a driver's engine.
 struct Driver {
     std::string engine, version, precision;
     std::vector<std::pair<std::string, std::string>> settings;
-    std::vector<std::string> joints{}, loops{};  ///< the types that it takes
+    std::vector<std::string> joints{}, loops{};  ///< types of joints that it supports
 };
 
-/// A request that a driver has read.
+/// A request as read by a driver.
 struct Request {
-    Problem problem;  ///< of the free body
+    Problem problem;  ///< problem of the free body
     Settings settings;
     Body body;
 };
 
-/// What is written back.
+/// The result of a request.
 struct Run {
     Trajectory trajectory;
     EngineReadback readback;
 };
 
-/// Reads requests from the standard input and answers them on descriptor 3 until there are no more. The exit code.
+/// Reads requests from standard input and writes answers to descriptor 3 until the input ends. Returns the exit code.
 int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
           const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism = {});
 
-/// A World marched through a request.
+/// Runs a World as a Stepper (run/march.h).
 template <EngineWorld World>
 class WorldStepper {
   public:
@@ -128,11 +128,11 @@ class WorldStepper {
         return all_finite(at.w, at.p, at.v) && all_finite(at.q);
     }
     long rhs_evaluations() const { return steps_; }
-    /// The time in which worlds were made is no time of integration.
+    /// Subtracts the time for creating worlds, which is not integration time.
     void report(Trajectory& trajectory) const { trajectory.seconds -= set_up_ / static_cast<double>(worlds_); }
 
   private:
-    // gravity is the engine's own; whatever else acts is applied from outside
+    // gravity is set in the engine; all other loads are applied as external forces
     void enter_loads(const Segment& segment) {
         loads_.enter(segment);
         gravity_ = {};
@@ -157,20 +157,20 @@ class WorldStepper {
     double set_up_ = 0;
 };
 
-/// Serves requests for one body by a World each.
+/// Runs a request for one body.
 template <EngineWorld World>
 Run march_world(const Request& request) {
     Run run;
     run.trajectory = march<WorldStepper<World>>(request.problem, request.settings, request.body, &run.readback);
     return run;
 }
-/// Serves requests by a world each, for one body and for several.
+/// Serves requests for one body and for several, each with a new world.
 template <EngineWorld World, MechanismWorld Several>
 int serve(const Driver& driver) {
     return serve(driver, march_world<World>, march_mechanism<Several>);
 }
 
-/// A double's or a float's worth of an engine's own vector.
+/// Converts an engine's vector of double or float.
 template <class V>
 Vector3<double> vector_of(const V& v) {
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};

@@ -1,4 +1,4 @@
-// Simbody: a body on a Free mobilizer, or on a Ball at its pivot.
+// Simbody: a body on a Free mobilizer, or on a Ball mobilizer at its pivot.
 #include "integrators/engines/drivers/serve.h"
 #include "integrators/engines/drivers/simbody_world.h"
 

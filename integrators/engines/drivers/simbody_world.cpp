@@ -1,3 +1,7 @@
+// Simbody behind the interface of simbody_world.h, compiled as C++17.
+//
+// Clockwork holds the integrator of a setting. SimbodySystem has one body; SimbodyMechanismSystem has one mobilizer per
+// body and constraints for loops.
 #include "integrators/engines/drivers/simbody_world.h"
 
 #include <Simbody.h>
@@ -15,7 +19,7 @@ SimTK::Body::Rigid rigid_body(double mass, const double* I) {
     return SimTK::Body::Rigid(SimTK::MassProperties(mass, SimTK::Vec3(0), SimTK::Inertia(I[0], I[1], I[2])));
 }
 
-// q, w, p and v
+// writes q, w, p and v
 void write_motion(const SimTK::MobilizedBody& body, const SimTK::State& state, double* numbers) {
     const SimTK::Quaternion q = body.getBodyRotation(state).convertRotationToQuaternion();
     for (int i = 0; i < 4; ++i) numbers[i] = q[i];
@@ -26,7 +30,7 @@ void write_motion(const SimTK::MobilizedBody& body, const SimTK::State& state, d
     }
 }
 
-/// An integrator by the driver's setting. It takes its fixed step when it starts: another step is another integrator.
+/// The integrator of the driver's setting. Its fixed step is set at the start, so that another step requires a new one.
 struct Clockwork {
     std::unique_ptr<SimTK::Integrator> integrator;
     bool goes_by_h = false, is_gazebos = false;
@@ -169,7 +173,7 @@ SimbodyMechanismSystem::SimbodyMechanismSystem(const SimbodyMechanismStart& star
     for (const SimbodyJoint& loop : start.loops) s.close(loop);
     SimTK::State state = s.system.realizeTopology();
     s.system.realizeModel(state);
-    // the parents' places and velocities count for the children's
+    // the children's positions and velocities depend on those of their parents
     for (const SimbodyJoint& joint : start.joints) {
         const double* n = start.links[static_cast<std::size_t>(joint.child)].motion;
         if (joint.type == "free")
@@ -181,7 +185,7 @@ SimbodyMechanismSystem::SimbodyMechanismSystem(const SimbodyMechanismStart& star
         const double* n = start.links[static_cast<std::size_t>(joint.child)].motion;
         const SimTK::MobilizedBody& body = s.at(joint.child);
         const SimTK::MobilizedBody& parent = s.at(joint.parent);
-        // of the child's frame in the parent's, in the parent's frame
+        // velocity of the child's joint frame relative to the parent's, in the parent's joint frame
         const SimTK::Transform F = parent.getBodyTransform(state) * body.getInboardFrame(state);
         const SimTK::Vec3 arm = rotation(n) * vector(joint.child_point), w = vector(n + 4);
         const SimTK::Vec3 there = vector(n + 7) + arm, v = vector(n + 10) + w % arm;

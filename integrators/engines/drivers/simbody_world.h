@@ -1,4 +1,4 @@
-// Simbody behind plain numbers: its headers compile only as C++17.
+// Interface to Simbody with plain numbers, because its headers compile only as C++17.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace polhode::engines {
 
-/// How the body starts, and by which of the driver's settings.
+/// Initial state of the body and the driver's setting.
 struct SimbodyStart {
     double mass;
     double moments[3], q[4], w[3], p[3], v[3], gravity[3];
@@ -21,7 +21,7 @@ class SimbodySystem {
     explicit SimbodySystem(const SimbodyStart& start);
     ~SimbodySystem();
 
-    /// q, w, p and v.
+    /// Writes q, w, p and v.
     void motion(double (&numbers)[13]) const;
     void set_velocities(const double* w, const double* v);
     void set_gravity(const double* gravity);
@@ -36,14 +36,14 @@ class SimbodySystem {
     std::unique_ptr<Parts> parts_;
 };
 
-/// A body of several at the start.
+/// Initial state of a body of a mechanism.
 struct SimbodyLink {
     double mass;
     double moments[3], motion[13];  ///< motion: q, w, p and v
 };
 
-/// A joint or what closes a loop: a frame in either body, which coincide at the start. Revolute about their z,
-/// prismatic along their x, universal about x, then y.
+/// A joint or the closure of a loop, with a frame in each body; the frames coincide at the start. Revolute joints
+/// rotate about z, prismatic joints move along x, universal joints rotate about x, then y.
 struct SimbodyJoint {
     std::string type;
     int parent, child;  ///< indices; -1: the world
@@ -52,7 +52,7 @@ struct SimbodyJoint {
 
 struct SimbodyMechanismStart {
     std::vector<SimbodyLink> links;
-    std::vector<SimbodyJoint> joints, loops;  ///< joints: of every body one, "free" of the free ones, parents first
+    std::vector<SimbodyJoint> joints, loops;  ///< one joint per body, "free" for free bodies; parents first
     double gravity[3];
     std::string setting;
 };
@@ -62,7 +62,7 @@ class SimbodyMechanismSystem {
     explicit SimbodyMechanismSystem(const SimbodyMechanismStart& start);
     ~SimbodyMechanismSystem();
 
-    /// 13 numbers a body: q, w, p and v.
+    /// Writes 13 numbers per body: q, w, p and v.
     void motions(double* numbers) const;
     void step(double h);
 

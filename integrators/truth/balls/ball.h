@@ -1,6 +1,6 @@
-// Balls: a midpoint and a radius that together hold a real number for certain (Arb; F. Johansson 2017, IEEE
-// Transactions on Computers 66, 1281), and upper bounds that are rounded upward in every operation. Only the certified
-// truth's own .cpp files include this header.
+// Ball arithmetic: a Ball is a midpoint and a radius that together enclose a real number with certainty (Arb;
+// F. Johansson 2017, IEEE Transactions on Computers 66, 1281). A Bound is an upper bound whose operations round upward.
+// WorkingPrecision sets the precision of the thread. Only .cpp files of the certified reference include this header.
 #pragma once
 
 #include <arb.h>
@@ -15,12 +15,12 @@
 namespace polhode::truth {
 
 /// A real number known to lie in [midpoint - radius, midpoint + radius]. Results are rounded to the thread's working
-/// precision, and the rounding goes into the radius. Equality means: provably the same number, so both are exact. What
-/// folds on x == 0 or compares nodes of a tape therefore never takes two numbers for one.
+/// precision, and the rounding error is added to the radius. operator== returns true only for provably equal numbers,
+/// that is exact ones. Code that folds on x == 0 or merges equal tape nodes therefore never merges different numbers.
 class Ball {
   public:
     Ball() { arb_init(x_); }
-    /// Exactly `value`; not a number becomes the whole line.
+    /// Exactly `value`; NaN becomes the whole real line.
     template <std::floating_point F>
     explicit Ball(F value) : Ball() {
         arb_set_d(x_, static_cast<double>(value));
@@ -44,7 +44,7 @@ class Ball {
     arb_ptr raw() { return x_; }
     arb_srcptr raw() const { return x_; }
 
-    /// Bits of the thread's results.
+    /// Working precision of the thread, bits.
     static slong precision() { return precision_; }
 
     bool is_exact() const { return arb_is_exact(x_) != 0; }
@@ -61,7 +61,7 @@ class Ball {
     }
     /// A double near the midpoint.
     double near() const { return arf_get_d(arb_midref(x_), ARF_RND_NEAR); }
-    /// log2 |midpoint|, near; -infinity for zero.
+    /// Approximation of log2 |midpoint|; -infinity for zero.
     double log2_near() const {
         if (arf_is_zero(arb_midref(x_))) return -std::numeric_limits<double>::infinity();
         mag_t size;
@@ -120,7 +120,7 @@ class Ball {
     }
     friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.x_, b.x_) != 0; }
     friend bool operator==(const Ball& a, int b) { return arb_equal_si(a.x_, b) != 0; }
-    /// These hold for certain; where balls overlap neither a < b nor a >= b does.
+    /// True only if the relation is proven; where the balls overlap both a < b and a >= b are false.
     friend bool operator<(const Ball& a, const Ball& b) { return arb_lt(a.x_, b.x_) != 0; }
     friend bool operator>(const Ball& a, const Ball& b) { return arb_gt(a.x_, b.x_) != 0; }
     friend bool operator<=(const Ball& a, const Ball& b) { return arb_le(a.x_, b.x_) != 0; }
@@ -133,7 +133,7 @@ class Ball {
     arb_t x_;
 };
 
-/// The thread's working precision for as long as it lives.
+/// Sets the thread's working precision for the lifetime of this object.
 class WorkingPrecision {
   public:
     explicit WorkingPrecision(long bits) : before_(std::exchange(Ball::precision_, bits)) {}
@@ -145,13 +145,13 @@ class WorkingPrecision {
     slong before_;
 };
 
-/// An upper bound of something that is not negative: mag_t, 30 bits, every operation rounded upward. What is called
+/// An upper bound of a non-negative number: mag_t with a 30-bit mantissa, every operation rounded upward. A Bound named
 /// `least` is a lower bound, rounded downward.
 class Bound {
   public:
     Bound() { mag_init(x_); }
     explicit Bound(double value) : Bound() { mag_set_d(x_, value); }
-    /// of |ball|
+    /// Upper bound of |ball|.
     explicit Bound(const Ball& ball) : Bound() { arb_get_mag(x_, ball.raw()); }
     Bound(const Bound& other) : Bound() { mag_set(x_, other.x_); }
     Bound(Bound&& other) noexcept : Bound() { mag_swap(x_, other.x_); }
@@ -185,7 +185,7 @@ class Bound {
         return is_zero() ? -std::numeric_limits<double>::infinity() : mag_get_d_log2_approx(x_);
     }
     double near() const { return mag_get_d(x_); }
-    /// As an exact ball.
+    /// The bound as an exact ball.
     Ball ball() const {
         Ball b;
         arf_set_mag(arb_midref(b.raw()), x_);
@@ -210,7 +210,7 @@ class Bound {
         mag_mul(c.x_, a.x_, b.x_);
         return c;
     }
-    /// `least`: a lower bound; infinite where that is 0.
+    /// `least` is a lower bound of the divisor; the result is infinite if it is 0.
     friend Bound operator/(const Bound& a, const Bound& least) {
         Bound c;
         mag_div(c.x_, a.x_, least.x_);
@@ -233,7 +233,7 @@ class Bound {
     mag_t x_;
 };
 
-/// exp(x), an upper bound.
+/// Upper bound of exp(x).
 inline Bound exponential(const Ball& x) {
     Ball e;
     arb_exp(e.raw(), x.raw(), 64);
@@ -246,7 +246,7 @@ inline Ball widened(Ball ball, const Bound& radius) {
     return ball;
 }
 
-// What Series<Ball> needs of its scalar.
+// Operations that Series<Ball> requires of its scalar.
 
 /// sum += a b, in place.
 inline void add_product(Ball& sum, const Ball& a, const Ball& b, Ball&) {
@@ -256,7 +256,7 @@ inline void add_product(Ball& sum, const Ball& a, const Ball& b, Ball&) {
 inline void divide(Ball& x, unsigned long n) { arb_div_ui(x.raw(), x.raw(), n, Ball::precision()); }
 
 static_assert(sizeof(Ball) == sizeof(arb_struct));
-/// sum of a[j] b[k - j] for j = 0..k; balls lie as Arb's vectors do.
+/// sum of a[j] b[k - j] for j = 0..k. arb_dot works in place because Ball has the memory layout of arb_struct.
 inline void convolve(Ball& result, const Ball* a, const Ball* b, int k, Ball&) {
     arb_dot(result.raw(), nullptr, 0, a->raw(), 1, b[k].raw(), -1, k + 1, Ball::precision());
 }
@@ -265,7 +265,7 @@ inline void convolve(Ball& result, const Ball* a, const Ball* b, int k, Ball&) {
 
 namespace polhode {
 
-/// What a body's mass properties need.
+/// The elementary functions that the mass properties of a body require.
 template <>
 struct Elementary<truth::Ball> {
     static truth::Ball pi() {

@@ -8,7 +8,7 @@
 namespace polhode::truth {
 namespace {
 
-// x 10^exponent: exact where the exponent is not negative, else with some bits to spare
+// x 10^exponent: exact if the exponent is not negative, otherwise with at least 256 guard bits
 Ball scaled(const Ball& x, long exponent) {
     Ball power, result;
     arb_set_ui(power.raw(), 10);
@@ -41,7 +41,7 @@ std::string decimal_above(const Bound& bound) {
     if (!bound.is_finite()) return "inf";
     long exponent = static_cast<long>(std::floor(bound.log2_near() * std::log10(2.0)));
     for (;; ++exponent) {
-        // the least integer not below bound 10^(1 - exponent); two digits, unless the guess of the exponent was short
+        // the least integer not below bound 10^(1 - exponent): two digits, or three if the exponent is too small
         const Ball x = scaled(bound.ball(), 1 - exponent);
         Integer above;
         Ball upper;
@@ -49,7 +49,7 @@ std::string decimal_above(const Bound& bound) {
         arf_get_fmpz(above.n, arb_midref(upper.raw()), ARF_RND_CEIL);
         const std::string digits = above.text();
         if (digits.size() > 2) continue;
-        // one digit only where the guess was long: still right, with a digit less
+        // one digit only if the estimated exponent is too large: still an upper bound, with one digit less
         return digits.size() == 1 ? fmt::format("0.{}e{}", digits, exponent)
                                   : fmt::format("{}.{}e{}", digits[0], digits[1], exponent);
     }

@@ -1,4 +1,4 @@
-// Balls as decimals.
+// Conversion of balls and bounds to decimal strings.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace polhode::truth {
 
-/// The bound in two significant digits, rounded upward ("3.1e-35"; "0").
+/// The bound with two significant digits, rounded upward (for example "3.1e-35"); "0" if it is zero.
 std::string decimal_above(const Bound& bound);
 
-/// The midpoint rounded to a multiple of 10^place, in scientific notation ("0" where it is that); `error` becomes a
-/// bound of the distance from the decimal to any number in the ball.
+/// The midpoint rounded to a multiple of 10^place, in scientific notation; "0" if it rounds to zero. Sets `error` to an
+/// upper bound of the distance from the decimal to any number in the ball.
 std::string decimal_near(const Ball& ball, long place, Bound& error);
 
 }  // namespace polhode::truth

@@ -1,3 +1,13 @@
+// Computes certified reference solutions: every number is enclosed by a ball with a proven radius.
+//
+// certified_reference() repeats attempts at increasing working precision until all radii meet the requested digits. An
+// attempt that fails returns the precision to try next (CertifiedAttempt::wanted_bits). Certifier encloses one body;
+// TreeCertifier (certify_tree.cpp) encloses trees of bodies. Certifier follows the motion from event to event (Piece)
+// and encloses each piece by the first applicable method:
+//   closed form          no torque (closed_form.cpp)
+//   collocation          strongly damped pieces (collocation.cpp)
+//   Taylor series        errors carried by the logarithmic norm or by parallelepipeds (taylor.cpp, parallelepiped.cpp)
+// Route holds this choice and a plan computed in double precision. The plan affects cost only, not the proof.
 #include "integrators/truth/balls/certified.h"
 
 #include <arb.h>
@@ -37,7 +47,7 @@ using truth::PiecePlan;
 
 constexpr double bits_per_digit = 3.3219280948873623;
 constexpr double spare_bits = 40;
-// How many bits of the largest entry of a tensor's inverse are known; none where it is not known to have one.
+// Number of known bits of the largest entry of the tensor's inverse; 0 if the inverse is not known to exist.
 double known_bits(const Matrix3<Ball>& inertia) {
     const Matrix3<Ball> inverted = inverse(inertia);
     double size = -std::numeric_limits<double>::infinity(), radius = size;
@@ -52,17 +62,17 @@ double known_bits(const Matrix3<Ball>& inertia) {
 
 constexpr int block_begin[] = {0, 4, 7, 10, 13};
 
-// The motion of one body at rising precision.
+// Encloses the motion of one body, at increasing precision.
 class Certifier {
   public:
     Certifier(const Scene& scene, const std::vector<double>& times, double least_bits)
         : scene_(scene), times_(times), legs_(itinerary(scene)), least_bits_(least_bits) {}
 
-    /// The motion at the thread's working precision, piece by piece.
+    /// Encloses the motion at the thread's working precision, piece by piece.
     CertifiedAttempt attempt() {
         CertifiedAttempt result;
         EulerForm<Ball> form(scene_);
-        // a tensor whose digits cancel takes more bits, whatever the motion takes
+        // a tensor whose digits cancel requires more bits, whatever the motion requires
         if (const double known = known_bits(form.body().inertia_B); known < least_bits_ - spare_bits) {
             const auto bits = static_cast<double>(Ball::precision());
             result.fault = "the tensor's digits cancel";
@@ -95,11 +105,11 @@ class Certifier {
     }
 
   private:
-    // How a piece is enclosed by a polynomial, if it is.
+    // How a piece is enclosed by polynomials, if no closed form encloses it.
     struct Route {
         PiecePlan plan;
-        bool closed = false;        ///< it has a closed form, which may be out of reach
-        Carry carry = Carry::norm;  ///< of errors, where it is not strongly damped
+        bool closed = false;        ///< the piece has a closed form; the balls may be too wide to evaluate it
+        Carry carry = Carry::norm;  ///< how errors are carried unless the piece is strongly damped
 
         bool strongly_damped() const { return plan.damping_number > truth::strong_damping_number; }
     };
@@ -108,17 +118,17 @@ class Certifier {
     const std::vector<double>& times_;
     std::vector<Leg> legs_;
     double least_bits_;
-    std::vector<Route> routes_;    // made when first needed
-    double sensitivity_bits_ = 0;  // lost by parallelepipeds
-    // of the pieces that were met so far and have no closed form
+    std::vector<Route> routes_;    // computed on first use
+    double sensitivity_bits_ = 0;  // bits lost by parallelepipeds
+    // accumulated over the pieces that were reached so far and have no usable closed form
     double growth_ = 0, spread_ = 0;
     bool sheared_ = false;
     std::size_t met_ = 0;
 
-    // Parallelepipeds make a step about twice as dear (measured): they pay where the logarithmic norm would take 1.4
-    // times the bits.
+    // Selects how each piece carries its errors. Parallelepipeds make a step about twice as expensive (measured). They
+    // pay off where the logarithmic norm would require 1.4 times the bits.
     void find_routes() {
-        constexpr double least_growth = 16;  // below it a length does in any case
+        constexpr double least_growth = 16;  // bits; below this the norm is sufficient in any case
         const Problem problem = pose(scene_);
         EulerForm<Ball> form(scene_);
         std::vector<Ball> unused(form.dimension());
@@ -144,7 +154,7 @@ class Certifier {
             }
             return any;
         };
-        // what they lose at least decides most scenes; kappa takes a solver's run
+        // A minimum loss of 24 bits decides most scenes. Only the others compute kappa, a numerical solution.
         sensitivity_bits_ = 24;
         if (!choose()) return;
         sensitivity_bits_ += truth::kappa_bits(problem);
@@ -191,7 +201,7 @@ class Certifier {
     }
 };
 
-// The largest length of each block over the run; 1 where it is not known to be more than zero.
+// The largest length of each block over the run; 1 if it is not proven to be positive.
 std::array<Ball, 4> block_sizes(const std::vector<CertifiedColumns>& all) {
     std::array<Ball, 4> sizes;
     for (int b = 0; b < 4; ++b) {
@@ -205,7 +215,7 @@ std::array<Ball, 4> block_sizes(const std::vector<CertifiedColumns>& all) {
     return sizes;
 }
 
-// The most digits d such that error <= 10^-d size for certain.
+// The largest number of digits d for which error <= 10^-d size is proven.
 int proven_digits(const Bound& error, const Ball& size) {
     const truth::WorkingPrecision precision(128);
     int digits = static_cast<int>(std::floor((size.log2_near() - error.log2_near()) / bits_per_digit)) + 1;
@@ -220,7 +230,7 @@ int proven_digits(const Bound& error, const Ball& size) {
     }
 }
 
-// What a radius in a block of that size may be for `digits` proven digits: at most 10^-digits, and that times the size.
+// log2 of the allowed radius for `digits` proven digits in a block of this size: min(1, size) 10^-digits.
 double allowed_log2(const Ball& size, int digits) { return -digits * bits_per_digit + std::min(size.log2_near(), 0.0); }
 
 void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedReference& result) {
@@ -235,7 +245,7 @@ void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedRefere
             for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
                 const double allowed = allowed_log2(sizes[b], digits) / bits_per_digit;
                 const double radius = Bound::radius_of(columns[c]).log2_near() / bits_per_digit;
-                // rounded where the radius begins, or three digits below what is allowed
+                // rounded at the leading digit of the radius, or three digits below the allowed radius
                 const long place = static_cast<long>(std::floor(std::max(radius, allowed - 3))) - 1;
                 CertifiedNumber& number = result.columns.back()[c];
                 Bound error;
@@ -254,7 +264,7 @@ void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedRefere
     result.radius = truth::decimal_above(largest);
 }
 
-// log2 of the largest radius over what is allowed
+// log2 of the largest ratio of a radius to the allowed radius
 double excess_bits(const std::vector<CertifiedColumns>& all, int digits) {
     const std::array<Ball, 4> sizes = block_sizes(all);
     double worst = -std::numeric_limits<double>::infinity();
@@ -340,7 +350,7 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
             bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
             continue;
         }
-        // a decimal's rounding may add half as much again
+        // rounding to decimals may increase the radius by half; one more bit covers it
         const double excess = excess_bits(attempt.columns, digits) + 1;
         if (excess > 0) {
             bits = static_cast<double>(result.working_bits) +
@@ -374,7 +384,7 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
         result.message = "no certified truth: " + hopeless;
         return result;
     }
-    // with room for what an attempt may find missing
+    // 64 bits of margin for what a further attempt may find missing
     const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
     result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits of {} bits", limit)
                              : fmt::format("no certified truth to {} digits: {} can be had", digits, had);

@@ -1,4 +1,4 @@
-// In place of the certified truth where the program is built without Arb.
+// Replaces the certified reference in programs built without Arb.
 #include "integrators/truth/balls/certified.h"
 
 namespace polhode {

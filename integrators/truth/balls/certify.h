@@ -1,5 +1,5 @@
-// What the proofs of one body's motion and of several bodies' have in common: a motion is enclosed at one working
-// precision after another, each told by the last attempt.
+// Types shared by the proofs for one body and for trees of bodies. Each attempt encloses the motion at one working
+// precision and returns the precision that the next attempt needs.
 #pragma once
 
 #include <array>
@@ -13,33 +13,33 @@
 
 namespace polhode::truth {
 
-// what a series costs grows with the third power of the bits: beyond these, hours; closed forms cost little
+// The cost of a series grows with the cube of the bits: beyond 3000 bits it takes hours. Closed forms stay fast.
 constexpr double most_series_bits = 3000, most_bits = 32768;
 
-/// The columns of a trajectory file after t, as balls: blocks q, w, p, v.
+/// The columns of a trajectory file after t as balls: blocks q, w, p, v.
 using CertifiedColumns = std::array<Ball, 13>;
 CertifiedColumns columns_of(const Motion<Ball>& motion);
 
-/// What an attempt at one precision came to.
+/// Result of an attempt at one precision.
 struct CertifiedAttempt {
-    std::string fault;                    ///< why it failed; empty if it did not
-    bool hopeless = false;                ///< no precision gets over the fault
-    double wanted_bits = 0;               ///< the precision to try next
-    double most_bits = truth::most_bits;  ///< that all ways together can carry
-    // the ways taken
+    std::string fault;                    ///< why the attempt failed; empty if it succeeded
+    bool hopeless = false;                ///< the failure cannot be fixed by more precision
+    double wanted_bits = 0;               ///< precision to try next, bits
+    double most_bits = truth::most_bits;  ///< highest precision that all methods used in this attempt support
+    // methods used
     bool by_closed_form = false, by_series = false, by_parallelepiped = false, by_collocation = false;
     long steps = 0;
-    std::vector<CertifiedColumns> columns;  ///< at each sample those of each body
+    std::vector<CertifiedColumns> columns;  ///< one row per sample and body
 };
 
-/// log2 of the largest kappa along a motion, as a guide to the precision: where it is too low, that rises once more.
+/// log2 of the largest kappa along the motion: an estimate for the precision. If it is too low, an attempt is repeated.
 double kappa_bits(const Problem& problem);
 
-/// The motions of a tree without loops at the thread's working precision, errors carried by parallelepipeds.
-/// `least_bits`: what its digits take.
+/// Encloses the motion of a tree of bodies without loops at the thread's working precision. Parallelepipeds carry the
+/// errors. `least_bits` is the precision that the requested digits require.
 class TreeCertifier {
   public:
-    /// The scene and the times outlive it.
+    /// The scene and the times must outlive this object.
     TreeCertifier(const Scene& scene, const std::vector<double>& times, double least_bits)
         : scene_(scene), times_(times), least_bits_(least_bits) {}
     CertifiedAttempt attempt();

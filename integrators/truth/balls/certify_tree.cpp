@@ -15,11 +15,12 @@ namespace polhode::truth {
 
 namespace {
 
-// of some 50 bytes each
+// limit of numbers_carried(); each number takes about 50 bytes
 constexpr double most_numbers = 2e7;
 
-// Weights by which each variable changes with the others as they change with it (E. E. Osborne 1960): a stiff spring
-// then turns its coordinate and its rate, and lets no error grow. `coupling`: the sizes of the Jacobian's entries.
+// Weights that balance the rows and columns of the Jacobian (E. E. Osborne 1960): each variable then influences the
+// others as much as they influence it. A stiff spring then rotates its coordinate and rate into each other, and its
+// errors do not grow. `coupling` holds the magnitudes of the Jacobian's entries.
 std::vector<double> balanced(const Eigen::MatrixXd& coupling, const std::vector<double>& scales) {
     constexpr int rounds = 20;
     const auto n = coupling.rows();
@@ -37,7 +38,8 @@ std::vector<double> balanced(const Eigen::MatrixXd& coupling, const std::vector<
     return unit;
 }
 
-/// How many numbers a tape's changes with each variable come to, a sum of products each, to the order of so many bits.
+/// Estimates how many numbers the variational equations of a tape hold: derivatives with respect to each variable, each
+/// a sum of products, to the order that a precision of `bits` requires.
 double numbers_carried(const Recording<Ball>& recording, double bits) {
     constexpr double products = 2, order_a_bit = 0.35;
     return products * static_cast<double>(recording.tape.nodes.size() * recording.rates.size()) * order_a_bit * bits;
@@ -46,7 +48,7 @@ double numbers_carried(const Recording<Ball>& recording, double bits) {
 }  // namespace
 
 void TreeCertifier::make_plan() {
-    // what the bounds of a right-hand side lose by taking each of its numbers by its size alone, a link
+    // per link: bits lost because bounds of a right-hand side use only the magnitude of each intermediate value
     constexpr double parallelepiped_bits = 24, bits_a_link = 6;
     const Problem problem = pose(scene_);
     const MechanismModel& mechanism = mechanism_of(problem);

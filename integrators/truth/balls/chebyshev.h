@@ -1,5 +1,5 @@
-// Polynomials on [-1, 1] as Chebyshev series with balls for coefficients. A series stands for every function whose
-// value at each x lies in sum c_k T_k(x); |T_k| <= 1 makes the sum of |c_k| a bound.
+// Polynomials on [-1, 1] as Chebyshev series with ball coefficients. A series represents every function whose value at
+// each x lies in sum c_k T_k(x). Because |T_k| <= 1, the sum of |c_k| bounds the function.
 #pragma once
 
 #include <vector>
@@ -14,25 +14,25 @@ using ChebyshevSeries = std::vector<Ball>;
 /// cos((i + 1/2) pi / m), i = 0..m - 1
 Ball chebyshev_point(int i, int m);
 
-/// The polynomial of degree m - 1 through the values at the m points.
+/// The polynomial of degree m - 1 that takes the given values at the m Chebyshev points.
 ChebyshevSeries interpolated(const std::vector<Ball>& values);
 
-/// T_a T_b = (T_(a+b) + T_|a-b|) / 2; what falls below the working precision goes into the radius of c_0.
+/// Uses T_a T_b = (T_(a+b) + T_|a-b|) / 2. Terms below the working precision are added to the radius of c_0.
 ChebyshevSeries product(const ChebyshevSeries& a, const ChebyshevSeries& b);
 
-/// d/dx of a polynomial (exact coefficients stay meant: not for series that stand for other functions).
+/// d/dx of a polynomial. Not valid for a series that represents other functions besides the polynomial.
 ChebyshevSeries derivative(const ChebyshevSeries& a);
 
-/// By Clenshaw's recurrence.
+/// Evaluates the series at x by Clenshaw's recurrence.
 Ball value_at(const ChebyshevSeries& a, const Ball& x);
 
-/// max |a| on [-1, 1] is at most this.
+/// Upper bound of max |a| on [-1, 1].
 Bound sum_of(const ChebyshevSeries& a);
 
-/// max |a'| on [-1, 1] is at most this: |T_k'| <= k^2.
+/// Upper bound of max |a'| on [-1, 1], from |T_k'| <= k^2.
 Bound slope_of(const ChebyshevSeries& a);
 
-/// The rates of a recorded system along states that are such series.
+/// The rates of a recorded system along states that are given as Chebyshev series.
 std::vector<ChebyshevSeries> rates_along(const Recording<Ball>& recording, const std::vector<ChebyshevSeries>& states);
 
 }  // namespace polhode::truth

@@ -8,7 +8,7 @@
 namespace polhode::truth {
 namespace {
 
-// p and v after t under a constant acceleration a and drag k (1/s):
+// Advances p and v by t under a constant acceleration a and linear drag k (1/s):
 // v = v0 e^-kt + a (1 - e^-kt)/k,  p = p0 + v0 (1 - e^-kt)/k + a (kt - 1 + e^-kt)/k^2
 void translate(const Forcing<Ball>& f, const Ball& t, Vector3<Ball>& p, Vector3<Ball>& v) {
     Ball decayed = t, twice = t * t / Ball(2), remaining(1);

@@ -13,7 +13,7 @@ namespace {
 
 using P = Real<100>;
 constexpr long bound_bits = 64;
-constexpr int parts = 8;  // of a step, each with a logarithmic norm of its own
+constexpr int parts = 8;  // per step, each with its own logarithmic norm
 constexpr long max_steps = 20'000;
 
 Ball exactly(const P& x) {
@@ -27,7 +27,7 @@ P near(const Ball& b) {
     return x;
 }
 
-// The motion held to polynomials, step after step: how far off it may be, and what it is at the samples.
+// Compares the motion with one polynomial per step: bounds their distance and encloses the motion at the samples.
 class Follower {
   public:
     Follower(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start)
@@ -41,12 +41,12 @@ class Follower {
 
     const std::string& fault() const { return result_.fault; }
 
-    /// p on [t, reached], by exact coefficients in x = 2 (time - t) / h - 1.
+    /// Advances to `reached`. p are the states on [t, reached], with exact coefficients in x = 2 (time - t) / h - 1.
     void follow(const P& t, const P& reached, const std::vector<ChebyshevSeries>& p) {
         if (!result_.fault.empty()) return;
         Ball h;
         arb_sub(h.raw(), exactly(reached).raw(), exactly(t).raw(), ARF_PREC_EXACT);
-        // from where the motion was known to be, to where this polynomial starts
+        // from the last known point of the motion to the start of this polynomial
         std::vector<Bound> jump;
         for (std::size_t i = 0; i < p.size(); ++i) jump.push_back(Bound(reached_[i] - value_at(p[i], Ball(-1))));
         const Bound before = error_ + norm_.length(jump);
@@ -106,7 +106,7 @@ class Follower {
     const Piece& piece_;
     WeightedNorm norm_;
     Recording<Ball> recording_, coarse_;
-    std::vector<Ball> reached_;  // the last polynomial's end, the motion within error_ of it; at first the start
+    std::vector<Ball> reached_;  // end of the last polynomial, within error_ of the motion; initially the start
     Bound error_;
     std::size_t next_ = 0;
     Enclosure result_;
@@ -116,7 +116,7 @@ class Follower {
 
 Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const PiecePlan& plan,
                                  const std::vector<Ball>& start) {
-    // the polynomials are exact as they are: the arithmetic only has to be finer than they are good
+    // The polynomials are taken as exact. The arithmetic only has to be finer than their accuracy.
     const double digits = std::min(94.0, 0.30103 * static_cast<double>(Ball::precision()));
     const WorkingPrecision precision(std::max(Ball::precision(), 400L));
     const int n = piece.dimension(), stages = std::clamp(static_cast<int>(0.6 * digits), 16, 40) + 4;

@@ -1,4 +1,4 @@
-// The motion between two events, enclosed: what every way to enclose it is given and gives back.
+// Enclosures of the motion between two events: input and output shared by all enclosure methods.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@
 
 namespace polhode::truth {
 
-/// A piece between two events; times are exactly these doubles.
+/// A piece of the motion between two events. Times are exactly these doubles, s.
 struct Piece {
     Recording<Ball> equations;
     double begin, end;
     std::vector<double> sample_times;       ///< increasing, in [begin, end]
-    const EulerForm<Ball>* body = nullptr;  ///< of the motion of one body
+    const EulerForm<Ball>* body = nullptr;  ///< set for the motion of one body only
 
     Piece(Recording<Ball> of_motion, double from, double until, std::vector<double> samples)
         : equations(std::move(of_motion)), begin(from), end(until), sample_times(std::move(samples)) {}
-    /// The form has entered the piece, and outlives it.
+    /// The form must have entered the piece and must outlive this object.
     Piece(const EulerForm<Ball>& form, double from, double until, std::vector<double> samples)
         : Piece(record<Ball>(form, form.dimension()), from, until, std::move(samples)) {
         body = &form;
@@ -29,38 +29,39 @@ struct Piece {
     int dimension() const { return static_cast<int>(equations.rates.size()); }
 };
 
-/// States as balls; every state of the true motion lies in its balls.
+/// States as balls that contain the exact motion.
 struct Enclosure {
-    std::string fault;      ///< why there is none; empty where there is one
-    bool hopeless = false;  ///< the fault stays at any precision
-    bool coarse = false;    ///< rounding is the fault: what is in want is spare bits
+    std::string fault;      ///< why there is no enclosure; empty if there is one
+    bool hopeless = false;  ///< the failure cannot be fixed by more precision
+    bool coarse = false;    ///< rounding errors dominate: more spare bits are needed
     long steps = 0;
     std::vector<std::vector<Ball>> samples;
     std::vector<Ball> end;
 };
 
-/// How the errors of the steps so far are carried on.
+/// How the errors of previous steps are propagated.
 enum class Carry {
-    norm,            ///< one length, which grows by the logarithmic norm: cheap, and loses some of a bit in each step
-    parallelepiped,  ///< a set that turns and shears with the motion: loses what the motion itself loses
+    norm,            ///< one length that grows by the logarithmic norm: fast, loses a fraction of a bit per step
+    parallelepiped,  ///< a set that rotates and shears with the motion: loses only what the motion itself loses
 };
 
-/// By Taylor series about exact points with a proven defect.
+/// Encloses a piece by Taylor series about exact points, with a proven defect.
 Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start,
                             Carry carry = Carry::norm);
 
-/// No torque, and no force that turns with the body.
+/// True if no torque acts and no force is fixed in the body.
 inline bool has_closed_form(const Forcing<Ball>& forcing) { return !forcing.any_torque() && !forcing.has_body_force; }
 
-/// By closed forms, at a cost that no length of time changes: rotation without torque (Jacobi's functions by theta
-/// functions and Carlson's R_J; trigonometric where two moments are equal or the axis is permanent), and in flight a
-/// constant acceleration with linear drag. For pieces of one body that has_closed_form() holds of; a fault where balls
-/// of the working precision cannot tell which side of the separatrix the motion is on, or which moment is the middle
-/// one.
+/// Encloses a piece by closed forms. The cost does not depend on the length of the piece. Rotation without torque uses
+/// Jacobi's functions (theta functions and Carlson's R_J), or trigonometric functions if two moments are equal or the
+/// axis is permanent. Translation in flight has constant acceleration and linear drag. Requires one body and
+/// has_closed_form(). Fails if the balls at this precision do not determine the side of the separatrix or the order of
+/// the moments.
 Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& start);
 
-/// Where one body is strongly damped: collocation polynomials, whose steps the decay does not shorten, taken as given
-/// and their defect enclosed; errors carried as by enclose_by_taylor. They carry at most most_collocation_bits.
+/// Encloses a strongly damped piece of one body by collocation polynomials, whose step is not limited by the decay. The
+/// polynomials are taken as exact and their defect is enclosed. Errors are carried by the logarithmic norm, as in
+/// enclose_by_taylor(). Supports at most most_collocation_bits.
 Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const PiecePlan& plan,
                                  const std::vector<Ball>& start);
 constexpr double most_collocation_bits = 300;

@@ -1,3 +1,9 @@
+// Closed-form rotation of a free rigid body in ball arithmetic. The formulas are documented in free.h.
+//
+// AsymmetricRotation::from() orders the principal axes by the side of the separatrix, computes the constants of the
+// motion and reduces u0 by quarter periods. state() evaluates w, the tilt and the integral G at one time by theta
+// functions and Carlson's R_J (van Zon & Schofield 2007, J. Comput. Phys. 225, 145). principal_axes() encloses the
+// moments by Rump's method and the axes by cross products. free_rotation() selects the kind of rotation.
 #include "integrators/truth/balls/free.h"
 
 #include <acb.h>
@@ -12,7 +18,7 @@
 namespace polhode::truth {
 namespace {
 
-// complex balls, for the functions that Arb has on those alone
+// complex balls, for functions that Arb provides only for complex arguments
 struct Complex {
     acb_t z;
     Complex() { acb_init(z); }
@@ -43,7 +49,7 @@ Ball carlson_rj(const Ball& x, const Ball& y, const Ball& p) {
 struct Thetas {
     Ball one, two, three, four;
 };
-// theta functions at z, with tau = i `ratio`
+// theta functions at z with tau = i `ratio`
 Thetas thetas(const Ball& z, const Ball& ratio) {
     Complex t1, t2, t3, t4, tau;
     arb_set(acb_imagref(tau.z), ratio.raw());
@@ -74,7 +80,7 @@ Ball complete_integral(const Ball& k1) {
     return quarter_turn() / mean;
 }
 
-// the rotation by the vector w t
+// quaternion of the rotation by the vector w t
 Quaternion<Ball> rotation(const Vector3<Ball>& w, const Ball& t) {
     const Ball half = t / Ball(2), angle = sqrt(dot(w, w)) * half;
     Ball ratio;
@@ -92,7 +98,7 @@ bool is_diagonal(const Matrix3<Ball>& m) {
     return true;
 }
 
-// of a proper rotation matrix; the largest component first, so that nothing cancels
+// quaternion of a proper rotation matrix; divides by the largest component to avoid cancellation
 Quaternion<Ball> quaternion_of(const Matrix3<Ball>& m) {
     const Ball one(1), trace = m[0][0] + m[1][1] + m[2][2];
     const std::array<Ball, 4> squares{one + trace, one + m[0][0] - m[1][1] - m[2][2], one - m[0][0] + m[1][1] - m[2][2],
@@ -139,7 +145,7 @@ std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& 
     std::sort(order.begin(), order.end(), [&](int a, int b) { return moments[a].near() < moments[b].near(); });
     const Vector3<Ball> w_given = transposed(axes) * w_B;
     const auto [low, middle, high] = order;
-    // L^2 - 2 E I2 without cancellation: which axis the polhode goes round
+    // D2 = L^2 - 2 E I2 without cancellation; its sign selects the axis that the polhode encircles
     const Ball D2 = moments[low] * (moments[low] - moments[middle]) * (w_given[low] * w_given[low]) +
                     moments[high] * (moments[high] - moments[middle]) * (w_given[high] * w_given[high]);
     if (D2.contains_zero() || !D2.is_finite()) return {};
@@ -150,7 +156,7 @@ std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& 
         r.moments_[i] = moments[chosen[i]];
         for (int j = 0; j < 3; ++j) r.axes_[j][i] = axes[j][chosen[i]];
     }
-    // an odd permutation of the axes is mended by turning one round
+    // an odd permutation of the axes is made right-handed by reversing one axis
     if ((chosen[1] - chosen[0] + 3) % 3 != 1)
         for (int j = 0; j < 3; ++j) r.axes_[j][0] = -r.axes_[j][0];
     r.q_axes_ = quaternion_of(r.axes_);
@@ -180,7 +186,7 @@ std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& 
     const Ball nu = -r.alpha2_ * r.m_ / r.beta1_;
     r.whole_ = (r.K_ + nu / Ball(3) * carlson_rj(Ball(0), m1, r.beta2_ / r.beta1_)) / r.beta1_;
 
-    // u0 = N K + v: sn v and cn v from the nearer of the axes, whose cosine is positive
+    // u0 = N K + v; sn v and cn v are taken from the nearer axis, where the cosine is positive
     const Ball cn = w[0] / a1, sn = w[1] / r.amplitudes_[1], dn = w[2] / r.amplitudes_[2];
     const bool even = std::abs(sn.near()) <= std::abs((cn / dn).near());
     long N = 0;
@@ -225,7 +231,7 @@ AsymmetricRotation::State AsymmetricRotation::state(const Ball& t) const {
     const Ball b1 = moments_[0] * amplitudes_[0], b2 = moments_[1] * (sense_ > 0 ? amplitudes_[1] : -amplitudes_[1]);
 
     State result;
-    Ball angle;  // of (b1 cn u, b2 sn u) from the axis at N quarter turns
+    Ball angle;  // of (b1 cn u, b2 sn u), from the axis at N quarter rotations
     if (even) {
         result.w = {amplitudes_[0] * (sign * c), amplitudes_[1] * (sign * s), amplitudes_[2] * d};
         angle = arctangent(b2 * s / (b1 * c));
@@ -245,7 +251,7 @@ AsymmetricRotation::State AsymmetricRotation::state(const Ball& t) const {
 
     const Ball zeta = N * quarter_turn() + angle;
     const Ball half_chi = (quarter_turn() - (sense_ > 0 ? zeta : -zeta)) / Ball(2);
-    // sin^2 theta = (L1^2 + L2^2) / L^2: the half angle whose sine or cosine is small comes from it
+    // sin^2 theta = (L1^2 + L2^2) / L^2 gives the half angle whose sine or cosine is small
     const Ball L1 = moments_[0] * result.w[0], L2 = moments_[1] * result.w[1], L3 = moments_[2] * result.w[2];
     const bool up = amplitudes_[2].is_positive();
     const Ball large = (L_ + (up ? L3 : -L3)) / (L_ + L_), small = (L1 * L1 + L2 * L2) / (Ball(4) * (L_ * L_) * large);
@@ -280,7 +286,7 @@ std::optional<PrincipalAxes> principal_axes(const Matrix3<Ball>& tensor) {
         for (int j = 0; j < 3; ++j) acb_set_arb(acb_mat_entry(A, i, j), tensor[i][j].raw());
     acb_mat_approx_eig_qr(values, nullptr, R, A, nullptr, 0, Ball::precision());
     const bool simple = acb_mat_eig_simple_rump(values, nullptr, nullptr, A, values, R, Ball::precision()) != 0;
-    // a symmetric matrix has real eigenvalues, one in each of the separate balls
+    // a symmetric matrix has real eigenvalues, one in each of the disjoint balls
     for (int i = 0; i < 3; ++i) arb_set(result.moments[i].raw(), acb_realref(values + i));
     _acb_vec_clear(values, 3);
     acb_mat_clear(A);
@@ -288,7 +294,7 @@ std::optional<PrincipalAxes> principal_axes(const Matrix3<Ball>& tensor) {
     if (!simple) return {};
     Vector3<Ball> axis[3];
     for (int i = 0; i < 2; ++i) {
-        // the axis is across all rows of tensor - moment 1
+        // the axis is orthogonal to all rows of tensor - moment 1
         Matrix3<Ball> rest = tensor;
         for (int j = 0; j < 3; ++j) rest[j][j] -= result.moments[i];
         Vector3<Ball> best;

@@ -1,4 +1,4 @@
-// Square matrices of balls, row by row.
+// Square matrices of balls, stored by rows.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace polhode::truth {
 
-/// a b, at the thread's working precision; both n by n.
+/// a b at the thread's working precision; both are n by n.
 std::vector<Ball> product(const std::vector<Ball>& a, const std::vector<Ball>& b, std::size_t n);
 
-/// The inverse of an n by n matrix of doubles, taken exactly, computed in so many bits. Where it cannot be inverted:
-/// balls that are not finite, so that every bound made of them is infinite.
+/// The inverse of an n by n matrix of doubles, taken exactly, computed with `bits` bits. If the inverse does not exist,
+/// all balls are infinite, and so is every bound computed from them.
 std::vector<Ball> inverse_of(const std::vector<double>& matrix, std::size_t n, long bits);
 
 }  // namespace polhode::truth

@@ -17,7 +17,7 @@ namespace {
 
 constexpr long bound_bits = 64;
 
-// A symmetric matrix of doubles, exactly, is at most `limit` times 1 if limit 1 - M has a Cholesky factor in balls.
+// Proves that all eigenvalues of a symmetric matrix of doubles are below `limit`: limit 1 - M has a Cholesky factor.
 bool eigenvalues_below(const Eigen::MatrixXd& M, double limit) {
     const slong n = M.rows();
     arb_mat_t A, L;
@@ -48,7 +48,7 @@ double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
     double sum = 0;
     for (const Visit& visit : visits) {
         const Eigen::MatrixXd B = S * visit.J * inverse;
-        // below zero nothing is gained: the error made in the end stays
+        // a negative norm gains nothing: the error made at the end remains
         sum += std::max(0.0, largest_eigenvalue((B + B.transpose()) / 2)) * visit.seconds;
     }
     return sum / std::log(2.0);
@@ -59,7 +59,7 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
     const int n = form.dimension();
     const std::vector<Block> layout = form.blocks(problem.scales, problem.body.principal.moments);
     const std::size_t blocks = layout.size();
-    // the metric of the kinetic energy: w . I w / trace I
+    // metric of the kinetic energy: w . I w / trace I
     const Matrix3<double>& I = problem.body.inertia_B;
     const double trace = I[0][0] + I[1][1] + I[2][2];
     Eigen::Matrix3d metric;
@@ -152,14 +152,14 @@ Ball WeightedNorm::logarithmic_norm(const Recording<Ball>& recording, const std:
     const std::vector<Ball> J = jacobian_of(recording, box.data());
     const auto n = static_cast<std::size_t>(n_);
     const std::vector<Ball> B = product(product(S_, J, n), inverse_, n);
-    // (B + B^T)/2 = exact doubles M + rest, and the rest is no longer than its largest row sum
+    // (B + B^T)/2 = M + rest, M in exact doubles; the norm of the rest is at most its largest row sum
     Eigen::MatrixXd M(n_, n_);
     Bound rest;
     for (int i = 0; i < n_; ++i) {
         Bound row;
         for (int j = 0; j < n_; ++j) {
             const Ball entry = (B[i * n_ + j] + B[j * n_ + i]) * Ball(0.5);
-            M(i, j) = entry.near();  // symmetric: the same sum, whichever comes first
+            M(i, j) = entry.near();  // symmetric: both orders give the same sum
             row += Bound(entry - Ball(M(i, j)));
         }
         if (rest < row) rest = row;

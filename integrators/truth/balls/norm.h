@@ -1,11 +1,11 @@
-// How fast two neighbouring motions can part, for certain: the logarithmic norm of the Jacobian in a weighted norm
-// (G. Dahlquist 1959; Hairer, Norsett and Wanner, Solving ODEs I, theorem I.10.6).
+// Proven bound on the rate at which two neighbouring motions separate: the logarithmic norm of the Jacobian in a
+// weighted norm (G. Dahlquist 1959; Hairer, Norsett and Wanner, Solving ODEs I, theorem I.10.6).
 //
 //   |z| = |S y|_2,  B = S J(y) S^-1,  mu = largest eigenvalue of (B + B^T)/2
 //   y' = f(y),  p' = f(p) + d(t),  |d| <= D    =>    |y - p|(t) <= e^(mu t) |y - p|(0) + t e^(max(mu, 0) t) D
 //
-// where mu bounds the logarithmic norm on a convex set that holds both. For a rotation dq/dt = 1/2 q (0, w) the block
-// of q is skew: it adds nothing; damping is negative; what is left is the coupling, which the weights of S share out.
+// where mu bounds the logarithmic norm on a convex set that contains both. For a rotation dq/dt = 1/2 q (0, w) the
+// block of q is skew and adds nothing. Damping is negative. The coupling remains; the weights S distribute it.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace polhode::truth {
 
-/// The value and the gradient of a quotient or a root from those of its operands.
+/// Computes value and gradient of a quotient or square root from those of its operands.
 template <class T>
 void divided(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i, std::size_t n) {
     const bool is_root = node.kind == TapeNode<T>::Kind::root;
@@ -33,8 +33,8 @@ void divided(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slo
     }
 }
 
-/// J = df/dy of a recorded system, row by row, by carrying gradients along the tape. T: double, or balls that hold a
-/// set of states, whose Jacobians then all lie in J.
+/// J = df/dy of a recorded system, stored by rows, by forward propagation of gradients along the tape. T is double or
+/// Ball; balls that enclose a set of states give a J that encloses all Jacobians of the set.
 template <class T>
 std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
     using Kind = typename TapeNode<T>::Kind;
@@ -54,7 +54,7 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
         }
         const T* a = &slope[static_cast<std::size_t>(node.a) * n];
         if (node.kind == Kind::sine) {
-            // its cosine comes next
+            // the cosine is the next node
             sine_cosine(value[node.a], value[i], value[i + 1]);
             for (std::size_t j = 0; j < n; ++j)
                 if (!(a[j] == 0)) own[j] = value[i + 1] * a[j], own[n + j] = -(value[i] * a[j]);
@@ -90,35 +90,35 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
     return J;
 }
 
-/// What is planned for a piece between two events, in doubles: nothing here needs to be right for the proof.
+/// Plan for a piece between two events, in doubles. The proof does not depend on its accuracy.
 struct PiecePlan {
     int dimension = 0;
-    std::vector<double> weights;  ///< S, row by row
-    std::vector<double> scales;   ///< the size of each variable over the run
-    std::vector<Block> blocks;    ///< of variables whose coefficients the step goes by, with their sizes
-    double growth_bits = 0;       ///< log2 of what the logarithmic norm lets an error grow by over the piece
-    double spread_bits = 0;       ///< log2 of the largest over the least weight, variables measured by their scales
-    double spare_bits = 0;      ///< of the working precision, which the steps do not go by: for what rounding grows to
-    double damping_number = 0;  ///< the fastest decay times the length of the piece
+    std::vector<double> weights;  ///< S, stored by rows
+    std::vector<double> scales;   ///< size of each variable over the run
+    std::vector<Block> blocks;    ///< blocks of variables that control the step, with their sizes
+    double growth_bits = 0;       ///< log2 of the error growth over the piece that the logarithmic norm allows
+    double spread_bits = 0;       ///< log2 of the ratio of the largest to the smallest weight, in units of the scales
+    double spare_bits = 0;        ///< bits of the working precision reserved for the growth of rounding errors
+    double damping_number = 0;    ///< fastest decay rate times the length of the piece
 };
 
-/// A plan for each piece, with weights that let errors grow least along an approximate motion.
+/// One plan per piece. The weights minimise the error growth along an approximate motion.
 std::vector<PiecePlan> plan_pieces(const Problem& problem);
 
-/// The norm |S y|_2, S exactly the plan's doubles.
+/// The norm |S y|_2. S consists of the plan's doubles, taken exactly.
 class WeightedNorm {
   public:
     explicit WeightedNorm(const PiecePlan& plan);
 
     int dimension() const { return n_; }
-    /// A length within which every variable moves by at most 2^-20 of its scale: as far as the motion may be from a
-    /// point whose logarithmic norm is to hold for it.
+    /// A length within which every variable changes by at most 2^-20 of its scale. The motion must stay within this
+    /// length of a point for the logarithmic norm at that point to apply.
     const Bound& allowed() const { return allowed_; }
-    /// |S y| where |y_i| <= component[i].
+    /// Upper bound of |S y| if |y_i| <= component[i].
     Bound length(const std::vector<Bound>& component) const;
-    /// |y_i| where |S y| <= length.
+    /// Upper bounds of |y_i| if |S y| <= length.
     std::vector<Bound> components(const Bound& length) const;
-    /// A number that the logarithmic norm does not exceed anywhere in the box of states.
+    /// Upper bound of the logarithmic norm over the box of states; infinite if no bound is found.
     Ball logarithmic_norm(const Recording<Ball>& recording, const std::vector<Ball>& box) const;
 
   private:
@@ -127,7 +127,7 @@ class WeightedNorm {
     Bound allowed_;
 };
 
-/// The recording with its factors at the working precision (wider balls).
+/// The recording with its factors rounded to the working precision (wider balls).
 Recording<Ball> rounded(const Recording<Ball>& recording);
 
 }  // namespace polhode::truth

@@ -53,8 +53,8 @@ std::vector<Bound> Parallelepiped::components_after(const std::vector<Ball>& W) 
 void Parallelepiped::advance(const std::vector<Ball>& W, const std::vector<Bound>& added) {
     const WorkingPrecision precision(bits);
     const std::vector<Ball> M = times_Q(W);
-    // The longest edge first: its direction is kept, the others are turned to stand on it. Lengths relative to the
-    // longest r, which may lie below the least double.
+    // The longest edge comes first: its direction is kept, and the others are orthogonalised against it. Lengths are
+    // relative to the longest r, which may be smaller than the smallest double.
     double longest = -std::numeric_limits<double>::infinity();
     for (const Bound& r : r_) longest = std::max(longest, r.log2_near());
     const auto n = static_cast<Eigen::Index>(n_);

@@ -1,5 +1,4 @@
-// What a plan for a proof goes by: Jacobians along an approximate motion, in doubles. Nothing here needs to be right
-// for the proof.
+// Jacobians along an approximate motion, in doubles, for planning a proof. The proof does not depend on their accuracy.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +17,14 @@ namespace polhode::truth {
 
 struct Visit {
     Eigen::MatrixXd J;
-    double seconds;  ///< for which it stands
+    double seconds;  ///< length of the interval that J represents
 };
 
-/// The Jacobians along an approximate motion, at most some hundred a piece.
+/// Computes Jacobians along an approximate motion, at most 64 per piece.
 template <class Form>
 class Scout {
   public:
-    /// The scene outlives it.
+    /// The scene must outlive this object.
     Scout(const Scene& scene, std::vector<Block> blocks)
         : form_(scene), blocks_(std::move(blocks)), y_(static_cast<std::size_t>(form_.dimension())) {
         form_.initial(y_.data());
@@ -43,7 +42,7 @@ class Scout {
             series.expand(y_.data());
             double h = end - t;
             for (const Block& block : blocks_) {
-                // what starts from rest gets some size
+                // variables that start at zero get a minimum size
                 double size = 1e-3 * block.scale, last = 0;
                 for (int i = block.first; i < block.first + block.size; ++i) {
                     size = std::max(size, std::abs(y_[i]));
@@ -82,7 +81,7 @@ class Scout {
     }
 };
 
-/// The integral of the logarithmic norm along the visits, weighted by S, in bits.
+/// Integral of the positive part of the logarithmic norm along the visits, weighted by S, in bits.
 double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S);
 
 }  // namespace polhode::truth

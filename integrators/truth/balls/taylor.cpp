@@ -1,3 +1,10 @@
+// Encloses a piece of a motion by Taylor series with a proven defect. taylor.h has the theory.
+//
+// enclose() takes one step at a time: Taylor coefficients at an exact point (Series<Ball>), the step length from the
+// last coefficients, the defect of the polynomial along the tape (term_bounds(), defect()), the error growth from the
+// logarithmic norm over boxes swept by the polynomial (find_growth(), swept_boxes()), then the samples inside the step.
+// The template argument carries the errors from step to step: NormErrors as one length, ParallelepipedErrors as a set
+// multiplied by the transition matrix (Lohner's method; parallelepiped.h, transition.h).
 #include "integrators/truth/balls/taylor.h"
 
 #include <arb_poly.h>
@@ -16,8 +23,8 @@ namespace {
 
 constexpr long bound_bits = 64;
 const Bound unbounded(std::numeric_limits<double>::infinity());
-constexpr long max_steps = 400'000;    // hours
-constexpr long foreseen_after = 1000;  // steps, as the many to come are likely to be
+constexpr long max_steps = 400'000;    // takes hours
+constexpr long foreseen_after = 1000;  // steps; after these the total number is extrapolated
 
 // exact sums and differences: times have few bits
 Ball exact_sum(const Ball& a, const Ball& b) {
@@ -31,7 +38,7 @@ Ball exact_difference(const Ball& a, const Ball& b) {
     return c;
 }
 
-// the step on a grid 2^-20 of itself: the time keeps few bits
+// rounds the step down to 20 bits, so that the time keeps few bits
 double on_grid(double h) {
     int exponent = 0;
     std::frexp(h, &exponent);
@@ -39,7 +46,7 @@ double on_grid(double h) {
     return std::floor(h / unit) * unit;
 }
 
-// |c_k| h^k <= 2^-bits of the block's size for the last coefficients; of four, since one may vanish by symmetry
+// |c_k| h^k <= 2^-bits of the block's size for the last four coefficients, because one may vanish by symmetry
 double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bits, bool with_radii) {
     const int order = series.order();
     double log2_step = std::numeric_limits<double>::infinity();
@@ -54,7 +61,7 @@ double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bit
     return std::exp2(log2_step);
 }
 
-// sum of |a_j| |b_k| h^(j+k) over j + k >= N of the first N terms each; tail[m]: the sum of b's from m on
+// sum of |a_j| |b_k| h^(j+k) over j + k >= N, over the first N terms of each; tail[m] is the sum of b's terms from m on
 Bound beyond(const Bound* a, const std::vector<Bound>& tail, int N) {
     Bound sum;
     for (int j = 1; j < N; ++j) sum += a[j] * tail[N - j];
@@ -125,7 +132,7 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
             case Kind::root: {
                 const Bound least = least_difference(terms.least[i], tail[i][1]);
                 own = (beyond(term(i), tail[i], N) + remainder[a]) / least;
-                // what it is of is positive where it is nearer to r^2 > 0 than that is to zero
+                // the operand is positive if it differs from r^2 > 0 by less than r^2
                 if (!(own < least)) own = unbounded;
                 break;
             }
@@ -140,7 +147,7 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
         remainder[i] = own;
         result.least[i] = least_difference(terms.least[i], tail[i][1] + own);
     }
-    // what divides by what may vanish has no bounds, not even a factor 0 of it
+    // a division by a number that may vanish has no bound, even if its result is multiplied by 0
     const bool bounded = all_finite(remainder);
     for (const Traced<Ball>& rate : recording.rates)
         result.rate.push_back(!bounded         ? unbounded
@@ -176,7 +183,7 @@ std::vector<Bound> change_of_rates(const Recording<Ball>& recording, const Defec
                 change[i] = change[i] / least_difference(along.least[b], change[b]);
                 break;
             case Kind::root:
-                // the other root is real where what it is of stays above zero
+                // the changed root is real if the operand stays above zero
                 change[i] = change[a] < along.least[a] ? change[a] / along.least[i] : unbounded;
                 break;
             case Kind::sine:
@@ -215,16 +222,16 @@ std::vector<std::vector<Ball>> swept_boxes(const Series<Ball>& series, const Ter
 
 namespace {
 
-// What a step from an exact point is made of; lengths in the norm.
+// Bounds for one step from an exact point; lengths in the norm.
 struct StepBounds {
     Ball h;
-    Bound local;           ///< how far the motion from the point leaves the polynomial but for its growth
-    Bound growth, at_end;  ///< what an error of the point is multiplied by, at most on the way and at the end
-    Bound largest;         ///< how far the motion is from the polynomial, with what errors there were
+    Bound local;           ///< error of the polynomial from the point, before its growth within the step
+    Bound growth, at_end;  ///< growth factors of an error of the point: maximum within the step, and at its end
+    Bound largest;         ///< distance of the motion from the polynomial, including the errors before the step
 };
 
-// How much an error may grow, from the logarithmic norm on each of some parts of the step; on more of them where the
-// boxes are so wide that it tells little.
+// Bounds the error growth by the logarithmic norm on each of several parts of the step. Uses more parts where the boxes
+// are too wide for a useful bound.
 void find_growth(const Recording<Ball>& recording, const WeightedNorm& norm, const Series<Ball>& series,
                  const TermBounds& terms, const std::vector<Bound>& margin, int parts, StepBounds& step) {
     constexpr int most_parts = 128;
@@ -243,10 +250,10 @@ void find_growth(const Recording<Ball>& recording, const WeightedNorm& norm, con
     }
 }
 
-// The distance of the motion from the point, as one length in the norm.
+// The distance of the motion from the point, carried as one length in the norm.
 class NormErrors {
   public:
-    static constexpr int parts = 8;  // of a step, each with a logarithmic norm of its own
+    static constexpr int parts = 8;  // per step, each with its own logarithmic norm
 
     NormErrors(const Piece&, const PiecePlan&, const WeightedNorm& norm, int, const std::vector<Bound>& radius)
         : norm_(norm), length_(norm.length(radius)) {}
@@ -269,8 +276,8 @@ class NormErrors {
     std::vector<Bound> distance_;
 };
 
-// The distance as a parallelepiped that turns and shears with the motion. The logarithmic norm is left with what is
-// small beside it, so that few over a step do.
+// The distance carried as a parallelepiped that rotates and shears with the motion. The logarithmic norm then applies
+// only to small remainders, so that few parts per step are sufficient.
 class ParallelepipedErrors {
   public:
     static constexpr int parts = 2;
@@ -301,7 +308,7 @@ class ParallelepipedErrors {
     }
 
   private:
-    // Terms of W beyond this change nothing: an error of W only makes a set wider that it multiplies.
+    // Smaller terms of W are not needed: an error of W only widens the set that W multiplies.
     static constexpr double last_term = 0x1p-72;
 
     const WeightedNorm& norm_;
@@ -311,7 +318,7 @@ class ParallelepipedErrors {
     Ball h_;
     std::vector<Bound> local_;
 
-    // the terms of y as a guide to those of W
+    // the terms of y serve as an estimate for those of W
     int order_for(const TermBounds& terms, const Bound& growth) const {
         const double last = last_term / std::max(1.0, growth.near());
         int order = terms.order;
@@ -327,7 +334,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
     Enclosure result;
     const int n = piece.dimension();
     const double bits = static_cast<double>(Ball::precision()) - plan.spare_bits;
-    // the work order^2 / step is least near order = ln(2) / 2 bits (Jorba & Zou 2005)
+    // the work order^2 / step is minimal near order = ln(2) / 2 bits (Jorba & Zou 2005)
     const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
     Series<Ball> series(piece.equations, order);
     const WeightedNorm norm(plan);
@@ -364,7 +371,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         }
         series.expand(point.data());
         const double wanted = on_grid(wanted_step(series, plan, bits, true));
-        // where the bounds of what rounding does grow faster with the order than the motion's own terms
+        // the bounds of the rounding errors grow faster with the order than the terms of the motion
         if (8 * wanted < std::min(wanted_step(series, plan, bits, false), piece.end - t.near())) {
             result.fault = fmt::format("rounding in {} bits shortens the steps", Ball::precision());
             result.coarse = true;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr long least_bits = 96;
 
-// y and W along the tape
+// right-hand side of y and W together, evaluated along the tape
 struct TransitionForm {
     const Recording<Ball>& equations;
     const std::vector<TransitionEntry>& entries;
@@ -61,7 +61,7 @@ struct TransitionForm {
                     break;
                 }
                 case Kind::sine:
-                    // its cosine comes next
+                    // the cosine is the next node
                     sine_cosine(value[node.a], value[i], value[i + 1]);
                     each([&](std::size_t j) { return value[i + 1] * a[j]; });
                     break;
@@ -84,7 +84,7 @@ struct TransitionForm {
     }
 };
 
-// W(i, j) is zero throughout unless j reaches i along the arrows "the rate of .. depends on ..".
+// W(i, j) is identically zero unless a chain of dependencies "the rate of .. depends on .." leads from i to j.
 std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
     const std::vector<TapeNode<Ball>>& nodes = equations.tape.nodes;
     const std::size_t n = equations.rates.size();
@@ -140,8 +140,8 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
     series_.expand(start.data());
 
     const Defect defects = defect(series_.recording(), term_bounds(series_, h));
-    // The motion against the polynomial p of this order. What grows by no more than `growth` as long as it is within
-    // `allowed`, and comes to less, never leaves it.
+    // Bounds the distance of the motion from the polynomial p of this order. A distance that grows at most by `growth`
+    // while it is within `allowed`, and stays below `allowed` with this growth, never leaves it.
     const std::vector<Bound> own(defects.rate.begin(), defects.rate.begin() + n_);
     const Bound apart = distance + growth * h * norm.length(own);
     error_.assign(static_cast<std::size_t>(n_) * n_, Bound(std::numeric_limits<double>::infinity()));

@@ -1,12 +1,11 @@
-// How the end of a step depends on its beginning: the transition matrix W(t) = d y(t) / d y(0), enclosed for every
-// beginning near an exact point, from the variational equation, recorded by carrying W along the tape of the one
-// right-hand side:
+// Transition matrix of a step: W(t) = d y(t) / d y(0), enclosed for every start near an exact point. It solves the
+// variational equation, which is recorded by carrying W along the tape of the right-hand side:
 //
 //   W' = J(y(t)) W, W(0) = 1;   P' = J(p) P + d  (Taylor polynomials of y and W together, recorded as one system)
 //   E = W - P:   E' = J(y) E + (J(y) - J(p)) P - d,   E(0) = 0
 //
-// so each column of E is bounded by the logarithmic norm, with what J(y) - J(p) does to P bounded node by node of the
-// tape. W only ever multiplies what is as small as the errors: 64 bits and a low order do.
+// Each column of E is bounded by the logarithmic norm. The effect of J(y) - J(p) on P is bounded node by node along the
+// tape. W multiplies only errors, so that 96 bits plus the spare bits and a low order are sufficient.
 #pragma once
 
 #include <vector>
@@ -18,32 +17,32 @@
 
 namespace polhode::truth {
 
-/// Where an entry of W stands.
+/// Position of an entry in W.
 struct TransitionEntry {
     int row, column;
 };
 
 class Transition {
   public:
-    /// Of the motion by these equations, of which nothing is kept. `spare_bits`: as PiecePlan has them.
+    /// Records the equations of W from `equations`, to which no reference is kept. `spare_bits`: see PiecePlan.
     Transition(const Recording<Ball>& equations, int order, double spare_bits = 0);
 
-    /// Sets the order of the expansions to come, at most the constructor's.
+    /// Sets the order of the following expansions, at most the constructor's.
     void set_order(int order) { series_.set_order(order); }
-    /// For t in [0, h] and beginnings such that the motion stays within `distance` of that from `point`. An error grows
-    /// at most by `growth` on the way, within `allowed` of the motion from `point` (lengths in the norm).
+    /// Expands W for t in [0, h] and for starts whose motion stays within `distance` of the motion from `point`.
+    /// `growth` bounds the error growth within `allowed` of the motion from `point`. Lengths are in the norm.
     void expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
                 const Bound& allowed, const WeightedNorm& norm);
-    /// W(t), row by row: true for the mean of W over any line of such beginnings, too.
+    /// W(t), stored by rows. Also encloses the mean of W over any line of such starts.
     std::vector<Ball> at(const Ball& t) const;
 
   private:
-    // the variables: y, then the entries of W that are not zero throughout
+    // the variables: y, then the entries of W that are not identically zero
     int n_;
     long bits_;
     std::vector<TransitionEntry> entries_;
     Series<Ball> series_;
-    std::vector<Bound> error_;  // |E|, row by row
+    std::vector<Bound> error_;  // upper bound of |E|, stored by rows
 };
 
 }  // namespace polhode::truth

@@ -223,7 +223,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 
 std::string refused_pivot(const Problem& problem) {
     return problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>())
-               ? "the article turns a body about its own origin: a pivot elsewhere has no place in it"
+               ? "the article rotates a body about its origin; a pivot elsewhere is not supported"
                : "";
 }
 

@@ -108,7 +108,7 @@ class EulerAnglesStepper {
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
         trajectory.message = fmt::format(
-            "at t = {:g} s an angle would turn by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
+            "at t = {:g} s an angle would change by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
             failed_at_, turn_, distance_from_lock(pitch_of(y_.data())));
     }
 

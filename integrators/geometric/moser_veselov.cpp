@@ -18,7 +18,7 @@ std::string refused(const Problem& problem) {
     if (std::string why = refused_by_kicks(problem); !why.empty() || !composition(order).empty()) return why;
     bool loaded = problem.needs.translation == Translation::integrated && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
-    return loaded ? "no composition of kicks of this order: under loads moser_veselov8 is the highest" : "";
+    return loaded ? "this order is not available under loads; use moser_veselov8 or a lower order" : "";
 }
 
 constexpr std::string_view source =

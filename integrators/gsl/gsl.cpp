@@ -118,7 +118,7 @@ class GslSession {
     /// Meaning of a negative flag.
     SolverFailure failure(int) const {
         if (main_.not_finite || side_.not_finite)
-            return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {} at any step size{}",
                                                   moment(t_), last_state(sample()))};
         return {Status::tolerance_not_met,
                 fmt::format(

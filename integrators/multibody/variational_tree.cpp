@@ -161,7 +161,7 @@ class VariationalTree : public multibody::JointState {
 
 std::string refused_by_variational_tree(const Problem& problem) {
     if (std::string why = multibody::needs_a_mechanism(problem); !why.empty()) return why;
-    return problem.scene.loops.empty() ? "" : "a variational integrator of trees: it closes no loops";
+    return problem.scene.loops.empty() ? "" : "this method supports only trees, not loops";
 }
 
 Trajectory solve_variational_tree(const Problem& problem, const Settings& settings) {

@@ -104,7 +104,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
 }
 
 std::string no_derivative_of_user_torque(const Problem& problem) {
-    return problem.needs.user_torque ? "a user's torque has no derivative for the Jacobian" : "";
+    return problem.needs.user_torque ? "user-defined torques have no Jacobian" : "";
 }
 
 constexpr Method each[] = {

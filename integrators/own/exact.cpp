@@ -94,19 +94,19 @@ Passed through_pieces(const Problem& problem, double& at, Visit&& visit) {
 // Returns why the scene has no closed form, or an empty string if it has one.
 std::string refused(const Problem& problem) {
     if (problem.formulation != Formulation::reduced)
-        return "a closed form integrates nothing, whatever is left out: solve it without --full";
-    if (problem.needs.user_torque) return "a user's torque has no closed form";
+        return "the full formulation has no closed form; solve without --full";
+    if (problem.needs.user_torque) return "user-defined torques have no closed form";
     if (problem.needs.translation == Translation::integrated)
-        return "the forces tie translation and rotation together: no closed form";
+        return "no closed form: forces couple translation and rotation";
     constexpr double least = 1e-18;
     if (least_beside_arm(problem) < least && problem.needs.symmetry == Symmetry::asymmetric)
-        return "no closed form: the moments about the pivot are known to 113 bits, which do not hold the difference of "
-               "two of them that turns the body about the third axis";
+        return "no closed form: in 113 bits the moments about the pivot do not resolve the difference that drives the "
+               "rotation about the third axis";
     double at = 0;
     // A state that is not finite is reported by the run.
     if (through_pieces(problem, at, [](const Segment&, const Form&) { return true; }) == Passed::no_form)
-        return "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque "
-               "and drag";
+        return "no closed form: it exists only for a free body, Lagrange's top, and rotation about one axis under "
+               "constant torque and drag";
     return "";
 }
 

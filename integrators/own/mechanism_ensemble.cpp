@@ -138,9 +138,9 @@ class RowsInLanes {
 std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const MechanismTable& table, long samples,
                                                    const EnsembleSettings& settings) {
     if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
-        throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
+        throw std::invalid_argument("the tolerance must be finite and > 0");
     if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0) || samples < 1)
-        throw std::invalid_argument("an ensemble has at least one thread, one step, one sample and some time");
+        throw std::invalid_argument("threads, max_steps and samples must be at least 1, seconds_limit must be > 0");
     std::vector<MechanismRow> rows(table.rows());
     const auto alone = [&](std::size_t k) { rows[k] = solved_row(table.scene_of(scene, k), samples, settings); };
     constexpr std::size_t block = 256;

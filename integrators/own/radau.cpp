@@ -333,7 +333,8 @@ class FixedRadau : public Radau<SystemType> {
     bool failed() const { return failed_at_.has_value(); }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
-        trajectory.message = fmt::format("Newton's iteration for the stages did not converge at t = {:g}", *failed_at_);
+        trajectory.message =
+            fmt::format("Newton's iteration for the stages did not converge at t = {:g} s", *failed_at_);
     }
 
   private:

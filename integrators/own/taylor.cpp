@@ -407,7 +407,7 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     Trajectory trajectory = SolverRun(problem, settings, session).solve();
     if (*settings.tolerance < least_tolerance && trajectory.status == Status::ok) {
         trajectory.status = Status::tolerance_not_met;
-        trajectory.message = "a tolerance below 1e-16 is beyond binary64: steps were taken for 1e-16";
+        trajectory.message = "a tolerance below 1e-16 cannot be met in binary64; 1e-16 was used";
     }
     return trajectory;
 }
@@ -421,7 +421,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 }
 
 std::string refused_user_torque(const Problem& problem) {
-    return problem.needs.user_torque ? "a torque of the user's own has no Taylor coefficients" : "";
+    return problem.needs.user_torque ? "user-defined torques have no Taylor coefficients" : "";
 }
 
 constexpr Method each[] = {

@@ -49,7 +49,7 @@ class SpringStepper {
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::diverged;
         trajectory.message =
-            fmt::format("springs off their length by more than {:g} of it at t = {:g} s", torn, *torn_at_);
+            fmt::format("a spring's length is off by more than {:g} of its rest length at t = {:g} s", torn, *torn_at_);
     }
 
   protected:
@@ -147,7 +147,7 @@ PointRun run(const Problem& problem, const Settings& settings, const PointOption
         const double limit = Stepper::stability / spring_frequencies(body, setup.stiffness).fastest;
         if (run.trajectory.step > 0.9 * limit)
             run.trajectory.message +=
-                fmt::format("; the springs of {:.3g} N/m want steps below {:.2g} s", setup.stiffness, limit);
+                fmt::format("; springs of {:.3g} N/m require steps below {:.2g} s", setup.stiffness, limit);
     }
     return run;
 }

@@ -57,8 +57,8 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
 Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
     Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
-    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
-                                                 : "explicit, order 8, for the motion is not stiff");
+    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5: the motion is stiff"
+                                                 : "explicit, order 8: the motion is not stiff");
 }
 
 /// A Butcher table of ARKODE, stored contiguously.

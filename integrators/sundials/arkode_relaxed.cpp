@@ -177,7 +177,7 @@ std::string energy_is_not_kept(const Problem& problem) {
     const std::vector<Conserved> kept =
         conserved(problem.formulation == Formulation::full ? pose(problem.scene) : problem);
     const auto is_energy = [](const Conserved& c) { return c.kind == ConservedKind::energy; };
-    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not keep its energy";
+    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not conserve energy";
 }
 
 template <ARKODE_ERKTableID id>

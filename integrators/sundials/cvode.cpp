@@ -27,8 +27,7 @@ Trajectory bdf(const Problem& problem, const Settings& settings) {
 Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
     Trajectory trajectory = stiff ? bdf(problem, settings) : adams(problem, settings);
-    return remarked(std::move(trajectory),
-                    stiff ? "BDF, for the motion is stiff" : "Adams, for the motion is not stiff");
+    return remarked(std::move(trajectory), stiff ? "BDF: the motion is stiff" : "Adams: the motion is not stiff");
 }
 
 Trajectory projected_bdf(const Problem& problem, const Settings& settings) {

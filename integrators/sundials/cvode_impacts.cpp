@@ -81,11 +81,11 @@ class ImpactSession : public CvodeSession<SystemType> {
         const ImpactOutcome outcome = strike_planes(*this->problem_, touching_, this->y());
         const char* why = nullptr;
         if (!outcome.resolved)
-            why = "the contacts that touch at once find no impulses";
+            why = "no impulses were found for simultaneous contacts";
         else if (!outcome.struck || outcome.separation <= resting_speed(speed_scale_))
-            why = "the body comes to rest on a plane, and resting contact is not followed";
+            why = "the body comes to rest on a plane, and resting contact is not supported";
         else if (times_.size() > most_impacts)
-            why = "they do not end";
+            why = "too many impacts";
         if (why)
             fault_ = fmt::format("{} impact{} up to t = {:.10g} s: {}", times_.size(), times_.size() == 1 ? "" : "s",
                                  this->time(), why);

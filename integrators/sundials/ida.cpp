@@ -12,9 +12,9 @@ Trajectory solve_by_ida(const Problem& problem, const Settings& settings, maxima
 
 std::string no_mechanism(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system))
-        return "it solves scenes of several bodies, written with multipliers";
+        return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)
-        if (std::holds_alternative<UserTorque>(load)) return "a torque of the user's own has no Jacobian";
+        if (std::holds_alternative<UserTorque>(load)) return "user-defined torques have no Jacobian";
     return "";
 }
 

@@ -75,7 +75,7 @@ TEST(ExternalMethod, SaysWhichSettingsItsCommandTakes) {
     EXPECT_EQ(engine("true")->control, Control::none);
     Settings settings;
     settings.step = 0.1;
-    EXPECT_EQ(solved_by("true", settings).message, "engine takes no step");
+    EXPECT_EQ(solved_by("true", settings).message, "engine does not take a step");
 }
 
 TEST(ExternalMethod, OwnsItsTexts) {
@@ -153,7 +153,7 @@ TEST(ExternalMethod, RefusesWhatItCannotHandOver) {
     const Trajectory refused = solve(scene, *engine("true"));
     EXPECT_EQ(refused.status, Status::unsupported);
     EXPECT_EQ(refused.message, "a user-defined torque cannot be passed to another process");
-    EXPECT_EQ(refusal(*engine("true"), pose(find_scene("bouncing_ball"))), "engine knows no impacts on planes");
+    EXPECT_EQ(refusal(*engine("true"), pose(find_scene("bouncing_ball"))), "engine does not support impacts on planes");
 }
 
 }  // namespace

@@ -233,16 +233,18 @@ constexpr std::string_view source =
 
 constexpr Method each[] = {
     {.name = "article_as_written",
-     .documentation = "The article's update as printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), "
-                      "so it converges, with order 1, to I dw/dt = tau + w x Iw, which is a different motion. Where "
-                      "forces are applied, the offset of the centre of mass is not rotated into world axes.",
+     .documentation =
+         "The article's update as printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
+         "converges, with order 1, to I dw/dt = tau + w x Iw, which is a different motion. Where forces are "
+         "applied, the offset of the centre of mass is not rotated into world axes.",
      .described_as = "article: apply_torque and update_body_orientation, as printed",
      .solve = solve<Form::as_written>},
     {.name = "article_offset_as_written",
-     .documentation = "The article's `apply_torque` as printed, x_com = position + center_of_mass with the offset in "
-                      "body axes, in the corrected update: only the first of the article's two errors. It matters if a "
-                      "force acts on a rotated body whose centre of mass is not its origin. Otherwise the result "
-                      "equals that of `article_mended`, bit for bit.",
+     .documentation =
+         "The article's `apply_torque` as printed, x_com = position + center_of_mass with the offset in body axes, "
+         "in the corrected update: only the first of the article's two errors. It matters if a force acts on a "
+         "rotated body whose centre of mass is not its origin. Otherwise the result equals that of "
+         "`article_mended`, bit for bit.",
      .described_as = "article: apply_torque's centre of mass as printed, sign corrected",
      .solve = solve<Form::offset_as_written>},
     {.name = "article_sign_as_written",
@@ -257,8 +259,9 @@ constexpr Method each[] = {
      .described_as = "article: sign and centre of mass corrected",
      .solve = solve<Form::mended>},
     {.name = "article_body_frame",
-     .documentation = "The corrected update in body axes, the article's other suggestion. It does not rotate the "
-                      "tensor. The motion equals that of `article_mended` except for rounding, at lower cost.",
+     .documentation =
+         "The corrected update in body axes, the article's other suggestion. It does not rotate the tensor. The "
+         "motion equals that of `article_mended` except for rounding, at lower cost.",
      .described_as = "article: \"put the body in its local coordinates\"",
      .solve = solve<Form::body_frame>},
 };

@@ -132,8 +132,9 @@ constexpr Method each[] = {
      .solve = solve<ClassicalRungeKutta>,
      .growth = classical_growth},
     {.name = "baraff_witkin_euler",
-     .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by the "
-                      "factor sqrt(1 + h^2 w^2 / 4), which does not affect R(q/|q|). Order 1.",
+     .documentation =
+         "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by the factor sqrt(1 "
+         "+ h^2 w^2 / 4), which does not affect R(q/|q|). Order 1.",
      .described_as = "the Pixar course's Euler step",
      .order = 1,
      .solve = solve<ExplicitEuler>,

@@ -147,28 +147,31 @@ double damped_pendulum_growth(double c, double s) {
 
 constexpr Method each_update[] = {
     {.name = "momentum_exponential_map",
-     .documentation = "A first-order step whose state is the angular momentum in world axes, L += h tau. w = I_W^-1 L "
-                      "at the old attitude rotates the body by exp(h w). A free body keeps L exactly. No gyroscopic "
-                      "term is needed, unlike in updates whose state is w in world axes. Order 1.",
+     .documentation =
+         "A first-order step whose state is the angular momentum in world axes, L += h tau. w = I_W^-1 L at the "
+         "old attitude rotates the body by exp(h w). A free body keeps L exactly. No gyroscopic term is needed, "
+         "unlike in updates whose state is w in world axes. Order 1.",
      .source = "D. Baraff 1997, Physically Based Modeling, SIGGRAPH course notes (L as the state)",
      .conserves = "|q|; L if no torque acts",
      .solve = solve_update<MomentumUpdate<double>>,
      .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "damped_implicit",
-     .documentation = "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) "
-                      "dw = h (tau - w x I w). Without drag the two methods are identical. Stiff drag does not blow "
-                      "up. This is the step of MuJoCo's `implicit` and, from 3.11 on, `implicitfast`, for a free body "
-                      "whose frame origin is its centre of mass. For other origins MuJoCo solves for the velocity of "
-                      "the origin, which adds the derivative of the centripetal force. Order 1.",
+     .documentation =
+         "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h "
+         "(tau - w x I w). Without drag the two methods are identical. Stiff drag does not blow up. This is the "
+         "step of MuJoCo's `implicit` and, from 3.11 on, `implicitfast`, for a free body whose frame origin is its "
+         "centre of mass. For other origins MuJoCo solves for the velocity of the origin, which adds the "
+         "derivative of the centripetal force. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast (mj_implicitSkip, mjd_freeMhat)",
      .conserves = "|q|",
      .solve = solve_update<DampedImplicitUpdate<double>>,
      .pendulum_growth = damped_pendulum_growth},
     {.name = "mujoco_rk4",
-     .documentation = "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one "
-                      "exponential of the weighted mean of the stages' rates. The rates are added as vectors, although "
-                      "each belongs to a different attitude. Quantities that do not depend on the attitude, such as w "
-                      "and the energy of a free body, have order 4. The attitude has order 2.",
+     .documentation =
+         "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one exponential "
+         "of the weighted mean of the stages' rates. The rates are added as vectors, although each belongs to a "
+         "different attitude. Quantities that do not depend on the attitude, such as w and the energy of a free "
+         "body, have order 4. The attitude has order 2.",
      .source = "Google DeepMind, MuJoCo, integrator RK4 (mj_RungeKutta)",
      .conserves = "|q|",
      .order = 2,

@@ -167,21 +167,23 @@ constexpr std::string_view source =
 
 constexpr Method each[] = {
     {.name = "euler_angles",
-     .documentation = "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. "
-                      "Near gimbal lock, pitch +-90 degrees, roll and yaw change like 1/cos(pitch). Steps of h "
-                      "normally stay about h w away from it and pass it with an error of the usual size. A step that "
-                      "would change an angle by more than half a revolution ends the run as `failed`, with the "
-                      "distance from gimbal lock. Rotation and translation are both integrated, in body axes. Order 1.",
+     .documentation =
+         "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near "
+         "gimbal lock, pitch +-90 degrees, roll and yaw change like 1/cos(pitch). Steps of h normally stay about h "
+         "w away from it and pass it with an error of the usual size. A step that would change an angle by more "
+         "than half a revolution ends the run as `failed`, with the distance from gimbal lock. Rotation and "
+         "translation are both integrated, in body axes. Order 1.",
      .described_as = "slides: Euler angles, roll, pitch, yaw",
      .control = Control::fixed_step,
      .order = 1,
      .solve = euler_angles,
      .growth = explicit_euler_growth},
     {.name = "euler_angles_cvode",
-     .documentation = "Roll, pitch and yaw and w in body axes by CVODE's Adams-Moulton formulas, with the settings of "
-                      "`cvode_adams`. Passing gimbal lock at a distance d requires steps of a hundredth of d / w or "
-                      "less, until d is below the tolerance. At gimbal lock itself the run stops. Rotation and "
-                      "translation are both integrated, in body axes.",
+     .documentation =
+         "Roll, pitch and yaw and w in body axes by CVODE's Adams-Moulton formulas, with the settings of "
+         "`cvode_adams`. Passing gimbal lock at a distance d requires steps of a hundredth of d / w or less, until "
+         "d is below the tolerance. At gimbal lock itself the run stops. Rotation and translation are both "
+         "integrated, in body axes.",
      .described_as = "slides: Euler angles, by an adaptive solver",
      .control = Control::tolerance,
      .solve = euler_angles_cvode,

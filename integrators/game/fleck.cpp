@@ -217,15 +217,17 @@ constexpr std::string_view kept = "L in world axes exactly if no torque acts";
 
 constexpr Method each[] = {
     {.name = "fleck_matrix",
-     .documentation = "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised "
-                      "by its columns (X normalised, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. The error of a step "
-                      "depends on the axis, since only the first column keeps its direction. Order 1.",
+     .documentation =
+         "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
+         "columns (X normalised, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. The error of a step depends on the "
+         "axis, since only the first column keeps its direction. Order 1.",
      .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
      .solve = solve<MendedMatrix>},
     {.name = "fleck_matrix_drifting",
-     .documentation = "The slides' update without re-orthogonalisation. Each step stretches A perpendicular to w by "
-                      "sqrt(1 + h^2 w^2), so that A^T A - 1 grows like h w^2 t. Points and inertia are transformed by "
-                      "A itself, A r and A I^-1 A^T. The reported attitude is the rotation nearest to A. Order 1.",
+     .documentation =
+         "The slides' update without re-orthogonalisation. Each step stretches A perpendicular to w by sqrt(1 + "
+         "h^2 w^2), so that A^T A - 1 grows like h w^2 t. Points and inertia are transformed by A itself, A r and "
+         "A I^-1 A^T. The reported attitude is the rotation nearest to A. Order 1.",
      .described_as = "slides: the update without re-orthogonalizing, A drifts",
      .conserves = "nothing",
      .solve = solve<DriftingMatrix>},
@@ -237,10 +239,11 @@ constexpr Method each[] = {
      .conserves = "L in world axes exactly if no torque acts; |q| to round-off",
      .solve = solve<TurnedQuaternion>},
     {.name = "accumulated_vertices",
-     .documentation = "The update that the slides warn against: vertices are rotated from their last positions, V = "
-                      "R(h w) V, instead of from the originals. The orientation for w = A I^-1 A^T L is computed from "
-                      "three of them, re-orthogonalised. The vertices accumulate rounding errors, and their A^T A - 1 "
-                      "is the reported defect. Order 1.",
+     .documentation =
+         "The update that the slides warn against: vertices are rotated from their last positions, V = R(h w) V, "
+         "instead of from the originals. The orientation for w = A I^-1 A^T L is computed from three of them, "
+         "re-orthogonalised. The vertices accumulate rounding errors, and their A^T A - 1 is the reported defect. "
+         "Order 1.",
      .described_as = "slides: \"always start with the original\" ignored, vertices rotated from their last positions",
      .conserves = kept,
      .solve = solve<AccumulatedVertices>},

@@ -85,46 +85,52 @@ constexpr Method each[] = {
      .source = "the sources of the engines named; D. Baraff & A. Witkin 1997 for the equation",
      .solve = solve<Term::explicit_euler>},
     {.name = "gyroscopic_implicit",
-     .documentation = "The gyroscopic term by an implicit Euler step in body axes, I (w - w0) + h w x I w = 0, solved "
-                      "by one Newton step from w0. A free tumbling body loses energy until it rotates about the axis "
-                      "of its largest moment, and its momentum decreases. Bullet's default; Box3D and MuJoCo's "
-                      "implicit integrators use the same update. Order 1.",
+     .documentation =
+         "The gyroscopic term by an implicit Euler step in body axes, I (w - w0) + h w x I w = 0, solved by one "
+         "Newton step from w0. A free tumbling body loses energy until it rotates about the axis of its largest "
+         "moment, and its momentum decreases. Bullet's default; Box3D and MuJoCo's implicit integrators use the "
+         "same update. Order 1.",
      .source = catto,
      .solve = solve<Term::one_newton_step>},
     {.name = "gyroscopic_rescaled_momentum",
-     .documentation = "The angular momentum in body axes by an explicit Euler step, L + h L x w, rescaled to its "
-                      "previous length. The momentum neither grows nor decays: a free body keeps |L|, but not L. Its "
-                      "energy is bounded and in the long run approaches that of rotation about the middle axis, |L|^2 "
-                      "/ (2 I_2). Jolt and PhysX use it if their gyroscopic forces are enabled. Order 1.",
+     .documentation =
+         "The angular momentum in body axes by an explicit Euler step, L + h L x w, rescaled to its previous "
+         "length. The momentum neither grows nor decays: a free body keeps |L|, but not L. Its energy is bounded "
+         "and in the long run approaches that of rotation about the middle axis, |L|^2 / (2 I_2). Jolt and PhysX "
+         "use it if their gyroscopic forces are enabled. Order 1.",
      .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
      .conserves = "|q|; |L|, not L, if no torque acts",
      .solve = solve<Term::rescaled_momentum>},
     {.name = "gyroscopic_linearly_implicit",
-     .documentation = "The gyroscopic term with the momentum at the start of the step and the new w, (I - h skew(I "
-                      "w0)) w = I w0, one linear system. A free body loses the energy (w - w0) . I (w - w0) / 2 per "
-                      "step, for any step size. The term of ODE 0.16, which rotates the body by the first-order "
-                      "quaternion update unless finite rotations are enabled. Order 1.",
+     .documentation =
+         "The gyroscopic term with the momentum at the start of the step and the new w, (I - h skew(I w0)) w = I "
+         "w0, one linear system. A free body loses the energy (w - w0) . I (w - w0) / 2 per step, for any step "
+         "size. The term of ODE 0.16, which rotates the body by the first-order quaternion update unless finite "
+         "rotations are enabled. Order 1.",
      .source = "C. Lacoursière 2006, Stabilizing gyroscopic forces in rigid multibody simulations, UMINF 06.05",
      .solve = solve<Term::linearly_implicit>},
     {.name = "midpoint_gyroscopic",
-     .documentation = "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to "
-                      "rounding. The term then conserves energy and |L| for any step, but hardly reduces the attitude "
-                      "error. Used by MuJoCo's `implicitfast` from 3.7 to 3.10 and by Genesis. Order 1.",
+     .documentation =
+         "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to rounding. The "
+         "term then conserves energy and |L| for any step, but hardly reduces the attitude error. Used by MuJoCo's "
+         "`implicitfast` from 3.7 to 3.10 and by Genesis. Order 1.",
      .source = "Google DeepMind, MuJoCo 3.7; Genesis",
      .conserves = "|q|; |L|, not L, and energy if no loads act",
      .solve = solve<Term::midpoint>},
     {.name = "gyroscopic_substepped",
-     .documentation = "`gyroscopic_rescaled_momentum` in four parts per step: torque and force are evaluated once, at "
-                      "the start of the step; a quarter of their change, the gyroscopic term and the rotation are "
-                      "applied four times. This is Rapier's scheme with four solver iterations. Order 1.",
+     .documentation =
+         "`gyroscopic_rescaled_momentum` in four parts per step: torque and force are evaluated once, at the start "
+         "of the step; a quarter of their change, the gyroscopic term and the rotation are applied four times. "
+         "This is Rapier's scheme with four solver iterations. Order 1.",
      .source = "Dimforge, Rapier",
      .conserves = "|q|; |L|, not L, if no torque acts",
      .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>,
      .pendulum_growth = substepped_pendulum_growth},
     {.name = "first_order_quaternion",
-     .documentation = "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q "
-                      "+= (h/2) (0, w) q, normalised, which rotates by 2 atan(h |w| / 2) instead of h |w|. ODE's "
-                      "default and cannon-es use this attitude update (cannon-es without a gyroscopic term). Order 1.",
+     .documentation =
+         "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) "
+         "(0, w) q, normalised, which rotates by 2 atan(h |w| / 2) instead of h |w|. ODE's default and cannon-es "
+         "use this attitude update (cannon-es without a gyroscopic term). Order 1.",
      .solve = solve<Term::explicit_euler, Turning::first_order>},
 };
 

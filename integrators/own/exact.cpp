@@ -148,15 +148,15 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {{
     .name = "exact",
     .documentation =
-        "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs what 1 s costs. A free "
-        "body, attitude included, by Jacobi's theta functions on either side of the separatrix, on it and next to it; "
-        "symmetric bodies and spheres by turns; Lagrange's top with nutation, precession and spin as quotients of "
-        "theta functions; a turn about one axis under a constant torque and linear drag. Impulses and windows join "
-        "pieces. q is continuous. Its only error is round-off: that of the data, times the motion's conditioning, "
-        "which grows in proportion to t (for the phase of 10^6 rad some 10^-10 rad remain).",
+        "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs as much as 1 s. Free "
+        "bodies, attitude included, by Jacobi's theta functions on both sides of the separatrix, on it and next to it; "
+        "symmetric bodies and spheres by rotations; Lagrange's top with nutation, precession and spin as quotients of "
+        "theta functions; rotation about one axis under constant torque and linear drag. Impulses and time windows "
+        "connect pieces. q is continuous. The only error is round-off: that of the data, times the condition number of "
+        "the motion, which grows in proportion to t (about 10^-10 rad for a phase of 10^6 rad).",
     .source = "C. G. J. Jacobi 1849; R. van Zon and J. Schofield 2007, J. Comput. Phys. 225, 145; F. Klein and "
               "A. Sommerfeld 1897",
-    .conserves = "everything the motion does, to round-off",
+    .conserves = "all invariants of the motion, to round-off",
     .control = Control::none,
     .solve = solve_exact,
 }};

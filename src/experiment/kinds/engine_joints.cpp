@@ -40,7 +40,7 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// "cannon_es: it has no universal joint" without the name
+// "cannon_es: it does not support universal joints" without the name
 std::string reason_of(const Result& row) {
     const std::size_t colon = row.message.find(": ");
     return colon == std::string::npos ? row.message : row.message.substr(colon + 2);

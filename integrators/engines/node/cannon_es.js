@@ -105,7 +105,7 @@ await serve({
   packageName: 'cannon-es',
   precision: 'binary64',
   settings: {
-    default: 'linear and angular damping 0.01; no gyroscopic term available; attitude by the first-order quaternion update',
+    default: 'linear and angular damping 0.01; no gyroscopic term available; attitude by the first-order update',
     best: 'no damping; no gyroscopic term available'
   },
   joints: ['revolute', 'spherical'],

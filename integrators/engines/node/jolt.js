@@ -157,7 +157,7 @@ await serve({
   packageName: 'jolt-physics',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; linear and angular damping 0.05; slow bodies sleep; speed limits 47 rad/s and 500 m/s',
+    default: 'no gyroscopic term; linear and angular damping 0.05; slow bodies sleep; limits 47 rad/s and 500 m/s',
     best: 'gyroscopic term on (mApplyGyroscopicForce); no damping, no sleeping, no speed limit'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],

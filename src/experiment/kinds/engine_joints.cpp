@@ -238,7 +238,8 @@ std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>
             place.report = place.engine->inspect(nullptr);
             for (const auto& [name, what] : place.report.hello.settings)
                 if (name == place.engine->setting) place.about_setting = what;
-            if (place.is_here() && place.report.hello.joints.empty()) place.report.fault = "its driver does not support joints";
+            if (place.is_here() && place.report.hello.joints.empty())
+                place.report.fault = "its driver does not support joints";
         }
         place_among(place, plan, rows);
         places.push_back(std::move(place));

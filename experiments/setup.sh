@@ -70,7 +70,7 @@ configure() {
     local log=$top/build/configure.log
     mkdir -p "$top/build"
     if ! preset "$@" 2>&1 | tee "$log"; then
-        grep -q 'no SUNDIALS: its source package cannot be had' "$log" || return 1
+        grep -q 'SUNDIALS not found: its source package is not available' "$log" || return 1
         install_missing libsundials-dev
         preset "$@"
     fi

@@ -87,7 +87,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
         while (session.time() < segment.end && !samples.empty()) {
             result.budget_spent = ++result.steps > max_steps;
             if (result.budget_spent)
-                return fail(fmt::format("more than {} steps: known until t = {:g} s", max_steps, session.time()));
+                return fail(fmt::format("stopped at the limit of {} steps, at t = {:g} s", max_steps, session.time()));
             if (Interruption::is_wanted()) return fail("interrupted");
             if (processor_time() > end)
                 return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
@@ -129,7 +129,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
 }
 
 void demand_times(const std::vector<double>& times) {
-    if (times.empty()) throw std::invalid_argument("no times");
+    if (times.empty()) throw std::invalid_argument("no times given");
     for (std::size_t i = 0; i < times.size(); ++i)
         if (!std::isfinite(times[i]) || times[i] < (i == 0 ? 0 : times[i - 1]))
             throw std::invalid_argument("times must be finite, not negative and not decreasing");
@@ -161,13 +161,14 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         return conditioning(problem.scene, times, settings);
     if (!problem.scene.planes.empty()) {
         Conditioning none;
-        none.message = "the variational equation does not pass through impacts on planes";
+        none.message = "conditioning through impacts on planes is not supported";
         return none;
     }
-    if (times.back() > problem.scene.duration) throw std::invalid_argument("a time beyond the duration");
+    if (times.back() > problem.scene.duration)
+        throw std::invalid_argument("times must not exceed the scene's duration");
     if (std::holds_alternative<UserSystem>(problem.system)) {
         Conditioning none;
-        none.message = "nothing is known of a system of the user's own";
+        none.message = "conditioning is not available for user-defined systems";
         return none;
     }
     Conditioning result =
@@ -176,7 +177,7 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         std::size_t k = 0;
         while (!(result.state[k] > reach)) ++k;
         result.message +=
-            fmt::format("; from t = {:g} s on binary64 cannot follow this motion: kappa is that of another nearby",
+            fmt::format("; from t = {:g} s on, binary64 cannot follow this motion: kappa is that of a nearby motion",
                         result.times[k]);
     }
     return result;

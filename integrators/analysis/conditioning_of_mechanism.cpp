@@ -305,7 +305,7 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
             while (t < stop) {
                 result.budget_spent = static_cast<double>(++result.steps) > most_steps;
                 if (result.budget_spent)
-                    return fail(fmt::format("more than {:.0f} steps: known until t = {:.4g} s", most_steps, t));
+                    return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", most_steps, t));
                 if (Interruption::is_wanted()) return fail("interrupted");
                 if (processor_time() > end)
                     return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
@@ -316,7 +316,10 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
                 if (done == 0) {
                     h = size;
                     if (!(h > 0) || t + h == t)
-                        return fail(fmt::format("the variational equation stalls at t = {:g} s", t));
+                        return fail(
+                            fmt::format("step size below the spacing of numbers at t = {:g} s in the "
+                                        "variational equation",
+                                        t));
                     continue;
                 }
                 t = last ? stop : t + done;
@@ -330,9 +333,9 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
     follow(problem.segments, samples, enter, show, go);
     result.available = samples.empty();
     if (!result.available) return result;
-    result.message =
-        fmt::format("the variational equation by DOP853 on dual numbers, {} directions{}, {} steps",
-                    variation.columns(), variation.mixed() ? " of many: kappa is at least this" : "", result.steps);
+    result.message = fmt::format(
+        "variational equation solved by DOP853 with dual numbers, {} directions{}, {} steps", variation.columns(),
+        variation.mixed() ? " (random combinations: kappa is a lower bound)" : "", result.steps);
     return result;
 }
 

@@ -46,12 +46,12 @@ bool read_outcome(const json& answer, Trajectory& trajectory) {
     trajectory.status = status_named(answer.at("status"));
     trajectory.message = one_line(answer.value("message", ""), 300);
     if (trajectory.status == Status::failed && trajectory.message.empty())
-        trajectory.message = "failed, and does not say why";
+        trajectory.message = "failed without a message";
     if (trajectory.status != Status::ok) return false;
     const double steps = answer.at("steps");
     trajectory.seconds = answer.at("seconds");
     if (!(steps >= 0 && steps < 1e15 && trajectory.seconds >= 0 && trajectory.seconds < 1e15))
-        throw std::invalid_argument("its steps or seconds are no count");
+        throw std::invalid_argument("steps and seconds must be >= 0 and < 1e15");
     trajectory.steps = static_cast<long>(steps);
     trajectory.rhs_evaluations = trajectory.steps;
     return true;
@@ -60,7 +60,7 @@ bool read_outcome(const json& answer, Trajectory& trajectory) {
 Trajectory unreadable(const std::exception& error) {
     Trajectory trajectory;
     trajectory.status = Status::failed;
-    trajectory.message = "its answer cannot be read: " + one_line(error.what(), 200);
+    trajectory.message = "the answer cannot be read: " + one_line(error.what(), 200);
     return trajectory;
 }
 

@@ -31,14 +31,15 @@ Vector3<double> gravity_of(const Scene& scene) {
     for (const Load& load : scene.loads) {
         if (const Gravity* field = std::get_if<Gravity>(&load)) {
             if (field->window.from > 0 || field->window.until < scene.duration)
-                throw std::invalid_argument("gravity that comes and goes is not asked of engines with joints");
+                throw std::invalid_argument(
+                    "the engine protocol supports mechanisms only with gravity that acts for the whole run");
             gravity = gravity + field->acceleration_W;
         } else if (const Impulse* impulse = std::get_if<Impulse>(&load)) {
             if (impulse->at > 0)
-                throw std::invalid_argument("impulses after t = 0 are not asked of engines with joints");
+                throw std::invalid_argument("the engine protocol supports impulses on mechanisms only at t = 0");
         } else if (const Spring* spring = std::get_if<Spring>(&load); !spring || spring->stiffness != 0) {
             throw std::invalid_argument(
-                "of loads on several bodies engines are asked for gravity and impulses at t = 0");
+                "the engine protocol supports only gravity and impulses at t = 0 as loads on mechanisms");
         }
     }
     return gravity;
@@ -98,7 +99,7 @@ void add_axis(EngineJoint& joint, const Starts& starts, const Vector3<double>& a
 
 EngineJoint joint_of(const Joint& joint, const Starts& starts) {
     if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
-        throw std::invalid_argument("springs and dampers of joints are not asked of engines");
+        throw std::invalid_argument("the engine protocol does not support springs and dampers of joints");
     EngineJoint known;
     known.name = joint.name, known.type = name_of(joint.type);
     known.parent = starts.index(joint.parent), known.child = starts.index(joint.child);
@@ -181,11 +182,11 @@ void read_moments(const json& rows, const Problem& problem, const EngineMechanis
                   Trajectory& trajectory) {
     const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1, count = mechanism.bodies.size();
     if (rows.size() != wanted)
-        throw std::invalid_argument(fmt::format("{} samples where {} are asked for", rows.size(), wanted));
+        throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), wanted));
     const double bound = energy_bound(problem);
     for (std::size_t k = 0; k < wanted; ++k) {
         if (rows[k].size() != count)
-            throw std::invalid_argument(fmt::format("{} bodies where there are {}", rows[k].size(), count));
+            throw std::invalid_argument(fmt::format("{} bodies instead of {}", rows[k].size(), count));
         std::vector<Sample> moment;
         for (std::size_t b = 0; b < count; ++b) {
             const json& row = rows[k][b];
@@ -234,11 +235,12 @@ std::string joints_not_taken(const EngineMechanism& mechanism, const EngineHello
     const auto knows = [](const std::vector<std::string>& types, const std::string& type) {
         return std::ranges::find(types, type) != types.end();
     };
-    if (hello.joints.empty()) return "its driver takes no joints";
+    if (hello.joints.empty()) return "its driver does not support joints";
     for (const EngineJoint& joint : mechanism.joints)
-        if (!knows(hello.joints, joint.type)) return fmt::format("it has no {} joint", joint.type);
+        if (!knows(hello.joints, joint.type)) return fmt::format("it does not support {} joints", joint.type);
     for (const EngineJoint& loop : mechanism.loops)
-        if (!knows(hello.loops, loop.type)) return fmt::format("it closes no loop by a {} joint", loop.type);
+        if (!knows(hello.loops, loop.type))
+            return fmt::format("it does not support loops closed by a {} joint", loop.type);
     return "";
 }
 

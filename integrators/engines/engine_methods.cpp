@@ -35,7 +35,7 @@ struct EngineEntry {
 };
 
 std::string why_unrepresentable(const Problem& problem) {
-    if (std::holds_alternative<UserSystem>(problem.system)) return "an engine has to know the body";
+    if (std::holds_alternative<UserSystem>(problem.system)) return "engines do not support user-defined systems";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
         if (is_mechanism(problem.scene))
@@ -66,7 +66,7 @@ struct AskedEngine {
         trajectory.status = Status::failed;
         const long steps = steps_for(problem, settings);
         if (steps == 0) {
-            trajectory.message = fmt::format("more than the limit of {} steps", settings.max_steps);
+            trajectory.message = fmt::format("needs more than the limit of {} steps", settings.max_steps);
             trajectory.limit_reached = true;
             return result;
         }
@@ -103,7 +103,7 @@ struct AskedEngine {
     // Returns whether there is an answer to read; otherwise sets the trajectory's status and message.
     bool answered(const LineAnswer& said, const EngineHello& hello, Trajectory& trajectory) const {
         if (said.was_not_found || !hello.missing.empty()) {
-            trajectory = unsupported(fmt::format("{} is not here: {}", entry.name,
+            trajectory = unsupported(fmt::format("{} is not available: {}", entry.name,
                                                  hello.missing.empty() ? "it needs " + entry.needs : hello.missing));
             return false;
         }
@@ -119,7 +119,7 @@ struct AskedEngine {
 std::vector<std::string> words(const JsonNode& node) {
     std::vector<std::string> all;
     for (const JsonNode* element : node.elements()) all.push_back(element->string());
-    if (all.empty()) node.fail("is empty", "give one at least");
+    if (all.empty()) node.fail("is empty", "give at least one");
     return all;
 }
 
@@ -150,7 +150,7 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
     if (const JsonNode* by_step = node.find("by_step")) {
         entry.by_step = words(*by_step);
         if (entry.settings.size() > 1)
-            node.find("settings")->fail(node.find("settings")->described(), "one setting beside by_step");
+            node.find("settings")->fail(node.find("settings")->described(), "give one setting only with by_step");
     }
     if (const JsonNode* precision = node.find("precision")) {
         if (precision->string() != "binary32" && precision->string() != "binary64")
@@ -219,12 +219,11 @@ std::vector<EngineMethod> parse_engines(std::string_view text, const std::string
             const std::string name = entry.name + ":" + setting;
             for (const EngineMethod& other : all)
                 if (other.method->name == name)
-                    node->find("name")->fail("\"" + name + "\" stands here twice",
-                                             "give each engine a name of its own");
+                    node->find("name")->fail("\"" + name + "\" is listed twice", "give each engine a unique name");
             const Method description{.name = name,
                                      .documentation = entry.about,
                                      .source = entry.source,
-                                     .conserves = "what it does",
+                                     .conserves = "not specified",
                                      .control = Control::fixed_step,
                                      .planes = entry.planes,
                                      .family = Family::engine,
@@ -259,7 +258,8 @@ const std::vector<EngineMethod>& engines() {
             if (std::ranges::find(registry.engines, engine.method->name, [](const EngineMethod& other) {
                     return other.method->name;
                 }) != registry.engines.end())
-                throw InputError(path, "/engines", fmt::format("there is an engine {} already", engine.method->name),
+                throw InputError(path, "/engines",
+                                 fmt::format("an engine named {} exists already", engine.method->name),
                                  "choose another name");
             registry.engines.push_back(std::move(engine));
         }

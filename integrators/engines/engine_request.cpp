@@ -51,7 +51,8 @@ struct LoadTurner {
         const Vector3<double>& c = load.rotational;
         const bool turned = q_BP.x != 0 || q_BP.y != 0 || q_BP.z != 0;
         if (turned && !(c[0] == c[1] && c[1] == c[2]))
-            throw std::invalid_argument("its drag is about axes that are not the principal ones");
+            throw std::invalid_argument(
+                "anisotropic drag is supported only where the body's axes are its principal axes");
         return load;
     }
     Load operator()(Spring load) const {
@@ -59,12 +60,12 @@ struct LoadTurner {
         return load;
     }
     Load operator()(const UserTorque&) const {
-        throw std::invalid_argument("a torque of the user's own cannot be handed to another process");
+        throw std::invalid_argument("a user-defined torque cannot be passed to another process");
     }
     Load operator()(const Motor&) const { throw std::invalid_argument(several_bodies); }
     Load operator()(const PointSpring&) const { throw std::invalid_argument(several_bodies); }
 
-    static constexpr const char* several_bodies = "a load between several bodies does not act on one";
+    static constexpr const char* several_bodies = "motors and point springs need a scene of several bodies";
 };
 
 void add_shape(EngineScene& known, const Scene& scene) {
@@ -82,7 +83,7 @@ void add_shape(EngineScene& known, const Scene& scene) {
         else if (!piece.extended && geometry.pieces.size() == 1 && is_centered)
             known.ball = piece.radius;
         else
-            throw std::invalid_argument("its hull is round and no ball about the centre of mass");
+            throw std::invalid_argument("the shape must be a polyhedron or a ball about the centre of mass");
     }
 }
 
@@ -157,7 +158,7 @@ void read_samples(const json& rows, const Problem& problem, const EngineScene& s
                   Trajectory& trajectory) {
     const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
     if (rows.size() != wanted)
-        throw std::invalid_argument(fmt::format("{} samples where {} are asked for", rows.size(), wanted));
+        throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), wanted));
     const double bound = energy_bound(problem);
     const Quaternion<double> q_PB = conjugate(scene.q_BP);
     for (std::size_t k = 0; k < wanted; ++k) {
@@ -247,7 +248,7 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
 
 EngineHello read_hello(std::string_view line) {
     const json hello = json::parse(line, nullptr, false);
-    if (!hello.is_object()) throw std::invalid_argument("says something else than who it is");
+    if (!hello.is_object()) throw std::invalid_argument("did not send a JSON object as its first line");
     EngineHello known;
     try {
         known.version = one_line(hello.value("version", ""), 80);
@@ -259,7 +260,7 @@ EngineHello read_hello(std::string_view line) {
             for (const json& type : hello.value(key, json::array()))
                 types->push_back(one_line(type.get<std::string>(), 80));
     } catch (const json::exception&) {
-        throw std::invalid_argument("says who it is in words that are none");
+        throw std::invalid_argument("sent a first line with values of wrong types");
     }
     return known;
 }

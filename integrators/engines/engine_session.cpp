@@ -59,7 +59,7 @@ LineAnswer EngineSession::greet(EngineHello& hello) {
 LineAnswer EngineSession::ask(const std::string& request, double seconds, EngineHello& hello) {
     if (unanswered_ >= silences) {
         LineAnswer none;
-        none.fault = program_name(command_.front()) + " was not asked: it gave no answer in time to the last questions";
+        none.fault = program_name(command_.front()) + " received no request: its last requests timed out";
         none.was_out_of_time = true;
         return none;
     }

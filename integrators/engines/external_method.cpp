@@ -17,7 +17,7 @@ namespace polhode {
 namespace {
 
 std::string user_torque_has_no_json(const Problem& problem) {
-    return problem.needs.user_torque ? "a torque of the user's own cannot be handed to another process" : "";
+    return problem.needs.user_torque ? "a user-defined torque cannot be passed to another process" : "";
 }
 
 void replace_all(std::string& text, std::string_view word, const std::string& value) {
@@ -42,17 +42,17 @@ std::vector<std::string> arguments_of(const EngineCommand& command, const Scene&
 // Why the file is not valid for the run; empty if it is. Times that are correct up to rounding are made exact.
 std::string fault_of(TrajectoryFile& file, const Problem& problem, const Settings& settings) {
     const double duration = problem.scene.duration;
-    if (!file.has_angular_velocity) return "it prints no columns wx, wy, wz";
+    if (!file.has_angular_velocity) return "its output has no columns wx, wy, wz";
     if (!problem.body.pivoted && !(file.has_position || file.has_origin))
-        return "it prints no columns px, py, pz or ox, oy, oz";
-    if (!problem.body.pivoted && !file.has_velocity) return "it prints no columns vx, vy, vz";
+        return "its output has no columns px, py, pz or ox, oy, oz";
+    if (!problem.body.pivoted && !file.has_velocity) return "its output has no columns vx, vy, vz";
     const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
     if (file.rows.size() != wanted)
-        return fmt::format("it prints {} samples where {} are asked for", file.rows.size(), wanted);
+        return fmt::format("its output has {} samples instead of {}", file.rows.size(), wanted);
     for (std::size_t k = 0; k < wanted; ++k) {
         const double t = sample_time(duration, static_cast<long>(k), settings.samples);
         if (!(std::abs(file.rows[k].t - t) <= 1e-12 * duration))
-            return fmt::format("its sample {} is at t = {} s and not at {} s", k, file.rows[k].t, t);
+            return fmt::format("its sample {} is at t = {} s instead of {} s", k, file.rows[k].t, t);
         file.rows[k].t = t;
     }
     return "";
@@ -79,7 +79,7 @@ Trajectory run(const EngineCommand& command, const Problem& problem, const Setti
         if (!trajectory.message.empty()) return trajectory;
         trajectory.samples = samples_of(file, problem.scene.body.center_of_mass);
     } catch (const InputError& error) {
-        trajectory.message = fmt::format("it prints no trajectory: {}", error.what());
+        trajectory.message = fmt::format("its output is not a trajectory: {}", error.what());
         return trajectory;
     }
     if (!settings.record) trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);

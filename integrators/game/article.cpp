@@ -223,7 +223,7 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 
 std::string refused_pivot(const Problem& problem) {
     return problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>())
-               ? "the article turns a body about its own origin: a pivot elsewhere has no place in it"
+               ? "the article rotates a body about its origin; a pivot elsewhere is not supported"
                : "";
 }
 
@@ -234,33 +234,34 @@ constexpr std::string_view source =
 constexpr Method each[] = {
     {.name = "article_as_written",
      .documentation =
-         "The article's update as it is printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
-         "converges, with order 1, to I dw/dt = tau + w x Iw, which is another motion; and the offset of the centre of "
-         "mass is not turned into the world where forces are applied.",
+         "The article's update as printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
+         "converges, with order 1, to I dw/dt = tau + w x Iw, which is a different motion. Where forces are "
+         "applied, the offset of the centre of mass is not rotated into world axes.",
      .described_as = "article: apply_torque and update_body_orientation, as printed",
      .solve = solve<Form::as_written>},
     {.name = "article_offset_as_written",
      .documentation =
-         "The article's `apply_torque` as it is printed, x_com = position + center_of_mass with the offset left in "
-         "body axes, in the mended update: the first of the article's two slips alone. It shows where a force acts on "
-         "a body whose centre of mass is not its origin and that has turned; else it is `article_mended`, bit for bit.",
-     .described_as = "article: apply_torque's centre of mass as printed, the sign mended",
+         "The article's `apply_torque` as printed, x_com = position + center_of_mass with the offset in body axes, "
+         "in the corrected update: only the first of the article's two errors. It matters if a force acts on a "
+         "rotated body whose centre of mass is not its origin. Otherwise the result equals that of "
+         "`article_mended`, bit for bit.",
+     .described_as = "article: apply_torque's centre of mass as printed, sign corrected",
      .solve = solve<Form::offset_as_written>},
     {.name = "article_sign_as_written",
-     .documentation = "The article's `update_body_orientation` as it is printed, w += h I^-1 (w x Iw), with the mended "
-                      "`apply_torque`: the second slip alone. It converges, with order 1, to I dw/dt = tau + w x Iw.",
-     .described_as = "article: update_body_orientation's sign as printed, the centre of mass mended",
+     .documentation = "The article's `update_body_orientation` as printed, w += h I^-1 (w x Iw), with the corrected "
+                      "`apply_torque`: only the second error. It converges, with order 1, to I dw/dt = tau + w x Iw.",
+     .described_as = "article: update_body_orientation's sign as printed, centre of mass corrected",
      .solve = solve<Form::sign_as_written>},
     {.name = "article_mended",
      .documentation =
-         "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the centre of mass turned "
-         "into the world. Order 1; the tensor is rotated and inverted anew at every step.",
-     .described_as = "article: the same with the signs and the centre of mass mended",
+         "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the offset of the centre "
+         "of mass rotated into world axes. The tensor is rotated and inverted again at every step. Order 1.",
+     .described_as = "article: sign and centre of mass corrected",
      .solve = solve<Form::mended>},
     {.name = "article_body_frame",
      .documentation =
-         "The mended update in body axes, the article's other suggestion: no tensor is rotated. The same motion as "
-         "`article_mended` but for rounding, at less cost.",
+         "The corrected update in body axes, the article's other suggestion. It does not rotate the tensor. The "
+         "motion equals that of `article_mended` except for rounding, at lower cost.",
      .described_as = "article: \"put the body in its local coordinates\"",
      .solve = solve<Form::body_frame>},
 };

@@ -120,21 +120,22 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 constexpr std::string_view source =
     "D. Baraff, An Introduction to Physically Based Modeling: Rigid Body Simulation I, SIGGRAPH course notes 1997 (the "
     "Pixar course of A. Witkin & D. Baraff)";
-constexpr std::string_view kept = "L in world axes exactly where no torque acts";
+constexpr std::string_view kept = "L in world axes exactly if no torque acts";
 
 constexpr Method each[] = {
     {.name = "baraff_witkin_rk4",
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
-         "term w x Iw appears. R is taken from the normalised q; q itself is left to drift in length.",
+         "term w x Iw appears. R is computed from the normalised q. The length of q itself drifts.",
      .described_as = "the Pixar course that the article recommends",
      .order = 4,
      .solve = solve<ClassicalRungeKutta>,
      .growth = classical_growth},
     {.name = "baraff_witkin_euler",
-     .documentation = "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by sqrt(1 + "
-                      "h^2 w^2 / 4), which R(q/|q|) does not see. Order 1.",
-     .described_as = "the same course's Euler step",
+     .documentation =
+         "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by the factor sqrt(1 "
+         "+ h^2 w^2 / 4), which does not affect R(q/|q|). Order 1.",
+     .described_as = "the Pixar course's Euler step",
      .order = 1,
      .solve = solve<ExplicitEuler>,
      .growth = explicit_euler_growth},

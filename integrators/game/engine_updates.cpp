@@ -148,29 +148,30 @@ double damped_pendulum_growth(double c, double s) {
 constexpr Method each_update[] = {
     {.name = "momentum_exponential_map",
      .documentation =
-         "The angular momentum in world axes is the state, L += h tau; w = I_W^-1 L at the old attitude turns the body "
-         "by exp(h w). A free body keeps L as it is, and needs no gyroscopic term: that is what a world-axes w would "
-         "want one for. Order 1.",
+         "A first-order step whose state is the angular momentum in world axes, L += h tau. w = I_W^-1 L at the "
+         "old attitude rotates the body by exp(h w). A free body keeps L exactly. No gyroscopic term is needed, "
+         "unlike in updates whose state is w in world axes. Order 1.",
      .source = "D. Baraff 1997, Physically Based Modeling, SIGGRAPH course notes (L as the state)",
-     .conserves = "|q|; L where no torque acts",
+     .conserves = "|q|; L if no torque acts",
      .solve = solve_update<MomentumUpdate<double>>,
      .pendulum_growth = semi_implicit_euler_pendulum_growth},
     {.name = "damped_implicit",
      .documentation =
-         "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h (tau - "
-         "w x I w): without drag the two are one. Stiff drag does not blow up. MuJoCo's `implicit` and, from 3.11 on, "
-         "`implicitfast`, of a free body whose frame begins at its centre of mass; where it does not, "
-         "MuJoCo solves for the velocity of the frame's origin, and the centripetal force's derivative comes in. Order "
-         "1.",
+         "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h "
+         "(tau - w x I w). Without drag the two methods are identical. Stiff drag does not blow up. This is the "
+         "step of MuJoCo's `implicit` and, from 3.11 on, `implicitfast`, for a free body whose frame origin is its "
+         "centre of mass. For other origins MuJoCo solves for the velocity of the origin, which adds the "
+         "derivative of the centripetal force. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast (mj_implicitSkip, mjd_freeMhat)",
      .conserves = "|q|",
      .solve = solve_update<DampedImplicitUpdate<double>>,
      .pendulum_growth = damped_pendulum_growth},
     {.name = "mujoco_rk4",
      .documentation =
-         "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one exponential of "
-         "the weighted mean of the stages' rates, added as vectors though each belongs to another attitude. What does "
-         "not ask for the attitude, as a free body's w and so its energy, has order 4; the attitude has order 2.",
+         "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one exponential "
+         "of the weighted mean of the stages' rates. The rates are added as vectors, although each belongs to a "
+         "different attitude. Quantities that do not depend on the attitude, such as w and the energy of a free "
+         "body, have order 4. The attitude has order 2.",
      .source = "Google DeepMind, MuJoCo, integrator RK4 (mj_RungeKutta)",
      .conserves = "|q|",
      .order = 2,
@@ -178,11 +179,11 @@ constexpr Method each_update[] = {
      .growth = classical_growth},
     {.name = "xpbd_rigid",
      .documentation =
-         "A substep of extended position-based dynamics: the body goes where its velocities take it, a pivot pulls it "
-         "back by position and attitude, and the velocities become what was covered over h. Of a free body each step "
-         "takes a part (h |w|)^2 / 8 of w away, and rounding leaves 2^-53 |x| / h in v (in binary32 2^-24 |x| / h): "
-         "too short a step is worse. What an event leaves of a step, if less than 1/64 of it, keeps its velocities and "
-         "leaves the pivot to the next. Order 1.",
+         "A substep of extended position-based dynamics. The body moves with its velocities, a pivot corrects position "
+         "and attitude, and the new velocities are the displacements divided by h. For a free body each step reduces w "
+         "by the relative amount (h |w|)^2 / 8. Rounding adds 2^-53 |x| / h to v (2^-24 |x| / h in binary32), so very "
+         "short steps increase the error. If an event leaves less than 1/64 of a step, this remainder keeps the "
+         "velocities and does not correct the pivot. Order 1.",
      .source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body Simulation with "
                "Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2",
      .conserves = "|q|",

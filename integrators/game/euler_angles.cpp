@@ -108,7 +108,7 @@ class EulerAnglesStepper {
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
         trajectory.message = fmt::format(
-            "at t = {:g} s an angle would turn by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
+            "at t = {:g} s an angle would change by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
             failed_at_, turn_, distance_from_lock(pitch_of(y_.data())));
     }
 
@@ -168,11 +168,11 @@ constexpr std::string_view source =
 constexpr Method each[] = {
     {.name = "euler_angles",
      .documentation =
-         "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near pitch "
-         "+-90 degrees, gimbal lock, roll and yaw turn like 1/cos(pitch); steps of h come no nearer to it than some h "
-         "w but by chance, and pass with an error of the usual size. A step that would turn an angle by more than half "
-         "a turn ends the run as `failed`, with the distance from gimbal lock. All of the motion is integrated, in "
-         "body axes. Order 1.",
+         "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near "
+         "gimbal lock, pitch +-90 degrees, roll and yaw change like 1/cos(pitch). Steps of h normally stay about h "
+         "w away from it and pass it with an error of the usual size. A step that would change an angle by more "
+         "than half a revolution ends the run as `failed`, with the distance from gimbal lock. Rotation and "
+         "translation are both integrated, in body axes. Order 1.",
      .described_as = "slides: Euler angles, roll, pitch, yaw",
      .control = Control::fixed_step,
      .order = 1,
@@ -180,9 +180,10 @@ constexpr Method each[] = {
      .growth = explicit_euler_growth},
     {.name = "euler_angles_cvode",
      .documentation =
-         "The same equations of roll, pitch and yaw by CVODE's Adams-Moulton formulas, as `cvode_adams` has them for a "
-         "quaternion. Passing gimbal lock at a distance d costs steps down to a hundredth of d / w and less, until d "
-         "is below the tolerance; at the lock itself it stops. All of the motion is integrated, in body axes.",
+         "Roll, pitch and yaw and w in body axes by CVODE's Adams-Moulton formulas, with the settings of "
+         "`cvode_adams`. Passing gimbal lock at a distance d requires steps of a hundredth of d / w or less, until "
+         "d is below the tolerance. At gimbal lock itself the run stops. Rotation and translation are both "
+         "integrated, in body axes.",
      .described_as = "slides: Euler angles, by an adaptive solver",
      .control = Control::tolerance,
      .solve = euler_angles_cvode,

@@ -213,57 +213,57 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 constexpr std::string_view source =
     "D. Fleck, Game Physics, part IV: Moving to 3D (slides), after C. Hecker, Physics, part 4: The Third Dimension, "
     "Game Developer, June 1997";
-constexpr std::string_view kept = "L in world axes exactly where no torque acts";
+constexpr std::string_view kept = "L in world axes exactly if no torque acts";
 
 constexpr Method each[] = {
     {.name = "fleck_matrix",
      .documentation =
          "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
-         "columns (X kept in direction, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. Order 1. The error of a step is "
-         "not the same about all axes, since the first column alone keeps its direction.",
+         "columns (X normalised, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. The error of a step depends on the "
+         "axis, since only the first column keeps its direction. Order 1.",
      .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
      .solve = solve<MendedMatrix>},
     {.name = "fleck_matrix_drifting",
      .documentation =
-         "The slides' update without its re-orthogonalisation. Each step stretches A across w by sqrt(1 + h^2 w^2), so "
-         "that A^T A - 1 grows like h w^2 t; points and inertia are taken through A as it is, A r and A I^-1 A^T. The "
-         "attitude reported is the rotation nearest to A. Order 1.",
-     .described_as = "slides: the same without re-orthogonalizing, A drifts",
+         "The slides' update without re-orthogonalisation. Each step stretches A perpendicular to w by sqrt(1 + "
+         "h^2 w^2), so that A^T A - 1 grows like h w^2 t. Points and inertia are transformed by A itself, A r and "
+         "A I^-1 A^T. The reported attitude is the rotation nearest to A. Order 1.",
+     .described_as = "slides: the update without re-orthogonalizing, A drifts",
      .conserves = "nothing",
      .solve = solve<DriftingMatrix>},
     {.name = "fleck_quaternion",
      .documentation =
-         "The slides' update with a quaternion for the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 A^T L "
-         "with A = A(q); vertices would be V = A V0, always from the originals. Order 1.",
-     .described_as = "slides: the same step with the orientation as a quaternion",
-     .conserves = "L in world axes exactly where no torque acts; |q| to round-off",
+         "The slides' update with a quaternion instead of the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 "
+         "A^T L with A = A(q). Vertices would be computed from the originals, V = A V0. Order 1.",
+     .described_as = "slides: the update with the orientation as a quaternion",
+     .conserves = "L in world axes exactly if no torque acts; |q| to round-off",
      .solve = solve<TurnedQuaternion>},
     {.name = "accumulated_vertices",
      .documentation =
-         "What the slides warn of: vertices turned on from where they are, V = R(h w) V, and never from the originals. "
-         "The orientation is read off three of them, re-orthogonalised, for w = A I^-1 A^T L; the vertices keep their "
-         "rounding errors, and their A^T A - 1 is the defect reported. Order 1.",
-     .described_as = "slides: \"always start with the original\" not heeded, vertices turned on from where they are",
+         "The update that the slides warn against: vertices are rotated from their last positions, V = R(h w) V, "
+         "instead of from the originals. The orientation for w = A I^-1 A^T L is computed from three of them, "
+         "re-orthogonalised. The vertices accumulate rounding errors, and their A^T A - 1 is the reported defect. "
+         "Order 1.",
+     .described_as = "slides: \"always start with the original\" ignored, vertices rotated from their last positions",
      .conserves = kept,
      .solve = solve<AccumulatedVertices>},
     {.name = "fleck_resummed_inertia",
      .documentation =
-         "`fleck_matrix` with the inertia tensor as the slides first have it, summed over world points at every step, "
-         "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor: "
-         "the same motion but for rounding, at more cost. Order 1.",
-     .described_as = "slides: the inertia tensor from world space vectors, re-summed each frame",
+         "`fleck_matrix` with the inertia tensor as the slides introduce it: summed over world points at every step, "
+         "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor. "
+         "The motion equals that of `fleck_matrix` except for rounding, at higher cost. Order 1.",
+     .described_as = "slides: the inertia tensor from world space vectors, summed again in each frame",
      .solve = solve<MendedMatrix, ResummedInertia>},
 };
 
-constexpr auto in_binary64 =
-    sharing({.source = source,
-             .conserves = "L in world axes exactly where no torque acts; A^T A = 1 to round-off",
-             .control = Control::fixed_step,
-             .order = 1,
-             .growth = explicit_euler_growth,
-             .family = Family::published_update,
-             .formulation = Formulation::full},
-            each);
+constexpr auto in_binary64 = sharing({.source = source,
+                                      .conserves = "L in world axes exactly if no torque acts; A^T A = 1 to round-off",
+                                      .control = Control::fixed_step,
+                                      .order = 1,
+                                      .growth = explicit_euler_growth,
+                                      .family = Family::published_update,
+                                      .formulation = Formulation::full},
+                                     each);
 
 constexpr auto family =
     with_binary32<in_binary64, refused_by_binary32, solve<MendedMatrix, TransformedInertia, float>,

@@ -71,65 +71,66 @@ constexpr std::string_view catto = "E. Catto 2015, Numerical Methods, Game Devel
 constexpr Method each[] = {
     {.name = "gyroscopic_none",
      .documentation =
-         "The semi-implicit step of game engines without a gyroscopic term: w in world axes changes by the loads "
-         "alone, then q = exp(h w) q. Of a body that is no ball it converges, with order 1, to I_W dw/dt = tau, which "
-         "is another motion: free, it spins for ever about an axis that is fixed in body and world. Godot, cannon-es "
-         "and Havok's web build have it so; so do Jolt, PhysX and Unity unless they are told otherwise.",
-     .conserves = "|q|; w in world axes, not L, where no torque acts",
+         "The semi-implicit step of game engines without a gyroscopic term: only loads change w in world axes, then q "
+         "= exp(h w) q. For bodies with unequal moments it converges, with order 1, to I_W dw/dt = tau, which is a "
+         "different motion: a free body spins indefinitely about an axis fixed in body and world. Godot, cannon-es and "
+         "Havok's web build use it; Jolt, PhysX and Unity use it by default.",
+     .conserves = "|q|; w in world axes, not L, if no torque acts",
      .solve = solve<Term::none>},
     {.name = "gyroscopic_explicit",
      .documentation =
-         "The gyroscopic term by an explicit Euler step in the body's axes, w -= h I^-1 (w x I w). Free, every step "
-         "adds h^2/2 (dw/dt . I dw/dt) to the energy, so that a tumbling body spins up until it diverges. An option of "
-         "Bullet; Chrono, DART and MuJoCo's Euler do the same. Order 1.",
+         "The gyroscopic term by an explicit Euler step in body axes, w -= h I^-1 (w x I w). For a free body every "
+         "step adds h^2/2 (dw/dt . I dw/dt) to the energy, so that a tumbling body spins up until it diverges. An "
+         "option of Bullet; Chrono, DART and MuJoCo's Euler use the same update. Order 1.",
      .source = "the sources of the engines named; D. Baraff & A. Witkin 1997 for the equation",
      .solve = solve<Term::explicit_euler>},
     {.name = "gyroscopic_implicit",
      .documentation =
-         "The gyroscopic term by an implicit Euler step in the body's axes, I (w - w0) + h w x I w = 0, of which one "
-         "Newton step from w0 is taken. Free, a tumbling body loses energy until it turns about the axis of its "
-         "largest moment, with less and less momentum. Bullet's default; Box3D and MuJoCo's implicit integrators do "
-         "the same. Order 1.",
+         "The gyroscopic term by an implicit Euler step in body axes, I (w - w0) + h w x I w = 0, solved by one "
+         "Newton step from w0. A free tumbling body loses energy until it rotates about the axis of its largest "
+         "moment, and its momentum decreases. Bullet's default; Box3D and MuJoCo's implicit integrators use the "
+         "same update. Order 1.",
      .source = catto,
      .solve = solve<Term::one_newton_step>},
     {.name = "gyroscopic_rescaled_momentum",
      .documentation =
-         "The angular momentum in the body's axes by an explicit Euler step, L + h L x w, brought back to the length "
-         "that it had. Neither grows nor decays: a free body keeps |L|, though not L, and so a bounded energy, which "
-         "in the long run goes to that of a turn about the middle axis, |L|^2 / (2 I_2). Jolt and PhysX where their "
-         "gyroscopic forces are switched on. Order 1.",
+         "The angular momentum in body axes by an explicit Euler step, L + h L x w, rescaled to its previous "
+         "length. The momentum neither grows nor decays: a free body keeps |L|, but not L. Its energy is bounded "
+         "and in the long run approaches that of rotation about the middle axis, |L|^2 / (2 I_2). Jolt and PhysX "
+         "use it if their gyroscopic forces are enabled. Order 1.",
      .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
-     .conserves = "|q|; |L|, not L, where no torque acts",
+     .conserves = "|q|; |L|, not L, if no torque acts",
      .solve = solve<Term::rescaled_momentum>},
     {.name = "gyroscopic_linearly_implicit",
      .documentation =
-         "The gyroscopic term with the momentum of the step's begin and the new w, (I - h skew(I w0)) w = I w0, one "
-         "linear system: a free body loses the energy (w - w0) . I (w - w0) / 2 a step, at any step. The term of ODE "
-         "0.16, which turns the body by the first-order quaternion unless finite rotations are asked for. Order 1.",
+         "The gyroscopic term with the momentum at the start of the step and the new w, (I - h skew(I w0)) w = I "
+         "w0, one linear system. A free body loses the energy (w - w0) . I (w - w0) / 2 per step, for any step "
+         "size. The term of ODE 0.16, which rotates the body by the first-order quaternion update unless finite "
+         "rotations are enabled. Order 1.",
      .source = "C. Lacoursière 2006, Stabilizing gyroscopic forces in rigid multibody simulations, UMINF 06.05",
      .solve = solve<Term::linearly_implicit>},
     {.name = "midpoint_gyroscopic",
      .documentation =
-         "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to rounding: the term "
-         "then keeps the energy and |L| whatever the step; of the attitude's error it takes away little. MuJoCo's "
-         "`implicitfast` from 3.7 to 3.10, Genesis. Order 1.",
+         "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to rounding. The "
+         "term then conserves energy and |L| for any step, but hardly reduces the attitude error. Used by MuJoCo's "
+         "`implicitfast` from 3.7 to 3.10 and by Genesis. Order 1.",
      .source = "Google DeepMind, MuJoCo 3.7; Genesis",
-     .conserves = "|q|; |L|, not L, and the energy where nothing acts",
+     .conserves = "|q|; |L|, not L, and energy if no loads act",
      .solve = solve<Term::midpoint>},
     {.name = "gyroscopic_substepped",
      .documentation =
-         "`gyroscopic_rescaled_momentum` in four parts a step: torque and force are found once, at the step's begin, "
-         "and a quarter of their change, the gyroscopic term and the turn are taken four times. Rapier's four solver "
-         "iterations go this way. Order 1.",
+         "`gyroscopic_rescaled_momentum` in four parts per step: torque and force are evaluated once, at the start "
+         "of the step; a quarter of their change, the gyroscopic term and the rotation are applied four times. "
+         "This is Rapier's scheme with four solver iterations. Order 1.",
      .source = "Dimforge, Rapier",
-     .conserves = "|q|; |L|, not L, where no torque acts",
+     .conserves = "|q|; |L|, not L, if no torque acts",
      .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>,
      .pendulum_growth = substepped_pendulum_growth},
     {.name = "first_order_quaternion",
      .documentation =
-         "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) (0, "
-         "w) q, normalised, which turns by 2 atan(h |w| / 2) in place of h |w|. ODE's default and cannon-es turn so "
-         "(cannon-es without a gyroscopic term). Order 1.",
+         "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) "
+         "(0, w) q, normalised, which rotates by 2 atan(h |w| / 2) instead of h |w|. ODE's default and cannon-es "
+         "use this attitude update (cannon-es without a gyroscopic term). Order 1.",
      .solve = solve<Term::explicit_euler, Turning::first_order>},
 };
 

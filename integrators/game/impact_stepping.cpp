@@ -109,25 +109,25 @@ Trajectory solve_steps(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {
     {.name = "impact_stepping",
      .documentation =
-         "Semi-implicit Euler as game engines step, with impacts found after the fact: where a step ends with the body "
-         "in a plane and approaching it, the impulse is applied there and then, to the deep contacts. The body is not "
-         "pushed out. An impact is up to a step late, and a thin dip within a step is missed.",
+         "Semi-implicit Euler as in game engines, with impacts detected after the step: if a step ends with the body "
+         "inside a plane and approaching it, the impulse is applied at the end of the step, to the deep contacts. The "
+         "body is not pushed out. An impact is up to one step late, and a thin dip within a step is missed.",
      .source =
          "E. Catto 2005-2015, GDC talks on sequential impulses; C. Hecker 1997, Game Developer, \"Physics, Part 4\" "
          "(the impulse)",
      .solve = solve_steps<Detection::after_the_step>},
     {.name = "impact_halving",
      .documentation =
-         "`impact_stepping` by the rule of game-physics lectures: a step that ends too deep in a plane is taken again "
-         "at half its length, and again, until the body is no deeper than 10^-6 of its size; then the impulse is "
-         "applied and the rest of the step taken. The impact's time is then that of the step's own motion.",
+         "`impact_stepping` with the rule of game-physics lectures: a step that ends too deep in a plane is repeated "
+         "at half its length until the body is no deeper than 10^-6 of its size. Then the impulse is applied and the "
+         "remainder of the step is taken. The impact time is therefore that of the step's own motion.",
      .source =
          "C. Hecker 1997, Game Developer, \"Physics, Part 3: Collision Response\"; lecture slides on game physics "
          "after it",
      .solve = solve_steps<Detection::by_halving>},
 };
 
-constexpr auto list = sharing({.conserves = "|q|; at an impact what the impulse keeps",
+constexpr auto list = sharing({.conserves = "|q|; at an impact, the invariants of the impulse",
                                .control = Control::fixed_step,
                                .planes = true,
                                .order = 1,

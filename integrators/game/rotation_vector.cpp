@@ -83,10 +83,10 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {
     {.name = "rotation_vector",
      .documentation =
-         "Axis and angle in one vector theta as the integrated attitude, with w in body axes, by the classical "
-         "Runge-Kutta method: dtheta/dt is the inverse differential of exp applied to w (Bortz's equation). Where "
-         "|theta| exceeds pi/2 the vector starts again from zero at the attitude reached, so that its singularity at "
-         "2 pi is never met. Order 4.",
+         "The attitude as a rotation vector theta (axis times angle), with w in body axes, by the classical "
+         "Runge-Kutta method: dtheta/dt is the inverse differential of exp applied to w (Bortz's equation). If "
+         "|theta| exceeds pi/2, the vector restarts from zero at the current attitude, so that it never reaches "
+         "its singularity at 2 pi. Order 4.",
      .source =
          "J. E. Bortz 1971, A new mathematical formulation for strapdown inertial navigation, IEEE Trans. Aerosp. "
          "Electron. Syst. AES-7, 61-66; H. Munthe-Kaas 1999, Appl. Numer. Math. 29, 115-127",

@@ -56,12 +56,12 @@ double buss_pendulum_growth(double c, double s) {
 constexpr Method each[] = {
     {.name = "buss",
      .documentation =
-         "The augmented second-order method of Buss: one turn by a rate corrected with the angular acceleration and "
-         "its cross product with the rate. The momentum is carried in world axes; torques change it by their mean at "
-         "both ends of the step. Explicit; all loads of a body whose rotation does not depend on its translation. "
-         "Order 2.",
+         "The augmented second-order method of Buss: one rotation per step, by a rate corrected with the angular "
+         "acceleration and its cross product with the rate. The state is the angular momentum in world axes; torques "
+         "change it by the mean of their values at both ends of the step. Explicit. Supports all loads on a body "
+         "whose rotation does not depend on its translation. Order 2.",
      .source = "S. R. Buss 2000, J. Comput. Phys. 164, 377",
-     .conserves = "|q|; L in world axes exactly where no torque acts; energy not",
+     .conserves = "|q|; L in world axes exactly if no torque acts; not energy",
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<Buss<double>>,

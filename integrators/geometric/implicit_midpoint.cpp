@@ -155,12 +155,12 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {
     {.name = "implicit_midpoint",
      .documentation =
-         "The implicit midpoint rule on the first-order system, solved to round-off: by simple iteration, and by "
-         "Newton's method where that does not contract (stiff loads). It keeps every quadratic form that the equations "
-         "keep. All loads. Order 2.",
+         "The implicit midpoint rule on the first-order system, solved to round-off: by fixed-point iteration, or by "
+         "Newton's method where that does not contract (stiff loads). It conserves every quadratic form that the "
+         "equations conserve. Supports all loads. Order 2.",
      .source = "E. Hairer, C. Lubich & G. Wanner 2006, Geometric Numerical Integration, IV.2; G. J. Cooper 1987, IMA "
                "J. Numer. Anal. 7, 1",
-     .conserves = "|q|; energy, of a free body, in uniform gravity about a pivot and under springs; |L|, but not L, of "
+     .conserves = "|q|; energy of a free body, in uniform gravity about a pivot and under springs; |L|, but not L, of "
                   "a free body; all to round-off",
      .control = Control::fixed_step,
      .own_systems = true,

@@ -91,21 +91,21 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
     return march_momentum<LieGroupStepper<Scheme>>(problem, settings);
 }
 
-constexpr std::string_view kept = "|q|; L in world axes exactly where no torque acts; energy not";
+constexpr std::string_view kept = "|q|; L in world axes exactly if no torque acts; not energy";
 
 constexpr Method each[] = {
     {.name = "munthe_kaas4",
      .documentation =
-         "The classical Runge-Kutta method on the rotation group: the stages are rotation vectors from the step's "
-         "start, their rates pulled back by the inverse differential of exp. The momentum is carried in world axes, so "
-         "that it is constant without torque. All loads. Order 4.",
+         "The classical Runge-Kutta method on the rotation group: the stages are rotation vectors from the start of "
+         "the step, their rates pulled back by the inverse differential of exp. The state is the angular momentum in "
+         "world axes, which is therefore constant without torque. Supports all loads. Order 4.",
      .source = "H. Munthe-Kaas 1998, BIT 38, 92; H. Munthe-Kaas & B. Owren 1999, Phil. Trans. R. Soc. A 357, 957",
      .solve = solve<MuntheKaas>},
     {.name = "commutator_free4",
      .documentation =
-         "A Runge-Kutta method on the rotation group by products of exponentials alone, five a step, without "
-         "commutators. The momentum is carried in world axes, so that it is constant without torque. All loads. "
-         "Order 4.",
+         "A commutator-free Runge-Kutta method on the rotation group, by products of five exponentials per step. The "
+         "state is the angular momentum in world axes, which is therefore constant without torque. Supports all "
+         "loads. Order 4.",
      .source = "E. Celledoni, A. Marthinsen & B. Owren 2003, Future Gener. Comput. Syst. 19, 341",
      .solve = solve<CommutatorFree>},
 };

@@ -121,7 +121,8 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
 /// Returns why a stepper for rotations only refuses the problem, or an empty string.
 inline std::string refused_translation(const Problem& problem) {
     return problem.needs.translation == Translation::integrated && !problem.body.pivoted
-               ? "its equations are those of the rotation: where translation is integrated beside it, not"
+               ? "this method integrates only the rotation; scenes whose translation must be integrated too are not "
+                 "supported"
                : "";
 }
 

@@ -18,14 +18,14 @@ std::string refused(const Problem& problem) {
     if (std::string why = refused_by_kicks(problem); !why.empty() || !composition(order).empty()) return why;
     bool loaded = problem.needs.translation == Translation::integrated && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
-    return loaded ? "no composition of kicks of this order: under loads moser_veselov8 is the highest" : "";
+    return loaded ? "this order is not available under loads; use moser_veselov8 or a lower order" : "";
 }
 
 constexpr std::string_view source =
     "J. Moser & A. P. Veselov 1991, Commun. Math. Phys. 139, 217; E. Hairer & G. Vilmart 2006, J. Phys. A 39, 13225";
 constexpr std::string_view kept =
-    "|q|; L in world axes exactly and energy to round-off where no torque acts, else L along a uniform field of force "
-    "and energy without drift (its error stays of the order of the step's)";
+    "|q|; L in world axes exactly and energy to round-off if no torque acts, otherwise L along a uniform force field, "
+    "and energy without drift (its error stays of the order of the step's error)";
 
 template <int order>
 constexpr Method moser_veselov(std::string_view name, std::string_view documentation) {
@@ -43,18 +43,21 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
 
 constexpr Method each[] = {
     moser_veselov<2>("moser_veselov2",
-                     "The discrete Moser-Veselov motion of a free body, integrable like the motion itself: three "
-                     "quadratic equations a step, solved to round-off. Loads act as half kicks before and after it. "
-                     "A step of about one radian and more has no solution. Order 2."),
-    moser_veselov<4>("moser_veselov4",
-                     "moser_veselov2 with moments of inertia modified by the first term of Hairer & Vilmart's series: "
-                     "the same equations, order 4. Under loads composed of five stages after Suzuki (1990)."),
-    moser_veselov<6>("moser_veselov6",
-                     "moser_veselov2 with moments of inertia modified by two terms of Hairer & Vilmart's series: the "
-                     "same equations, order 6. Under loads composed of nine stages after Kahan & Li (1997)."),
-    moser_veselov<8>("moser_veselov8",
-                     "moser_veselov2 with moments of inertia modified by three terms of Hairer & Vilmart's series: the "
-                     "same equations, order 8. Under loads composed of seventeen stages after Kahan & Li (1997)."),
+                     "The discrete Moser-Veselov motion of a free body, which is integrable like the continuous "
+                     "motion: three quadratic equations per step, solved to round-off. Loads act as half kicks before "
+                     "and after the step. Steps of about one radian or more have no solution. Order 2."),
+    moser_veselov<4>(
+        "moser_veselov4",
+        "moser_veselov2 with moments of inertia modified by the first term of Hairer & Vilmart's series: the same "
+        "equations, order 4. Under loads it is a composition of five stages after Suzuki (1990)."),
+    moser_veselov<6>(
+        "moser_veselov6",
+        "moser_veselov2 with moments of inertia modified by two terms of Hairer & Vilmart's series: the same "
+        "equations, order 6. Under loads it is a composition of nine stages after Kahan & Li (1997)."),
+    moser_veselov<8>(
+        "moser_veselov8",
+        "moser_veselov2 with moments of inertia modified by three terms of Hairer & Vilmart's series: the same "
+        "equations, order 8. Under loads it is a composition of seventeen stages after Kahan & Li (1997)."),
     moser_veselov<10>("moser_veselov10",
                       "moser_veselov2 with moments of inertia modified by four terms of Hairer & Vilmart's series: the "
                       "same equations, order 10. Free bodies only."),

@@ -90,10 +90,10 @@ constexpr Method each[] = {
     {.name = "simo_wong",
      .documentation =
          "The implicit algorithm of Simo & Wong in its trapezoidal form (their ALGO_C1): the momentum balance in world "
-         "axes, the attitude by the exponential of the mean of the body rates at both ends. Solved to round-off. All "
-         "loads of a body whose rotation does not depend on its translation. Order 2.",
+         "axes, the attitude by the exponential of the mean of the body rates at both ends of the step. Solved to "
+         "round-off. Supports all loads on a body whose rotation does not depend on its translation. Order 2.",
      .source = "J. C. Simo & K. K. Wong 1991, Int. J. Numer. Methods Eng. 31, 19",
-     .conserves = "|q|; L in world axes exactly and energy to round-off where no torque acts",
+     .conserves = "|q|; L in world axes exactly and energy to round-off if no torque acts",
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<SimoWong<double>>,

@@ -101,9 +101,9 @@ class Splitting : public MomentumStateOf<S> {
 
 /// Returns why a kick at a fixed attitude cannot represent the loads, or an empty string if it can.
 inline std::string refused_by_kicks(const Problem& problem) {
-    return problem.needs.user_torque
-               ? "a user's torque may depend on the rates: a kick at a fixed attitude is no flow of it"
-               : "";
+    return problem.needs.user_torque ? "user-defined torques are not supported: they may depend on the rates, which a "
+                                       "kick at fixed attitude ignores"
+                                     : "";
 }
 
 }  // namespace polhode

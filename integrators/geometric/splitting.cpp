@@ -20,11 +20,11 @@ constexpr std::string_view exact_source =
     "R. I. McLachlan & A. Zanna 2005, Found. Comput. Math. 5, 87; E. Celledoni, F. Fasso, N. Safstrom & A. Zanna 2008, "
     "SIAM J. Sci. Comput. 30, 2084; free motion by series, and by C. G. J. Jacobi 1849 where they are long";
 constexpr std::string_view rotations_keep =
-    "|q|; L in world axes exactly where no torque acts, else its component along a uniform field of force; energy "
-    "without drift (its error stays of the order of the step's) where there is one";
+    "|q|; L in world axes exactly if no torque acts, otherwise its component along a uniform force field; if there is "
+    "an energy, it does not drift (its error stays of the order of the step's error)";
 constexpr std::string_view exact_keeps =
-    "|q|; L in world axes exactly and energy to round-off where no torque acts, else L along a uniform field of force "
-    "and energy without drift (its error stays of the order of the step's)";
+    "|q|; L in world axes exactly and energy to round-off if no torque acts, otherwise L along a uniform force field, "
+    "and energy without drift (its error stays of the order of the step's error)";
 
 template <int order>
 constexpr Method rotations(std::string_view name, std::string_view documentation) {
@@ -50,33 +50,32 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
 }
 
 constexpr Method each[] = {
-    rotations<2>(
-        "splitting2",
-        "The kinetic energy split into its three terms: turns about the principal axes in the order 1 2 3 2 1, "
-        "between two half kicks by the loads. Symplectic where the loads have a potential, time-reversible, "
-        "explicit. Drag is followed exactly within a kick; a user's torque is refused. Order 2."),
+    rotations<2>("splitting2",
+                 "The kinetic energy split into its three terms: rotations about the principal axes in the order 1 2 3 "
+                 "2 1, between two half kicks by the loads. Explicit and time-reversible, and symplectic if the loads "
+                 "have a potential. Drag is solved exactly within a kick. User-defined torques are refused. Order 2."),
     rotations<4>("splitting4",
-                 "splitting2 composed of five stages after Suzuki (1990). One stage goes backwards: strong drag "
-                 "grows in it. Order 4."),
+                 "splitting2 composed of five stages after Suzuki (1990). One stage has a negative step, in which "
+                 "strong drag grows. Order 4."),
     rotations<6>("splitting6",
-                 "splitting2 composed of nine stages after Kahan & Li (1997). Some go backwards: strong drag grows in "
-                 "them. Order 6."),
+                 "splitting2 composed of nine stages after Kahan & Li (1997). Some stages have negative steps, in "
+                 "which strong drag grows. Order 6."),
     rotations<8>("splitting8",
-                 "splitting2 composed of seventeen stages after Kahan & Li (1997). Some go backwards: strong drag "
-                 "grows in them. Order 8."),
+                 "splitting2 composed of seventeen stages after Kahan & Li (1997). Some stages have negative steps, in "
+                 "which strong drag grows. Order 8."),
     exact_flow<2>("splitting_exact2",
-                  "The exact free motion between two half kicks by the loads: without torque its only error is "
-                  "round-off. Fast rotation under slow loads is its ground. Symplectic where the loads have a "
-                  "potential, time-reversible, explicit. A user's torque is refused. Order 2."),
+                  "The exact free motion between two half kicks by the loads. Without torque the only error is "
+                  "round-off. Best suited to fast rotation under slow loads. Explicit and time-reversible, and "
+                  "symplectic if the loads have a potential. User-defined torques are refused. Order 2."),
     exact_flow<4>("splitting_exact4",
-                  "splitting_exact2 composed of five stages after Suzuki (1990). One stage goes backwards: strong "
-                  "drag grows in it. Order 4."),
+                  "splitting_exact2 composed of five stages after Suzuki (1990). One stage has a negative step, in "
+                  "which strong drag grows. Order 4."),
     exact_flow<6>("splitting_exact6",
-                  "splitting_exact2 composed of nine stages after Kahan & Li (1997). Some go backwards: strong drag "
-                  "grows in them. Order 6."),
+                  "splitting_exact2 composed of nine stages after Kahan & Li (1997). Some stages have negative steps, "
+                  "in which strong drag grows. Order 6."),
     exact_flow<8>("splitting_exact8",
-                  "splitting_exact2 composed of seventeen stages after Kahan & Li (1997). Some go backwards: strong "
-                  "drag grows in them. Order 8."),
+                  "splitting_exact2 composed of seventeen stages after Kahan & Li (1997). Some stages have negative "
+                  "steps, in which strong drag grows. Order 8."),
 };
 
 constexpr auto in_binary64 = sharing({.family = Family::splitting, .refuses = refused_by_kicks}, each);

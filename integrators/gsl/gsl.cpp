@@ -118,7 +118,7 @@ class GslSession {
     /// Meaning of a negative flag.
     SolverFailure failure(int) const {
         if (main_.not_finite || side_.not_finite)
-            return {Status::diverged, fmt::format("the right-hand side is not finite at {}, however small the step{}",
+            return {Status::diverged, fmt::format("the right-hand side is not finite at {} at any step size{}",
                                                   moment(t_), last_state(sample()))};
         return {Status::tolerance_not_met,
                 fmt::format(
@@ -248,24 +248,24 @@ constexpr Method each[] = {
      .documentation =
          "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R times the "
          "component's scale, by GSL's own step control (`control_scaled`). Steps stop exactly at events and at the end "
-         "alone; a sample inside a step is reached by separate steps from the start of the step; their right-hand "
-         "sides "
-         "are counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
+         "only. A sample inside a step is computed by separate steps from the start of the step; their right-hand "
+         "sides are counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
      .source = "Prince & Dormand 1981, High order embedded Runge-Kutta formulae, J. Comput. Appl. Math. 7, 67-75; "
                "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
      .solve = solve_by<rk8pd>,
      .family = Family::runge_kutta},
     {.name = "gsl_msadams",
      .documentation =
-         "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by "
-         "functional iteration; for non-stiff motion. Otherwise as `gsl_rk8pd`, which also goes to the samples; the "
-         "history is dropped at events.",
+         "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by functional "
+         "iteration; for non-stiff motion. Events restart the history. Samples inside a step are computed by steps of "
+         "`gsl_rk8pd`. Tolerances as for `gsl_rk8pd`.",
      .source = source,
      .solve = solve_by<msadams>,
      .family = Family::multistep},
     {.name = "gsl_bsimp",
-     .documentation = "GSL's semi-implicit extrapolation with the exact Jacobian, for stiff motion. Otherwise as "
-                      "`gsl_rk8pd`. A torque of the user's own is `unsupported`: it has no Jacobian.",
+     .documentation =
+         "GSL's semi-implicit extrapolation with the exact Jacobian, for stiff motion. Tolerances, events and samples "
+         "as for `gsl_rk8pd`. User-defined torques are `unsupported`, because they have no Jacobian.",
      .source = "Bader & Deuflhard 1983, A semi-implicit mid-point rule for stiff systems of ordinary differential "
                "equations, Numer. Math. 41, 373-398; Galassi et al. 2009, GNU Scientific Library Reference Manual, "
                "3rd ed.",
@@ -274,9 +274,9 @@ constexpr Method each[] = {
      .refuses = no_jacobian_of_user_torque},
     {.name = "gsl_msbdf",
      .documentation =
-         "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation "
-         "solved by a modified Newton iteration with the exact Jacobian; for stiff motion. Otherwise as `gsl_bsimp`, "
-         "which also goes to the samples; the history is dropped at events.",
+         "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation solved by a "
+         "modified Newton iteration with the exact Jacobian; for stiff motion. Events restart the history. Samples "
+         "inside a step are computed by steps of `gsl_bsimp`. Tolerances as for `gsl_bsimp`.",
      .source = source,
      .solve = solve_by<msbdf>,
      .family = Family::multistep,

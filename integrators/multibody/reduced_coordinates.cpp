@@ -76,20 +76,20 @@ Trajectory solve_in_joints(const Problem& problem, const Settings& settings) {
 constexpr Method each_in_joints[] = {
     {.name = "reduced_semi_implicit_euler",
      .documentation =
-         "Joint coordinates by the articulated-body recursion and semi-implicit Euler: rates by the accelerations as "
-         "the step begins, then coordinates by the new rates, quaternions by one exponential. Joints cannot come "
-         "apart. Loops are closed by multipliers on the accelerations and by a projection after each step, where "
-         "engines have springs. Order 1.",
+         "Joint coordinates by the articulated-body recursion and semi-implicit Euler: rates from the accelerations "
+         "at the start of the step, then coordinates from the new rates, quaternions by one exponential. Joints "
+         "cannot separate. Loops are closed by multipliers on the accelerations and by a projection after each step, "
+         "where engines use springs. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrator Euler without implicit damping; E. Coumans, Bullet, btMultiBody",
-     .conserves = "the joints; |q|",
+     .conserves = "joints closed; |q|",
      .solve = solve_in_joints<SemiImplicitEuler>},
     {.name = "reduced_implicit_damping",
      .documentation =
-         "`reduced_semi_implicit_euler` with the joints' dampers implicit, (M + h D) a = f: each joint's damper adds h "
-         "c to the inertia that it sees, an armature of the recursion, since both stand on the diagonal of M. Dampers "
-         "that are fast against the step do not blow up; springs do. Order 1.",
+         "`reduced_semi_implicit_euler` with implicit joint dampers, (M + h D) a = f: each joint's damper adds h c to "
+         "the diagonal of M, like an armature in the recursion. Dampers that are fast compared with the step remain "
+         "stable; springs do not. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrator Euler (eulerdamp) and, for joint damping, implicitfast",
-     .conserves = "the joints; |q|",
+     .conserves = "joints closed; |q|",
      .solve = solve_in_joints<ImplicitDamping>},
 };
 

@@ -12,8 +12,8 @@ namespace polhode::multibody {
 std::string needs_a_mechanism(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
     return std::holds_alternative<UserSystem>(problem.system)
-               ? "solves scenes of several bodies, no systems of the user's own"
-               : "solves scenes of several bodies, by their joints";
+               ? "this method supports only scenes of several bodies, not user-defined systems"
+               : "this method supports only scenes of several bodies with joints";
 }
 
 std::string needs_inertia_of_each_body(const Problem& problem) {
@@ -28,16 +28,16 @@ std::string beyond_binary32(const Problem& problem) {
     const auto holds = [&](double x) { return std::abs(x) <= largest; };
     const auto holds_well = [&](double x) { return holds(x) && holds(1 / x) && std::abs(x) >= smallest; };
     for (const Carried<double>& body : mechanism_of(problem).tree().links().bodies) {
-        if (!holds_well(body.mass)) return fmt::format("binary32 does not hold a mass of {:.3g}", body.mass);
+        if (!holds_well(body.mass)) return fmt::format("binary32 cannot represent a mass of {:.3g}", body.mass);
         const Matrix3<double> inverse_inertia = inverse(body.inertia_B);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
                 if (!holds(body.inertia_B[i][j]) || !holds(inverse_inertia[i][j]) || !holds_well(body.inertia_B[i][i]))
-                    return fmt::format("binary32 does not hold a moment of inertia of {:.3g}", body.inertia_B[i][i]);
+                    return fmt::format("binary32 cannot represent a moment of inertia of {:.3g}", body.inertia_B[i][i]);
     }
     const Scales& scales = problem.scales;
     if (!holds(scales.position) || !holds(scales.velocity) || !holds(scales.angular_velocity))
-        return "binary32 does not hold how far or how fast the bodies go";
+        return "binary32 cannot represent the bodies' positions or velocities";
     return "";
 }
 

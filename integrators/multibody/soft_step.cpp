@@ -77,22 +77,23 @@ Trajectory solve_softly(const Problem& problem, const Settings& settings) {
 constexpr Method each_softly[] = {
     {.name = "soft_step_4",
      .documentation =
-         "Soft constraints with 4 substeps, as Box2D v3.1 solves joints: in each substep every joint's rows are pulled "
-         "once like a spring of 60 Hz (at most 1/8 a substep) and damping ratio 2, then positions move, and once more "
-         "without the pull (relaxing), so that no energy of the pull stays; the impulses of the substep before are the "
-         "first guess. Points and axes are solved as blocks. In space each body has its gyroscopic term, in one Newton "
-         "step. Joints' springs, dampers and motors are forces at the substep's begin. While positions move the pull "
-         "alone holds the joints: they open by a / w_n^2, a the acceleration that they hold and w_n = 2 pi 60 Hz, "
-         "whatever the step; only over times below 1 / (h w_n^2) less. Order 1 there.",
+         "Soft constraints with 4 substeps, as in the joint solver of Box2D v3.1. In each substep every joint is "
+         "solved once as a spring of 60 Hz (at most 1/8 per substep) and damping ratio 2, then positions move, and "
+         "every joint is solved once more without the spring (relaxing), which removes the energy of the spring. The "
+         "impulses of the previous substep are the first guess. Points and axes are solved as blocks. In space each "
+         "body has its gyroscopic term, in one Newton step. Springs, dampers and motors of joints are forces at the "
+         "start of the substep. While positions move, only the spring holds the joints: they open by a / w_n^2 for any "
+         "step, where a is the acceleration to be held and w_n = 2 pi 60 Hz. They open less only over times below 1 / "
+         "(h w_n^2), where the order is 1.",
      .solve = solve_softly<double, 4>},
     {.name = "soft_step_16",
-     .documentation = "`soft_step_4` with 16 substeps a step.",
+     .documentation = "`soft_step_4` with 16 substeps per step.",
      .solve = solve_softly<double, 16>},
 };
 
 constexpr auto softly = sharing({.source = "E. Catto 2011, Soft Constraints, Game Developers Conference; Box2D v3.1, "
                                            "b2MakeSoft and the stages of b2Solve, jointHertz 60, jointDampingRatio 2",
-                                 .conserves = "|q|; linear momentum of a mechanism that nothing ties to the world",
+                                 .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
                                  .control = Control::fixed_step,
                                  .own_systems = true,
                                  .order = 1,

@@ -161,7 +161,7 @@ class VariationalTree : public multibody::JointState {
 
 std::string refused_by_variational_tree(const Problem& problem) {
     if (std::string why = multibody::needs_a_mechanism(problem); !why.empty()) return why;
-    return problem.scene.loops.empty() ? "" : "a variational integrator of trees: it closes no loops";
+    return problem.scene.loops.empty() ? "" : "this method supports only trees, not loops";
 }
 
 Trajectory solve_variational_tree(const Problem& problem, const Settings& settings) {
@@ -171,19 +171,19 @@ Trajectory solve_variational_tree(const Problem& problem, const Settings& settin
 constexpr Method each_variational[] = {
     {.name = "variational_tree",
      .documentation =
-         "A variational integrator of trees: the action is summed by the midpoint rule in joint coordinates, turns of "
-         "spherical joints and free bases by exponentials, and its stationary points are the motion (discrete Euler "
-         "and Lagrange's equations). Symplectic: without dampers and motors the energy stays within a band of the "
-         "step's square over any number of steps, and momenta that belong to a symmetry are kept to rounding. The "
-         "equations of a step are solved to rounding by quasi-Newton steps, each of one articulated-body recursion: "
-         "the cost is linear in the number of links. A heavy body on light links with ball joints asks for short "
-         "steps: the discrete torque of the whole acts on the first link's own twist. Rates at "
-         "samples are those of the momenta, M^-1 p. Order 2.",
+         "A variational integrator for trees: the action is summed by the midpoint rule in joint coordinates, with "
+         "exponentials for rotations of spherical joints and free bases, and the motion makes it stationary (discrete "
+         "Euler-Lagrange equations). Symplectic: without dampers and motors the energy error stays bounded by the "
+         "order of the square of the step over any number of steps, and momenta of symmetries are conserved to "
+         "rounding. The equations of a step are solved to rounding by quasi-Newton steps, each of one articulated-body "
+         "recursion, so that the cost is linear in the number of links. A heavy body on light links with ball joints "
+         "requires short steps: the discrete torque of the whole acts on the first link's own twist. Rates at samples "
+         "are those of the momenta, M^-1 p. Order 2.",
      .source =
          "J. E. Marsden & M. West 2001, Discrete mechanics and variational integrators, Acta Numerica 10; J. Lee, "
          "C. K. Liu, F. C. Park, S. S. Srinivasa 2016, A Linear-Time Variational Integrator for Multibody "
          "Systems, WAFR (recursions as the quasi-Newton matrix; there on SE(3))",
-     .conserves = "|q|; the joints; the symplectic form, so nearly the energy; momenta of symmetries",
+     .conserves = "|q|; joints closed; the symplectic form, and therefore nearly the energy; momenta of symmetries",
      .control = Control::fixed_step,
      .own_systems = true,
      .order = 2,

@@ -117,18 +117,19 @@ Trajectory solve_jointed_positions(const Problem& problem, const Settings& setti
 constexpr Method each_of_positions[] = {
     {.name = "xpbd_joints_10",
      .documentation =
-         "Extended position-based dynamics of jointed bodies in 10 substeps a step: the bodies go where their "
-         "velocities take them, each joint once pulls axes and points together by attitudes and positions, without "
-         "compliance, and the velocities become what was covered over the substep. Joints' springs, dampers and motors "
-         "are forces at the substep's begin. What one round leaves open lives on to the next substep: a long chain "
-         "stretches. Damps what is fast against a substep; rounding leaves 2^-53 |x| / h in v (in binary32 2^-24 |x| / "
-         "h): too short a step is worse. Order 1.",
+         "Extended position-based dynamics of jointed bodies in 10 substeps per step: bodies move with their "
+         "velocities, each joint is solved once for its axes and points, by attitudes and positions, without "
+         "compliance, and the new velocities are the displacements divided by the length of the substep. Springs, "
+         "dampers and motors of joints are forces at the start of the substep. The remaining joint errors carry over "
+         "to the next substep, so that a long chain stretches. Motion that is fast compared with a substep is damped. "
+         "Rounding adds 2^-53 |x| / h to v (2^-24 |x| / h in binary32), so very short steps increase the error. Order "
+         "1.",
      .solve = solve_jointed_positions<double, 10>},
     {.name = "xpbd_joints_1",
-     .documentation = "`xpbd_joints_10` with steps that are not divided.",
+     .documentation = "`xpbd_joints_10` without substeps.",
      .solve = solve_jointed_positions<double, 1>},
     {.name = "xpbd_joints_20",
-     .documentation = "`xpbd_joints_10` with 20 substeps a step.",
+     .documentation = "`xpbd_joints_10` with 20 substeps per step.",
      .solve = solve_jointed_positions<double, 20>},
 };
 
@@ -136,7 +137,7 @@ constexpr auto of_positions =
     sharing({.source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body "
                        "Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2; "
                        "M. Macklin et al. 2019, Small Steps in Physics Simulation, Symposium on Computer Animation",
-             .conserves = "|q|; linear momentum of a mechanism that nothing ties to the world",
+             .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
              .control = Control::fixed_step,
              .own_systems = true,
              .order = 1,

@@ -104,20 +104,21 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
 }
 
 std::string no_derivative_of_user_torque(const Problem& problem) {
-    return problem.needs.user_torque ? "a user's torque has no derivative for the Jacobian" : "";
+    return problem.needs.user_torque ? "user-defined torques have no Jacobian" : "";
 }
 
 constexpr Method each[] = {
     {.name = "odeint_euler",
-     .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side a step.",
+     .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side per step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .control = Control::fixed_step,
      .order = 1,
      .solve = march_odeint<Euler>,
      .growth = stepper_growth<Euler>},
     {.name = "odeint_rk4",
-     .documentation = "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four "
-                      "right-hand sides a step.",
+     .documentation =
+         "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four right-hand "
+         "sides per step.",
      .source = "Kutta 1901; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .control = Control::fixed_step,
      .order = 4,
@@ -125,39 +126,39 @@ constexpr Method each[] = {
      .growth = classical_growth},
     {.name = "odeint_cash_karp54",
      .documentation =
-         "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), the fifth order carried on. "
-         "Six right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
-         "largest error over the components.",
+         "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), propagating the fifth "
+         "order. Six right-hand sides per step. Step control by Odeint: the largest error over the components, each "
+         "relative to R (scale + |y|).",
      .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
      .solve = fixed_or_controlled<CashKarp54>,
      .growth = stepper_growth<CashKarp54>},
     {.name = "odeint_dopri5",
      .documentation =
-         "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), the fifth order carried on. "
-         "Six right-hand sides a step, for the last stage is the next step's first. Controlled by Odeint's own rule, "
-         "each component held to R (scale + |y|), largest error over the components.",
+         "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), propagating the fifth "
+         "order. Six right-hand sides per step, because the last stage is the first one of the next step. Step control "
+         "by Odeint: the largest error over the components, each relative to R (scale + |y|).",
      .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
      .solve = fixed_or_controlled<Dopri5>,
      .growth = stepper_growth<Dopri5>},
     {.name = "odeint_fehlberg78",
      .documentation =
-         "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), the eighth order carried on. "
-         "Thirteen right-hand sides a step. Controlled by Odeint's own rule, each component held to R (scale + |y|), "
-         "largest error over the components.",
+         "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), propagating the eighth order. "
+         "Thirteen right-hand sides per step. Step control by Odeint: the largest error over the components, each "
+         "relative to R (scale + |y|).",
      .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 8,
      .solve = fixed_or_controlled<Fehlberg78>,
      .growth = stepper_growth<Fehlberg78>},
     {.name = "odeint_adams_bashforth_moulton",
      .documentation =
-         "Adams-Bashforth's formula of six steps as predictor, Adams-Moulton's of order 6 as corrector, each followed "
-         "by an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides a step. "
-         "Odeint has up to eight steps, but with seven or eight the predictor's share of the error falls behind the "
-         "corrector's only at steps so short that round-off hides both. The first five steps are Fehlberg's of order "
-         "8, not the Runge-Kutta steps of order 4 that Odeint starts with, which would leave order 5. An event, or a "
-         "step of another length, drops the history and starts it again.",
+         "Adams-Bashforth formula of six steps as predictor and Adams-Moulton formula of order 6 as corrector, each "
+         "followed by an evaluation (Boost.Odeint's `adams_bashforth_moulton<6>`), fixed step. Two right-hand sides "
+         "per step. Odeint supports up to eight steps, but with seven or eight the predictor's share of the error "
+         "falls below the corrector's only at steps so short that round-off hides both. The first five steps use "
+         "Fehlberg's method of order 8; the Runge-Kutta steps of order 4 that Odeint starts with would reduce the "
+         "order to 5. An event or a change of the step restarts the history.",
      .source = "Bashforth & Adams 1883; Moulton 1926; Hairer, Norsett & Wanner 1993, III.1; Boost.Odeint 1.74",
      .control = Control::fixed_step,
      .order = 6,
@@ -166,9 +167,9 @@ constexpr Method each[] = {
      .family = Family::multistep},
     {.name = "odeint_bulirsch_stoer",
      .documentation =
-         "Extrapolation of the modified midpoint rule, order and step varying (Boost.Odeint's `bulirsch_stoer`, up to "
-         "eight columns). Its controller takes one absolute tolerance for all components: R times the smallest of "
-         "their scales, and it weighs the step's change h |f| beside |y|.",
+         "Extrapolation of the modified midpoint rule with variable order and step (Boost.Odeint's `bulirsch_stoer`, "
+         "up to eight columns). Its controller uses one absolute tolerance for all components, R times the smallest of "
+         "their scales, and adds the change over the step, h |f|, to |y| in the weights.",
      .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
      .control = Control::tolerance,
      .solve = extrapolate,
@@ -176,10 +177,10 @@ constexpr Method each[] = {
     {.name = "odeint_rosenbrock4",
      .documentation =
          "A linearly implicit method of order 4 for stiff scenes (Boost.Odeint's `rosenbrock4`: Shampine's and "
-         "Kaps-Rentrop's form with the coefficients of RODAS), Jacobian by forward differentiation of the right-hand "
-         "side, dense LU once a step. Six right-hand sides and one Jacobian a step; the count shows the former. Its "
-         "controller takes one absolute tolerance for all components: R times the smallest of their scales. No "
-         "user torques, for they have no derivative.",
+         "Kaps-Rentrop's form with the coefficients of RODAS), with the Jacobian by forward differentiation of the "
+         "right-hand side and one dense LU factorisation per step. Six right-hand sides and one Jacobian per step; "
+         "only right-hand sides are counted. Its controller uses one absolute tolerance for all components, R times "
+         "the smallest of their scales. User-defined torques are refused, because they have no Jacobian.",
      .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 4,
      .solve = solve_rosenbrock4,

@@ -60,16 +60,17 @@ Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings
     });
 }
 
-constexpr const char* kept = "|q| and, where the motion keeps them, E, momenta and spin, to round-off";
+constexpr const char* kept = "|q| and, if the motion conserves them, E, momenta and spin, to round-off";
 
 constexpr Method each[] = {
     {.name = "odeint_rk4_projected",
      .documentation =
-         "`odeint_rk4` with each step's end moved to the nearest state that has |q| = 1 and what the motion keeps at "
-         "its first value: energy, angular and linear momentum (or the components that stay), the spin about an axis "
-         "of symmetry. Nearest in units of the components' scales, by Gauss-Newton to round-off. It hides the error "
-         "along the manifold, which is most of the attitude's: those columns say nothing about it. What an event ends "
-         "is not kept, from the start on.",
+         "`odeint_rk4` with the end of each step projected onto the nearest state with |q| = 1 and the initial values "
+         "of the motion's invariants: energy, angular and linear momentum (or their conserved components), the spin "
+         "about an axis of symmetry. Distances are in units of the components' scales; the projection is computed by "
+         "Gauss-Newton steps to round-off. It does not reduce the error along the manifold, which is most of the "
+         "attitude error; the errors of the invariants therefore say nothing about the attitude error. Invariants that "
+         "an event ends are not projected at all.",
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Kutta 1901",
      .control = Control::fixed_step,
      .order = 4,

@@ -43,14 +43,14 @@ Choice choose_method(const Problem& problem, double tolerance) {
         return {method, "the motion has a closed form"};
     if (is_stiff(problem))
         if (const Method* method = find_method("radau"))
-            return {method, "the motion is stiff: it damps far faster than the body turns"};
+            return {method, "the motion is stiff: it damps far faster than it rotates"};
     if (is_long(problem, tolerance))
         return {find_method("extrapolation"),
-                "many joined bodies: eight right-hand sides side by side take least time"};
+                "many joined bodies: evaluating eight right-hand sides in parallel is the fastest"};
     if (!problem.needs.user_torque)
-        return {find_method("taylor"), "smooth motion without stiffness: a Taylor series comes nearest to round-off"};
+        return {find_method("taylor"), "the motion is smooth and not stiff: a Taylor series gives the smallest error"};
     return {find_method("dop853"),
-            "a torque of the user's own has no Taylor coefficients and may be rough: a Runge-Kutta pair of high order"};
+            "user-defined torques have no Taylor coefficients and may not be smooth: a Runge-Kutta pair of high order"};
 }
 
 Choice choose_method(const Problem& problem, const Settings& settings) {
@@ -65,9 +65,10 @@ Choice choose_method(const Problem& problem, const Settings& settings) {
     };
     if (settings.step)
         return first({"splitting8", "munthe_kaas4", "odeint_rk4", "impact_halving"},
-                     "the most accurate here that takes a step");
-    return is_stiff(problem) ? first({"radau"}, "the most accurate here that takes a tolerance: the motion is stiff")
-                             : first({"taylor", "dop853"}, "the most accurate here that takes a tolerance");
+                     "the most accurate method for this scene that takes a step");
+    return is_stiff(problem)
+               ? first({"radau"}, "the most accurate method for this scene that takes a tolerance: the motion is stiff")
+               : first({"taylor", "dop853"}, "the most accurate method for this scene that takes a tolerance");
 }
 
 }  // namespace polhode

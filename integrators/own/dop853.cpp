@@ -197,10 +197,10 @@ constexpr Method each[] = {
     {.name = "dop853",
      .documentation =
          "Dormand & Prince's method of order 8 with the error estimates of orders 5 and 3 of Hairer, Norsett & Wanner, "
-         "steps by the tolerance, compensated summation; any right-hand side. Twelve right-hand sides per attempted "
-         "step, and nine per step that has samples inside it, for dense output of order 8. "
-         "Rotations under the loads of a scene file run on vector registers, with the same bits on every instruction "
-         "set. For loose tolerances and rough right-hand sides.",
+         "step size by the tolerance, compensated summation; any right-hand side. Twelve right-hand sides per "
+         "attempted step, and nine per step that has samples inside it, for dense output of order 8. Rotations under "
+         "the loads of a scene file run in vector registers, with the same bits on every instruction set. Suited to "
+         "loose tolerances and rough right-hand sides.",
      .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
      .conserves = "nothing",
      .control = Control::tolerance,

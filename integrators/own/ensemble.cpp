@@ -96,7 +96,7 @@ EnsembleRow solve_one(const Scene& scene, const EnsembleBody& body, const Ensemb
         const Scene one = scene_with(scene, body);
         if (!scene.planes.empty() && scene.body.source && !one.body.source) {
             row.status = Status::unsupported;
-            row.message = "impacts on planes are those of the scene's own shape: leave out mass and inertia";
+            row.message = "impacts on planes require the scene's own shape; remove mass and inertia";
             return row;
         }
         validate(one, scene.name);
@@ -375,7 +375,7 @@ class Block {
         if (!piece.couples) translate_free(piece, t);
         if (settings_.tolerance < least_tolerance) {
             rows_[t.row].status = Status::tolerance_not_met;
-            rows_[t.row].message = "a tolerance below 1e-15 is less than binary64 can meet";
+            rows_[t.row].message = "a tolerance below 1e-15 cannot be met in binary64";
         }
     }
 
@@ -403,11 +403,11 @@ class Block {
 
 void require_in_range(const EnsembleSettings& settings) {
     if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
-        throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
+        throw std::invalid_argument("the tolerance must be finite and > 0");
     if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0))
-        throw std::invalid_argument("an ensemble has at least one thread, one step and some time");
+        throw std::invalid_argument("threads and max_steps must be at least 1, seconds_limit must be > 0");
     if (settings.instructions > widest_instruction_set())
-        throw std::invalid_argument("this processor has no such instructions");
+        throw std::invalid_argument("this processor does not support the requested instruction set");
 }
 
 struct EnsembleSolver::Prepared {
@@ -418,7 +418,7 @@ struct EnsembleSolver::Prepared {
 
 EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& settings) {
     require_in_range(settings);
-    if (is_mechanism(scene)) throw std::invalid_argument("an ensemble of bodies is of a scene of one body");
+    if (is_mechanism(scene)) throw std::invalid_argument("EnsembleSolver supports only scenes of one body");
     validate(scene, scene.name);
     prepared_.reset(new Prepared{scene, settings, plan_of(scene)});
 }
@@ -436,7 +436,7 @@ std::size_t EnsembleSolver::block() const {
 }
 
 void EnsembleSolver::solve(std::span<const EnsembleBody> bodies, std::span<EnsembleRow> rows) const {
-    if (rows.size() != bodies.size()) throw std::invalid_argument("an ensemble has as many rows as bodies");
+    if (rows.size() != bodies.size()) throw std::invalid_argument("the number of rows must equal the number of bodies");
     const std::size_t size = block(), blocks = (bodies.size() + size - 1) / size;
     const auto solve_block = [&](std::size_t i) {
         const std::size_t first = i * size, count = std::min(size, bodies.size() - first);

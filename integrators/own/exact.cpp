@@ -94,19 +94,19 @@ Passed through_pieces(const Problem& problem, double& at, Visit&& visit) {
 // Returns why the scene has no closed form, or an empty string if it has one.
 std::string refused(const Problem& problem) {
     if (problem.formulation != Formulation::reduced)
-        return "a closed form integrates nothing, whatever is left out: solve it without --full";
-    if (problem.needs.user_torque) return "a user's torque has no closed form";
+        return "the full formulation has no closed form; solve without --full";
+    if (problem.needs.user_torque) return "user-defined torques have no closed form";
     if (problem.needs.translation == Translation::integrated)
-        return "the forces tie translation and rotation together: no closed form";
+        return "no closed form: forces couple translation and rotation";
     constexpr double least = 1e-18;
     if (least_beside_arm(problem) < least && problem.needs.symmetry == Symmetry::asymmetric)
-        return "no closed form: the moments about the pivot are known to 113 bits, which do not hold the difference of "
-               "two of them that turns the body about the third axis";
+        return "no closed form: in 113 bits the moments about the pivot do not resolve the difference that drives the "
+               "rotation about the third axis";
     double at = 0;
     // A state that is not finite is reported by the run.
     if (through_pieces(problem, at, [](const Segment&, const Form&) { return true; }) == Passed::no_form)
-        return "no closed form: it takes a free body, Lagrange's top, or a turn about one axis under constant torque "
-               "and drag";
+        return "no closed form: it exists only for a free body, Lagrange's top, and rotation about one axis under "
+               "constant torque and drag";
     return "";
 }
 
@@ -148,15 +148,15 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {{
     .name = "exact",
     .documentation =
-        "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs what 1 s costs. A free "
-        "body, attitude included, by Jacobi's theta functions on either side of the separatrix, on it and next to it; "
-        "symmetric bodies and spheres by turns; Lagrange's top with nutation, precession and spin as quotients of "
-        "theta functions; a turn about one axis under a constant torque and linear drag. Impulses and windows join "
-        "pieces. q is continuous. Its only error is round-off: that of the data, times the motion's conditioning, "
-        "which grows in proportion to t (for the phase of 10^6 rad some 10^-10 rad remain).",
+        "The motion in closed form, evaluated at each sample without stepping: t = 10^9 s costs as much as 1 s. Free "
+        "bodies, attitude included, by Jacobi's theta functions on both sides of the separatrix, on it and next to it; "
+        "symmetric bodies and spheres by rotations; Lagrange's top with nutation, precession and spin as quotients of "
+        "theta functions; rotation about one axis under constant torque and linear drag. Impulses and time windows "
+        "connect pieces. q is continuous. The only error is round-off: that of the data, times the condition number of "
+        "the motion, which grows in proportion to t (about 10^-10 rad for a phase of 10^6 rad).",
     .source = "C. G. J. Jacobi 1849; R. van Zon and J. Schofield 2007, J. Comput. Phys. 225, 145; F. Klein and "
               "A. Sommerfeld 1897",
-    .conserves = "everything the motion does, to round-off",
+    .conserves = "all invariants of the motion, to round-off",
     .control = Control::none,
     .solve = solve_exact,
 }};

@@ -281,11 +281,11 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {
     {.name = "extrapolation",
      .documentation =
-         "Extrapolation of the explicit midpoint rule, order 4 to 18 and step by the tolerance, on increments with "
-         "compensated summation; any right-hand side. The columns run side by side on vector registers, with the same "
-         "bits on every instruction set: free rotations and Lagrange's top in code of their own, all else but "
-         "a user's torque in machine code made when the scene is known. Each component's error in a step is held to R "
-         "times its scale, or to what rounding leaves of it.",
+         "Extrapolation of the explicit midpoint rule, order 4 to 18 and step size by the tolerance, on increments "
+         "with compensated summation; any right-hand side. The columns run side by side in vector registers, with the "
+         "same bits on every instruction set. Free rotations and Lagrange's top have dedicated code; all other "
+         "right-hand sides except user-defined torques are compiled to machine code for the scene. The error of each "
+         "component per step is limited to R times its scale, or to its rounding error if that is larger.",
      .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",

@@ -138,7 +138,7 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
                                                  const EnsembleSettings& settings)
     : scene_(scene), settings_(settings), samples_(samples) {
     require_in_range(settings);
-    if (samples < 1) throw std::invalid_argument("an ensemble has at least one sample");
+    if (samples < 1) throw std::invalid_argument("samples must be at least 1");
     constexpr double least_tolerance = 1e-13;
     if (!scene.loops.empty() || !only_starts || settings.tolerance < least_tolerance) return;
     shared_ = pose(scene);

@@ -333,7 +333,8 @@ class FixedRadau : public Radau<SystemType> {
     bool failed() const { return failed_at_.has_value(); }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
-        trajectory.message = fmt::format("Newton's iteration for the stages did not converge at t = {:g}", *failed_at_);
+        trajectory.message =
+            fmt::format("Newton's iteration for the stages did not converge at t = {:g} s", *failed_at_);
     }
 
   private:
@@ -496,15 +497,15 @@ constexpr std::string_view of_one_order =
 constexpr Method each[] = {
     {.name = "radau",
      .documentation =
-         "Radau IIA collocation of order 13 (7 stages), of order 9 (5 stages) where the tolerance is above 3e-5, for "
-         "stiff motion. L-stable: what decays is damped however large the step, and what is left is smooth and takes "
-         "the high order's long steps, so that stiffness costs nothing. The stages are solved by simplified Newton "
-         "iteration with the exact Jacobian, all stages side by side in vector registers (AVX-512, AVX2 or neither: "
-         "the same bits), the linear systems by elimination without row exchanges in the order p, v, q, omega. "
-         "Relative tolerance R, absolute tolerance R times the component's scale. Samples inside a step are steps of "
-         "their own; the sum over steps is compensated. |q| is not projected: it stays 1 as exactly as the tolerance "
-         "holds. A torque of the user's own is `unsupported`: it has no Jacobian. Right-hand sides are counted, "
-         "Jacobians (one an attempt) are not.",
+         "Radau IIA collocation of order 13 (7 stages), or of order 9 (5 stages) at tolerances above 3e-5, for stiff "
+         "motion. L-stable: decaying components are damped at any step size, and the remaining smooth motion is "
+         "integrated in the long steps of the high order, so that stiffness costs nothing. The stages are solved by "
+         "simplified Newton iteration with the exact Jacobian, all stages side by side in vector registers (AVX-512, "
+         "AVX2 or neither, with the same bits), and the linear systems by elimination without row exchanges in the "
+         "order p, v, q, omega. Relative tolerance R, absolute tolerance R times the component's scale. Samples inside "
+         "a step are computed by separate steps. The sum over steps is compensated. |q| is not projected; it stays 1 "
+         "to within the tolerance. User-defined torques are `unsupported`, because they have no Jacobian. Right-hand "
+         "sides are counted, Jacobians (one per attempt) are not.",
      .control = Control::tolerance,
      .solve = solve_any_order},
     {.name = "radau5", .documentation = of_one_order, .order = 5, .solve = solve_radau<3>, .growth = radau_growth<3>},

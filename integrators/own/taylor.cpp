@@ -407,7 +407,7 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     Trajectory trajectory = SolverRun(problem, settings, session).solve();
     if (*settings.tolerance < least_tolerance && trajectory.status == Status::ok) {
         trajectory.status = Status::tolerance_not_met;
-        trajectory.message = "a tolerance below 1e-16 is beyond binary64: steps were taken for 1e-16";
+        trajectory.message = "a tolerance below 1e-16 cannot be met in binary64; 1e-16 was used";
     }
     return trajectory;
 }
@@ -421,20 +421,20 @@ Trajectory solve(const Problem& problem, const Settings& settings) {
 }
 
 std::string refused_user_torque(const Problem& problem) {
-    return problem.needs.user_torque ? "a torque of the user's own has no Taylor coefficients" : "";
+    return problem.needs.user_torque ? "user-defined torques have no Taylor coefficients" : "";
 }
 
 constexpr Method each[] = {
     {.name = "taylor",
      .documentation =
-         "Taylor series in binary64, of the order of least work at the tolerance, the step from the last two "
-         "coefficients (Jorba & Zou), samples from the polynomial, the state summed with compensation. Below a "
-         "tolerance of 3e-15 steps are taken for 1e-21, the state and the terms up to h^4 in extended precision where "
-         "long double has at least 64 bits: a free body's attitude is then off by 3e-16 rad after 100 s and by 4e-11 "
-         "rad after a million radians, for some seven times the time. Time is in units of a power of two near the "
-         "motion's fastest rate, so that motions at any rate are alike. The recurrences are recorded from the one "
-         "right-hand side and become machine code, by AVX-512 or AVX2, when the scene is known; where no code may be "
-         "made an interpreter gives the same bits. An evaluation is a whole series.",
+         "Taylor series in binary64, with the order of least work at the tolerance, the step size from the last two "
+         "coefficients (Jorba & Zou), samples from the polynomial, and compensated summation of the state. For "
+         "tolerances below 3e-15 the step size is that of 1e-21, and the state and the terms up to h^4 are in extended "
+         "precision if long double has at least 64 bits: the attitude error of a free body is then 3e-16 rad after 100 "
+         "s and 4e-11 rad after a million radians, at about seven times the run time. Time is scaled by a power of two "
+         "near the motion's fastest rate, so that the method behaves the same at any rate. The recurrences are "
+         "recorded from the right-hand side and compiled for the scene to machine code, with AVX-512 or AVX2. Where "
+         "machine code cannot be generated, an interpreter gives the same bits. One evaluation is a whole series.",
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,

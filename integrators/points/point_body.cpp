@@ -65,7 +65,7 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     const auto vanishes = [&](int k) { return a[k] < flat_ratio * most; };
     const int vanishing = vanishes(0) + vanishes(1) + vanishes(2);
     if (vanishing > 1) {
-        body.refusal = "the body is a thin rod: points on a line have no attitude about it";
+        body.refusal = "the body is a thin rod: points on a line do not define the rotation about it";
         return body;
     }
     const bool flat = vanishing == 1;
@@ -90,7 +90,7 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
         const Vector3<double> s = rotate_back(q_BP, -problem.body.arm);
         for (int k = 0; k < 3; ++k)
             if (vanishes(k) && std::abs(s[k]) > flat_ratio * most)
-                body.refusal = "the body is flat and its pivot lies outside its plane, where no point of it is";
+                body.refusal = "the body is flat and its pivot lies outside its plane";
         for (const Vector3<double>& u : unit) {
             double sum = 1;
             for (int k = 0; k < 3; ++k)

@@ -245,14 +245,14 @@ std::string cannot_be_made_of_points(const Problem& problem) {
 constexpr Method each[] = {
     {.name = "point_constraints_ida",
      .documentation =
-         "A body made of four points (three where it is flat) with its mass, centre of mass and tensor, held at hard "
-         "distances: a differential-algebraic system in the stabilised form of index 2, which keeps distances and "
-         "their rates of change at zero, by IDA's backward differentiation formulas of order 1 to 5. Tolerance R times "
-         "the points' extent, and times how fast the scene's largest rate moves them; the multipliers are left out of "
-         "the error test.",
+         "A body made of four points (three if it is flat) with its mass, centre of mass and tensor, at fixed "
+         "distances: a differential-algebraic system in the stabilised form of index 2, which enforces the distances "
+         "and zero rates of change, by IDA's backward differentiation formulas of order 1 to 5. Tolerance R times the "
+         "extent of the points, and for velocities also times the scene's largest rate. The multipliers are excluded "
+         "from the error test.",
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
-     .described_as = "article: point masses at a distance from each other that is kept, by constraints",
+     .described_as = "article: point masses at fixed distances, by constraints",
      .conserves = "distances, to the tolerance",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},

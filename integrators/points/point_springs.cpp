@@ -49,7 +49,7 @@ class SpringStepper {
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::diverged;
         trajectory.message =
-            fmt::format("springs off their length by more than {:g} of it at t = {:g} s", torn, *torn_at_);
+            fmt::format("a spring's length is off by more than {:g} of its rest length at t = {:g} s", torn, *torn_at_);
     }
 
   protected:
@@ -147,7 +147,7 @@ PointRun run(const Problem& problem, const Settings& settings, const PointOption
         const double limit = Stepper::stability / spring_frequencies(body, setup.stiffness).fastest;
         if (run.trajectory.step > 0.9 * limit)
             run.trajectory.message +=
-                fmt::format("; the springs of {:.3g} N/m want steps below {:.2g} s", setup.stiffness, limit);
+                fmt::format("; springs of {:.3g} N/m require steps below {:.2g} s", setup.stiffness, limit);
     }
     return run;
 }
@@ -172,23 +172,24 @@ std::string cannot_be_made_of_points(const Problem& problem) { return point_body
 constexpr Method each[] = {
     {.name = "point_springs_rk4",
      .documentation =
-         "A body made of eight points at the corners of a box (three where it is flat) with its mass, centre of mass "
-         "and tensor, all joined by springs, by the classical Runge-Kutta scheme. The springs' slowest vibration has "
-         "100 times the scene's largest rate. Of order 4 to the motion on springs, which is the rigid one but for a "
-         "stretch m w^2/k; stable only while a step is shorter than 2.8 over the fastest vibration's frequency. "
-         "Attitude by the best rotation of the points, w from their angular momentum and their own tensor.",
+         "A body made of eight points at the corners of a box (three if it is flat) with its mass, centre of mass and "
+         "tensor, all connected by springs, by the classical Runge-Kutta scheme. The slowest vibration of the springs "
+         "has 100 times the scene's largest rate. Order 4 for the motion on springs, which differs from the rigid "
+         "motion by a stretch m w^2/k. Stable only if the step is shorter than 2.8 over the frequency of the fastest "
+         "vibration. The attitude is the best-fit rotation of the points; w is computed from their angular momentum "
+         "and tensor.",
      .source = source,
-     .described_as = "article: point masses at a distance from each other that is kept, by springs",
-     .conserves = "momentum, angular momentum of a free body to the scheme's order",
+     .described_as = "article: point masses at fixed distances, by springs",
+     .conserves = "momentum; angular momentum of a free body to the order of the scheme",
      .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; },
      .growth = classical_growth},
     {.name = "point_springs_verlet",
      .documentation =
-         "The points and springs of `point_springs_rk4` by the velocity form of Verlet's scheme: one evaluation of the "
-         "springs a step, stable while a step is shorter than 2 over the fastest vibration's frequency. Of order 2 to "
-         "the motion on springs.",
+         "The points and springs of `point_springs_rk4` by the velocity form of Verlet's scheme: one evaluation of "
+         "the springs per step, stable if the step is shorter than 2 over the frequency of the fastest vibration. "
+         "Order 2 for the motion on springs.",
      .source = "L. Verlet 1967, Phys. Rev. 159, 98-103; the body as in the article on rotational dynamics",
-     .described_as = "article: point masses at a distance from each other that is kept, by springs",
+     .described_as = "article: point masses at fixed distances, by springs",
      .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
      .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; },
      .pendulum_growth = verlet_pendulum_growth},

@@ -135,16 +135,14 @@ std::string cannot_be_made_of_points(const Problem& problem) { return point_body
 constexpr Method each[] = {
     {.name = "point_springs_cvode_bdf",
      .documentation =
-         "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the "
-         "springs' "
-         "exact Jacobian and a dense LU factorisation. Dampers along the springs, critical for the slowest vibration, "
-         "let "
-         "the steps outgrow the vibrations, which undamped keep the higher orders at steps as short as an explicit "
-         "scheme's. Tolerance R times the points' extent, and times how fast the "
-         "scene's largest rate moves them.",
+         "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the exact "
+         "Jacobian and a dense LU factorisation. Dampers along the springs, critical for the slowest vibration, allow "
+         "steps longer than the vibrations. Undamped vibrations would hold the higher orders to steps as short as "
+         "those of an explicit scheme. Tolerance R times the extent of the points, and for velocities also times the "
+         "scene's largest rate.",
      .source = "Hindmarsh et al. 2005, SUNDIALS, ACM Trans. Math. Softw. 31, 363-396; the body as in the article on "
                "rotational dynamics",
-     .described_as = "article: point masses at a distance from each other that is kept, by stiff springs",
+     .described_as = "article: point masses at fixed distances, by stiff springs",
      .conserves = "nothing",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},

@@ -95,13 +95,13 @@ std::string cannot_be_made_of_points(const Problem& problem) { return point_body
 constexpr Method each[] = {
     {.name = "point_xpbd",
      .documentation =
-         "A body made of eight points at the corners of a box (three where it is flat) at hard distances, by "
-         "position-based dynamics with compliance 0: each step moves the points freely, then puts the distances right "
-         "one after the other, ten times over (counted as evaluations), and takes the velocities from where the points "
-         "have come. Order 1.",
+         "A body made of eight points at the corners of a box (three if it is flat) at fixed distances, by "
+         "position-based dynamics with compliance 0: each step moves the points freely, then corrects the distances "
+         "one after the other in ten passes (counted as evaluations), and computes the velocities from the "
+         "displacements. Order 1.",
      .source = "M. Macklin, M. Mueller & N. Chentanez 2016, XPBD: position-based simulation of compliant constrained "
                "dynamics, Motion in Games",
-     .described_as = "article: point masses at a distance from each other that is kept, as games do it",
+     .described_as = "article: point masses at fixed distances, as in games",
      .conserves = "momentum of a free body",
      .control = Control::fixed_step,
      .order = 1,

@@ -12,7 +12,7 @@ bool holds_not_zero(double x) { return holds(x) && x >= smallest; }
 bool holds(const Vector3<double>& v) { return holds(v[0]) && holds(v[1]) && holds(v[2]); }
 
 std::string not_held(const char* what, double value) {
-    return fmt::format("binary32 does not hold {} {:.3g}", what, value);
+    return fmt::format("binary32 cannot represent {} {:.3g}", what, value);
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ std::string refused_by_binary32(const Problem& problem) {
     if (!holds_not_zero(body.mass)) return not_held("a mass of", body.mass);
     for (const auto& [what, v] :
          {std::pair("an angular velocity of", body.angular_velocity_B), std::pair("a velocity of", body.velocity_W),
-          std::pair("a place of", body.position_W)})
+          std::pair("a position of", body.position_W)})
         if (!holds(v)) return not_held(what, std::hypot(v[0], v[1], v[2]));
     return "";
 }
@@ -35,7 +35,7 @@ std::string refused_by_binary32(const Problem& problem) {
 std::string refused_by_binary32_system(const Problem& problem) {
     std::string why = refused_by_binary32(problem);
     if (why.empty() && problem.needs.user_torque)
-        why = "a user's torque is a function of binary64 numbers: not taken in binary32";
+        why = "user-defined torques are evaluated in binary64 and are not supported in binary32";
     return why;
 }
 

@@ -155,13 +155,13 @@ struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> name{methods[i].name, "_float32"};
     static constexpr std::array<std::string_view, 4> documentation{
         "`", methods[i].name,
-        "` in binary32: state, constants, the step's length and every operation of a step rounded to 24 bits. Times, "
-        "events and impulses stay in binary64. A scene whose constants binary32 does not hold is refused; a state "
-        "beyond 3.4e38 ends the run as `diverged`; what is below 1e-38, or lost beside something larger, is lost "
-        "without a word. ",
+        "` in binary32: state, constants, step length and every operation of a step are rounded to 24 bits. Times, "
+        "events and impulses stay in binary64. Scenes whose constants are outside the range of binary32 are refused. A "
+        "state beyond 3.4e38 ends the run as `diverged`. Values below 1e-38, and terms lost in rounding, are lost "
+        "without a message. ",
         methods[i].documentation};
     static constexpr std::array<std::string_view, 2> conserves{
-        methods[i].conserves, methods[i].conserves == "nothing" ? "" : "; all to binary32's round-off"};
+        methods[i].conserves, methods[i].conserves == "nothing" ? "" : "; all to binary32 round-off"};
 
     static std::string refused(const Problem& problem) {
         std::string why = refuses(problem);
@@ -192,7 +192,7 @@ constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
 /// one binary32 function per method, nullptr for none.
 template <const auto& methods, Refuses refuses, auto... solves>
 constexpr auto with_binary32() {
-    static_assert(sizeof...(solves) == std::size(methods), "one for each method");
+    static_assert(sizeof...(solves) == std::size(methods), "one per method");
     constexpr std::size_t added = ((is_given<solves> ? 1 : 0) + ...);
     std::array<Method, sizeof...(solves) + added> all{};
     [&]<std::size_t... i>(std::index_sequence<i...>) {

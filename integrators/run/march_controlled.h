@@ -67,7 +67,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
             if (!(h > 0) || begin + h == begin) {
                 if (outcome == Attempt::not_finite)
                     return watch.fail(Status::diverged,
-                                      "not finite however small the step, at " + moment(t) + last_state(s.sample(t)));
+                                      "not finite at any step size, at " + moment(t) + last_state(s.sample(t)));
                 return watch.fail(Status::tolerance_not_met, "step size below the spacing of numbers at " + moment(t) +
                                                                  ": the tolerance is too small for binary64");
             }
@@ -105,7 +105,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                     if constexpr (has_dense_output) {
                         if (!watch.record(stepper.sample_inside(at))) return false;
                     } else {
-                        if (!before) return watch.fail(Status::failed, "a sample was passed unseen");
+                        if (!before) return watch.fail(Status::failed, "internal error: a sample time was skipped");
                         const auto evaluations = [&] { return before->rhs_evaluations() + sampling(*before); };
                         const long counted = evaluations();
                         while (from < at)

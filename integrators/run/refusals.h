@@ -9,7 +9,7 @@ namespace polhode {
 
 /// For implicit methods that require the exact Jacobian.
 inline std::string no_jacobian_of_user_torque(const Problem& problem) {
-    return problem.needs.user_torque ? "a torque of the user's own has no Jacobian" : "";
+    return problem.needs.user_torque ? "user-defined torques have no Jacobian" : "";
 }
 
 }  // namespace polhode

@@ -33,11 +33,11 @@ bool positive(const std::optional<double>& value) { return !value || (std::isfin
 std::string fault_of_times(const std::vector<double>& times, double duration) {
     for (std::size_t i = 0; i < times.size(); ++i) {
         if (!(times[i] >= 0 && times[i] <= duration))
-            return fmt::format("a sample time is {:.17g} s; give times from 0 to the duration, {:.17g} s", times[i],
-                               duration);
+            return fmt::format(
+                "sample time {:.17g} s is out of range; times must lie between 0 and the duration, {:.17g} s", times[i],
+                duration);
         if (i > 0 && !(times[i] > times[i - 1]))
-            return fmt::format("a sample time, {:.17g} s, is not later than the one before; give times in order",
-                               times[i]);
+            return fmt::format("sample time {:.17g} s is not after the previous one; times must increase", times[i]);
     }
     return "";
 }
@@ -67,11 +67,12 @@ std::shared_ptr<const Method> make_method(const Method& description,
 
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
-        return fmt::format("{} knows no impacts on planes", method.name);
+        return fmt::format("{} does not support impacts on planes", method.name);
     if (!method.own_systems && std::holds_alternative<MechanismSystem>(problem.system))
-        return fmt::format("{} takes one body; this scene is of several with joints", method.name);
+        return fmt::format("{} supports only scenes of one body; this scene has several bodies with joints",
+                           method.name);
     if (!method.own_systems && std::holds_alternative<UserSystem>(problem.system))
-        return fmt::format("{} needs to know the body: it takes no system of the user's own", method.name);
+        return fmt::format("{} supports only rigid bodies, not user-defined systems", method.name);
     return method.refuses ? method.refuses(problem) : "";
 }
 
@@ -93,22 +94,22 @@ Settings with_defaults(const Problem& problem, const Method& method, Settings se
 }
 
 Trajectory solve(const Problem& problem, const Method& method, const Settings& settings) {
-    if (!positive(settings.step)) return failed("the step is not finite and positive");
-    if (!positive(settings.tolerance)) return failed("the tolerance is not finite and positive");
-    if (settings.samples < 1) return failed("the number of samples is below 1");
+    if (!positive(settings.step)) return failed("the step must be finite and > 0");
+    if (!positive(settings.tolerance)) return failed("the tolerance must be finite and > 0");
+    if (settings.samples < 1) return failed("the number of samples must be at least 1");
     if (const std::string fault = fault_of_times(settings.times, problem.scene.duration); !fault.empty())
         return failed(fault);
-    if (settings.max_steps < 1) return failed("the step limit is below 1");
-    if (settings.max_evaluations < 1) return failed("the limit of evaluations is below 1");
-    if (!(settings.seconds_limit > 0)) return failed("the limit of seconds is not positive");
-    if (settings.repetitions < 1) return failed("the number of repetitions is below 1");
-    if (settings.step && settings.tolerance) return failed("both a step and a tolerance: one of them");
-    if (settings.step && !takes_step(method)) return failed(fmt::format("{} takes no step", method.name));
+    if (settings.max_steps < 1) return failed("the step limit must be at least 1");
+    if (settings.max_evaluations < 1) return failed("the limit of evaluations must be at least 1");
+    if (!(settings.seconds_limit > 0)) return failed("the limit of seconds must be > 0");
+    if (settings.repetitions < 1) return failed("the number of repetitions must be at least 1");
+    if (settings.step && settings.tolerance) return failed("both a step and a tolerance are set; set only one");
+    if (settings.step && !takes_step(method)) return failed(fmt::format("{} does not take a step", method.name));
     if (settings.tolerance && !takes_tolerance(method))
-        return failed(fmt::format("{} takes no tolerance", method.name));
+        return failed(fmt::format("{} does not take a tolerance", method.name));
     if (std::string why = refusal(method, problem); !why.empty()) return unsupported(std::move(why));
     if (!settings.times.empty() && method.family == Family::engine)
-        return unsupported("an engine gives samples at equal intervals alone; leave out the times");
+        return unsupported("engines support only equally spaced samples; set a number of samples instead of times");
     const Settings complete = with_defaults(problem, method, settings);
     if (method.solve_in) return method.solve_in(method.context, problem, complete);
     if (method.formulation && problem.formulation != *method.formulation)
@@ -117,8 +118,7 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
 }
 
 Trajectory solve(const Scene& scene, const Method& method, const Settings& settings) {
-    if (!(std::isfinite(scene.duration) && scene.duration > 0))
-        return failed("the duration is not finite and positive");
+    if (!(std::isfinite(scene.duration) && scene.duration > 0)) return failed("the duration must be finite and > 0");
     validate(scene, scene.name);
     return solve(pose(scene, settings.formulation), method, settings);
 }

@@ -85,7 +85,8 @@ std::string divergence(const Problem& problem, const Bodies& bodies, double boun
     const double t = bodies.front().t;
     if (finite && kinetic <= bound) return {};
     if (!finite) return "not finite at " + moment(t);
-    return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's own", kinetic, moment(t));
+    return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's estimated maximum", kinetic,
+                       moment(t));
 }
 
 std::string last_state(const Bodies& bodies) {
@@ -102,7 +103,8 @@ std::string last_state(const Bodies& bodies) {
 
 void explain_unsolved(Trajectory& trajectory, const Bodies& bodies) {
     trajectory.status = Status::failed;
-    trajectory.message = "the step's implicit equations were not solved: it is too long for them" + last_state(bodies);
+    trajectory.message =
+        "the implicit equations of the step were not solved: the step is too long" + last_state(bodies);
 }
 
 bool record(const Problem& problem, const Bodies& bodies, double bound, Trajectory& trajectory) {

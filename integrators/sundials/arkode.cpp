@@ -57,8 +57,8 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
 Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
     Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
-    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5, for the motion is stiff"
-                                                 : "explicit, order 8, for the motion is not stiff");
+    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5: the motion is stiff"
+                                                 : "explicit, order 8: the motion is not stiff");
 }
 
 /// A Butcher table of ARKODE, stored contiguously.
@@ -96,15 +96,15 @@ constexpr std::string_view arkode_source =
     "ACM Trans. Math. Softw. 49, 19; SUNDIALS 6.4";
 
 #define POLHODE_EXPLICIT_COMMON                                                                                        \
-    " The library's default table of this order; each step costs all its stages, for ARKStep does not reuse the last " \
-    "one. By a fixed step, or by a tolerance: relative R, absolute R times the component's scale, root mean square "   \
-    "over the components, ARKODE's own step control. Steps stop exactly at every event; samples between are reached "  \
-    "by the same table from the begin of the step they fall in, so the steps do not depend on the sampling."
+    " The library's default table of this order. Each step evaluates all its stages, because ARKStep does not reuse "  \
+    "the last one. With a fixed step, or with a tolerance: relative R, absolute R times the component's scale, root "  \
+    "mean square over the components, ARKODE's own step control. Steps stop exactly at every event. Samples inside a " \
+    "step are computed with the same table from its start, so the steps do not depend on the sampling."
 #define POLHODE_IMPLICIT_COMMON                                                                                        \
     " The library's default table of this order. The stages are solved by a modified Newton iteration with the exact " \
-    "Jacobian and a dense LU factorisation; by a fixed step to round-off, with a fresh Jacobian each step. "           \
-    "Tolerance, "                                                                                                      \
-    "events and samples as for `arkode_erk4`. A torque of the user's own is `unsupported`: it has no Jacobian."
+    "Jacobian and a dense LU factorisation; with a fixed step to round-off, with a new Jacobian each step. "           \
+    "Tolerance, events and samples as for `arkode_erk4`. User-defined torques are `unsupported`, because they have "   \
+    "no Jacobian."
 
 template <bool implicit, int order>
 constexpr Method method(std::string_view name, std::string_view documentation) {
@@ -150,10 +150,11 @@ constexpr Method each[] = {
                     "ARKODE's diagonally implicit Runge-Kutta method of order 5 (Kennedy & Carpenter's ARK5(4)8L[2]SA, "
                     "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
     {.name = "arkode",
-     .documentation = "`arkode_dirk5` where the motion is stiff, else `arkode_erk8`, by a tolerance; the message says "
-                      "which. Stiff is what damps far faster than the body turns, along the motion that `radau` finds "
-                      "to three digits first, which is not in the time shown. With a torque of the user's own it is "
-                      "always `arkode_erk8`.",
+     .documentation =
+         "`arkode_dirk5` if the motion is stiff, otherwise `arkode_erk8`, with a tolerance; the message says which. "
+         "Stiff means that the motion damps far faster than the body rotates. This is determined along a motion that "
+         "`radau` computes to three digits; its time is not included in the reported time. With a user-defined torque "
+         "it is always `arkode_erk8`.",
      .source = arkode_source,
      .conserves = "nothing",
      .control = Control::tolerance,

@@ -177,7 +177,7 @@ std::string energy_is_not_kept(const Problem& problem) {
     const std::vector<Conserved> kept =
         conserved(problem.formulation == Formulation::full ? pose(problem.scene) : problem);
     const auto is_energy = [](const Conserved& c) { return c.kind == ConservedKind::energy; };
-    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not keep its energy";
+    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not conserve energy";
 }
 
 template <ARKODE_ERKTableID id>
@@ -193,23 +193,23 @@ Trajectory relaxed(const Problem& problem, const Settings& settings) {
 constexpr std::string_view relaxation_source =
     "Ketcheson 2019, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. "
     "Numer. Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
-constexpr std::string_view energy_kept = "E (with q as it stands, not normalised), where the motion keeps it";
+constexpr std::string_view energy_kept = "E (with q not normalised), if the motion conserves it";
 
 constexpr Method each[] = {
     {.name = "arkode_erk4_relaxed",
      .documentation =
-         "The table of `arkode_erk4` (Zonneveld's of order 4), each step relaxed: y + gamma h sum b_i k_i with the "
-         "gamma near 1 that gives the energy at the start, and time goes on by gamma h. The energy is quadratic in the "
-         "state, so gamma is the root of a quadratic equation. The next step makes good the lag of O(h^4) in time; "
-         "samples and events are met by a plain step over the lag. |q| and L are not kept, and where forces act the E "
-         "of the tables, formed with q normalised, errs by the drift of |q|. Step control, where a tolerance is given: "
-         "root mean square over the components, each against R (scale + |y|). `unsupported` where the motion does not "
-         "keep its energy. (SUNDIALS has relaxation from 6.6 on; this is on its tables alone.)",
+         "The table of `arkode_erk4` (Zonneveld's of order 4) with relaxation: each step is y + gamma h sum b_i k_i, "
+         "with the gamma near 1 that restores the initial energy, and time advances by gamma h. The energy is "
+         "quadratic in the state, so gamma is the root of a quadratic equation. The next step makes up the time lag of "
+         "O(h^4); samples and events are reached by a plain step over the lag. |q| and L are not conserved. Under "
+         "forces, E in result tables, which is computed with normalised q, has an error due to the drift of |q|. Step "
+         "control, with a tolerance: root mean square over the components, each relative to R (scale + |y|). "
+         "`unsupported` if the motion does not conserve its energy. (SUNDIALS has relaxation from 6.6 on; this "
+         "implementation uses only its tables.)",
      .order = 4,
      .solve = relaxed<ARKODE_ZONNEVELD_5_3_4>},
     {.name = "arkode_erk8_relaxed",
-     .documentation =
-         "The table of `arkode_erk8` (Fehlberg's of order 8), each step relaxed as in `arkode_erk4_relaxed`.",
+     .documentation = "The table of `arkode_erk8` (Fehlberg's of order 8) with relaxation as in `arkode_erk4_relaxed`.",
      .order = 8,
      .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
 };

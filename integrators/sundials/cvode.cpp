@@ -27,8 +27,7 @@ Trajectory bdf(const Problem& problem, const Settings& settings) {
 Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
     Trajectory trajectory = stiff ? bdf(problem, settings) : adams(problem, settings);
-    return remarked(std::move(trajectory),
-                    stiff ? "BDF, for the motion is stiff" : "Adams, for the motion is not stiff");
+    return remarked(std::move(trajectory), stiff ? "BDF: the motion is stiff" : "Adams: the motion is not stiff");
 }
 
 Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
@@ -47,35 +46,36 @@ constexpr Method each[] = {
     {.name = "cvode_adams",
      .documentation =
          "CVODE's Adams-Moulton formulas of order 1 to 12 in Nordsieck form, for non-stiff motion. The implicit "
-         "equation is solved by functional iteration, which needs no Jacobian, to a thousandth of what the error test "
-         "allows. Relative tolerance R, absolute tolerance R times the component's scale. Steps are CVODE's own and "
-         "stop exactly at every event, where the history is dropped; samples between come from the dense output of the "
-         "step they fall in (the interpolating polynomial of the step's own order), so the steps do not depend on the "
-         "sampling.",
+         "equation is solved by functional iteration, which needs no Jacobian, to a thousandth of the error allowed by "
+         "the error test. Relative tolerance R, absolute tolerance R times the component's scale. CVODE controls the "
+         "steps. They stop exactly at every event, where the history restarts. Samples inside a step use its dense "
+         "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling.",
      .own_systems = true,
      .solve = adams},
     {.name = "cvode_bdf",
      .documentation =
          "CVODE's backward differentiation formulas of order 1 to 5 in fixed-leading-coefficient Nordsieck form, for "
          "stiff motion. The implicit equation is solved by a modified Newton iteration with the exact Jacobian and a "
-         "dense LU factorisation. Stability-limit detection is on: where vibration damps so little that the formulas "
-         "of orders 3 to 5 would be unstable the order is lowered, and the reductions counted. Tolerances, events and "
-         "samples as for `cvode_adams`. A torque of the user's own is `unsupported`: it has no Jacobian.",
+         "dense LU factorisation. Stability-limit detection is on: where vibrations are damped so little that the "
+         "formulas of orders 3 to 5 would be unstable, the order is reduced, and the reductions are counted. "
+         "Tolerances, events and samples as for `cvode_adams`. User-defined torques are `unsupported`, because they "
+         "have no Jacobian.",
      .own_systems = true,
      .solve = bdf,
      .refuses = no_jacobian_of_user_torque},
     {.name = "cvode_bdf_projected",
      .documentation =
-         "`cvode_bdf` with CVODE's projection of each step's end onto |q| = 1 and what the motion keeps, as in "
-         "`odeint_rk4_projected`. The error estimate that governs step and order is not projected.",
-     .conserves = "|q| and, where the motion keeps them, E, momenta and spin, to round-off",
+         "`cvode_bdf` with CVODE's projection of the end of each step onto |q| = 1 and the motion's invariants, as in "
+         "`odeint_rk4_projected`. The error estimate that controls step and order is not projected.",
+     .conserves = "|q| and, if the motion conserves them, E, momenta and spin, to round-off",
      .solve = projected_bdf,
      .refuses = no_jacobian_of_user_torque},
     {.name = "cvode",
      .documentation =
-         "`cvode_bdf` where the motion is stiff, else `cvode_adams`; the message says which. Stiff is what damps far "
-         "faster than the body turns, along the motion that `radau` finds to three digits first, which is not in the "
-         "time shown. With a torque of the user's own it is always `cvode_adams`.",
+         "`cvode_bdf` if the motion is stiff, otherwise `cvode_adams`; the message says which. Stiff means that the "
+         "motion damps far faster than the body rotates. This is determined along a motion that `radau` computes to "
+         "three digits; its time is not included in the reported time. With a user-defined torque it is always "
+         "`cvode_adams`.",
      .solve = by_stiffness},
 };
 

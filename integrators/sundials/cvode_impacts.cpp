@@ -81,11 +81,11 @@ class ImpactSession : public CvodeSession<SystemType> {
         const ImpactOutcome outcome = strike_planes(*this->problem_, touching_, this->y());
         const char* why = nullptr;
         if (!outcome.resolved)
-            why = "the contacts that touch at once find no impulses";
+            why = "no impulses were found for simultaneous contacts";
         else if (!outcome.struck || outcome.separation <= resting_speed(speed_scale_))
-            why = "the body comes to rest on a plane, and resting contact is not followed";
+            why = "the body comes to rest on a plane, and resting contact is not supported";
         else if (times_.size() > most_impacts)
-            why = "they do not end";
+            why = "too many impacts";
         if (why)
             fault_ = fmt::format("{} impact{} up to t = {:.10g} s: {}", times_.size(), times_.size() == 1 ? "" : "s",
                                  this->time(), why);
@@ -131,16 +131,16 @@ Trajectory solve_impacts(const Problem& problem, const Settings& settings) {
 constexpr Method each[] = {{
     .name = "cvode_impacts",
     .documentation =
-        "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. "
-        "Distances to the planes are CVODE's root functions; dips below a plane within one step, which change no sign "
-        "at its ends, are found in the step's own interpolating polynomial. The impact is located to rounding of that "
-        "polynomial, the impulse applied, and the solver started again. Gaps below the tolerance times the body's size "
-        "close together: Moreau's law without friction, one contact after the other with it. A body that comes to "
-        "rest, or whose impacts accumulate at a time (Zeno), ends in `failed` with time and number of the impacts. "
-        "Without planes it is `cvode_adams` on all 13 variables.",
+        "CVODE's Adams-Moulton formulas on the full motion, with the impacts on the scene's planes as events. The "
+        "distances to the planes are CVODE's root functions. Dips below a plane within one step, which cause no sign "
+        "change at its ends, are found in the step's interpolating polynomial. The impact is located to rounding of "
+        "this polynomial, the impulse is applied, and the solver is restarted. Contacts with gaps below the tolerance "
+        "times the body's size are treated as simultaneous: by Moreau's law without friction, one contact after the "
+        "other with friction. A body that comes to rest, or whose impacts accumulate at a time (Zeno), ends as "
+        "`failed` with the time and number of the impacts. Without planes it is `cvode_adams` on all 13 variables.",
     .source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, ACM Trans. Math. Softw. 31, 363-396; "
               "K. L. Hiebert and L. F. Shampine 1980, Sandia report SAND80-0180 (root finding); J. J. Moreau 1988",
-    .conserves = "nothing; at an impact what the impulse keeps",
+    .conserves = "nothing; at an impact, the invariants of the impulse",
     .control = Control::tolerance,
     .planes = true,
     .solve = solve_impacts,

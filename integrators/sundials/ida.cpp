@@ -12,9 +12,9 @@ Trajectory solve_by_ida(const Problem& problem, const Settings& settings, maxima
 
 std::string no_mechanism(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system))
-        return "it solves scenes of several bodies, written with multipliers";
+        return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)
-        if (std::holds_alternative<UserTorque>(load)) return "a torque of the user's own has no Jacobian";
+        if (std::holds_alternative<UserTorque>(load)) return "user-defined torques have no Jacobian";
     return "";
 }
 
@@ -27,20 +27,19 @@ std::string no_inverse_masses(const Problem& problem) {
 constexpr Method each[] = {
     {.name = "ida_index1",
      .documentation =
-         "IDA's backward differentiation formulas of order 1 to 5 on a mechanism in maximal coordinates: attitude, "
-         "position and both momenta of every body are differential unknowns, the joints' forces and torques algebraic "
-         "ones, and the constraints hold on accelerations (index 1). Nothing pulls positions back, so joints drift "
-         "apart as errors add up. Newton's method with the exact Jacobian and a sparse LU factorisation. Relative "
-         "tolerance R, absolute tolerance R times the component's scale; the multipliers are left out of the error "
-         "test. Of a loop's constraints those that are redundant at the start are dropped.",
+         "IDA's backward differentiation formulas of order 1 to 5 on a mechanism in maximal coordinates. Attitude, "
+         "position and both momenta of every body are differential unknowns, the joints' forces and torques are "
+         "algebraic unknowns, and the constraints are imposed on accelerations (index 1). Positions are not corrected, "
+         "so joints drift apart as errors accumulate. Newton's method with the exact Jacobian and a sparse LU "
+         "factorisation. Relative tolerance R, absolute tolerance R times the component's scale; the multipliers are "
+         "excluded from the error test. Loop constraints that are redundant at the start are removed.",
      .conserves = "nothing",
      .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::one); }},
     {.name = "ida_index2",
      .documentation =
-         "As `ida_index1`, in the stabilised form of index 2: the constraints hold on positions and on velocities, "
-         "with "
-         "a second set of multipliers that moves positions, and quaternions keep their length by a third. Joints stay "
-         "closed to the tolerance of the nonlinear solver.",
+         "`ida_index1` in the stabilised form of index 2: the constraints are imposed on positions and on velocities, "
+         "with a second set of multipliers that corrects positions and a third that keeps quaternions at unit length. "
+         "Joints stay closed to the tolerance of the nonlinear solver.",
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
      .conserves = "joints closed, |q| = 1, to the tolerance",

@@ -9,9 +9,9 @@
 #       POLHODE_SUNDIALS_UNOPTIMISED  0 or 1
 #       POLHODE_SUNDIALS_LIBRARIES    the static libraries, to be installed along; empty for an installed SUNDIALS
 # and the global targets SUNDIALS::cvode, SUNDIALS::cvodes, SUNDIALS::arkode, SUNDIALS::ida.
-set(POLHODE_SUNDIALS source CACHE STRING "Where SUNDIALS comes from: source or system")
+set(POLHODE_SUNDIALS source CACHE STRING "Source of SUNDIALS: source or system")
 set_property(CACHE POLHODE_SUNDIALS PROPERTY STRINGS source system)
-set(POLHODE_SUNDIALS_PREFIX "${CMAKE_BINARY_DIR}/sundials" CACHE PATH "Where SUNDIALS is compiled to")
+set(POLHODE_SUNDIALS_PREFIX "${CMAKE_BINARY_DIR}/sundials" CACHE PATH "Build directory of SUNDIALS")
 if(NOT POLHODE_SUNDIALS MATCHES "^(source|system)$")
   message(FATAL_ERROR "POLHODE_SUNDIALS is '${POLHODE_SUNDIALS}'; it must be source or system")
 endif()
@@ -77,7 +77,7 @@ function(_polhode_compile_sundials directory key result)
   endif()
   if(failed)
     message(FATAL_ERROR "SUNDIALS does not compile: see ${log}; "
-      "-DPOLHODE_SUNDIALS=system takes an installed one")
+      "-DPOLHODE_SUNDIALS=system uses an installed one")
   endif()
   file(REMOVE_RECURSE "${work}")
   file(WRITE "${stamp}.new" "${key}")
@@ -118,11 +118,11 @@ else()
     string(REPLACE "\n" "; " sundials_why_not "${sundials_why_not}")
     find_package(SUNDIALS 6.4 QUIET COMPONENTS ${sundials_components})
     if(NOT SUNDIALS_FOUND)
-      message(FATAL_ERROR "no SUNDIALS: its source package cannot be had (${sundials_why_not}), and no installed "
-        "SUNDIALS 6.4 was found. Either let apt reach a mirror with sources (and install dpkg-dev), or install "
-        "libsundials-dev, or point SUNDIALS_DIR to an installed one with -DPOLHODE_SUNDIALS=system.")
+      message(FATAL_ERROR "SUNDIALS not found: its source package is not available (${sundials_why_not}), and no "
+        "installed SUNDIALS 6.4 was found. Give apt access to a mirror with sources (and install dpkg-dev), or install "
+        "libsundials-dev, or set -DPOLHODE_SUNDIALS=system and SUNDIALS_DIR to an installed one.")
     endif()
-    message(WARNING "SUNDIALS is not compiled here (${sundials_why_not}); the installed one is taken")
+    message(WARNING "SUNDIALS is not built from source (${sundials_why_not}); using the installed library")
   endif()
 endif()
 

@@ -1,6 +1,6 @@
 # asmjit, which writes the machine code of series: found by its header and its library. POLHODE_COMPILED: AUTO takes it
 # where it is, ON insists, OFF leaves it. Sets POLHODE_ASMJIT.
-set(POLHODE_COMPILED AUTO CACHE STRING "Series as machine code, by asmjit: AUTO, ON or OFF")
+set(POLHODE_COMPILED AUTO CACHE STRING "Compile series to machine code with asmjit: AUTO, ON or OFF")
 set_property(CACHE POLHODE_COMPILED PROPERTY STRINGS AUTO ON OFF)
 set(POLHODE_ASMJIT OFF)
 if((POLHODE_COMPILED STREQUAL "AUTO" OR POLHODE_COMPILED) AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -10,8 +10,8 @@ if((POLHODE_COMPILED STREQUAL "AUTO" OR POLHODE_COMPILED) AND CMAKE_SYSTEM_PROCE
   if(POLHODE_ASMJIT_INCLUDE AND POLHODE_ASMJIT_LIBRARY)
     set(POLHODE_ASMJIT ON)
   elseif(POLHODE_COMPILED STREQUAL "AUTO")
-    message(STATUS "no asmjit: series are interpreted, some ten times slower; its package is libasmjit-dev")
+    message(STATUS "asmjit not found: series are interpreted, about ten times slower; install libasmjit-dev")
   else()
-    message(FATAL_ERROR "no asmjit; install libasmjit-dev, or give -DPOLHODE_COMPILED=OFF")
+    message(FATAL_ERROR "asmjit not found; install libasmjit-dev, or set -DPOLHODE_COMPILED=OFF")
   endif()
 endif()

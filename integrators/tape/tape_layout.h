@@ -25,7 +25,7 @@ struct TapeLayout {
 
     /// Requires 2 <= order_ <= most_order; throws std::invalid_argument otherwise.
     TapeLayout(const TapeProgram& program, int order_) : order(order_), lanes(lanes_of(order_)) {
-        if (order < 2 || order > most_order) throw std::invalid_argument("a series is of order 2 to 32");
+        if (order < 2 || order > most_order) throw std::invalid_argument("the order must be between 2 and 32");
         states = whole(program.states);
         rows = static_cast<std::size_t>(whole(program.slots));
         sums = rows + program.rows.size() * static_cast<std::size_t>(lanes);

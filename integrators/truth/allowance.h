@@ -21,7 +21,7 @@ class Allowance {
     static bool is_spent() { return processor_time() > end_ || Interruption::is_wanted(); }
     static double left() { return end_ - processor_time(); }
     /// Fault reported by a run that stops at the limit.
-    static constexpr const char* fault = "the time allowed is spent";
+    static constexpr const char* fault = "the time limit is reached";
 
   private:
     static inline thread_local double end_ = std::numeric_limits<double>::infinity();

@@ -1,6 +1,6 @@
 # Arb, for the certified truth (polhode truth --certified): found by its header and its two libraries, since it has no
 # package file. POLHODE_CERTIFIED: AUTO takes it where it is, ON insists, OFF leaves it. Sets POLHODE_ARB.
-set(POLHODE_CERTIFIED AUTO CACHE STRING "Certified truth by Arb: AUTO, ON or OFF")
+set(POLHODE_CERTIFIED AUTO CACHE STRING "Certified truth with Arb: AUTO, ON or OFF")
 set_property(CACHE POLHODE_CERTIFIED PROPERTY STRINGS AUTO ON OFF)
 set(POLHODE_ARB OFF)
 if(POLHODE_CERTIFIED STREQUAL "AUTO" OR POLHODE_CERTIFIED)
@@ -15,8 +15,8 @@ if(POLHODE_CERTIFIED STREQUAL "AUTO" OR POLHODE_CERTIFIED)
     string(REGEX REPLACE "^lib" "" POLHODE_ARB_NAME ${arb_name})
     set(POLHODE_ARB_NAME ${POLHODE_ARB_NAME} PARENT_SCOPE)
   elseif(POLHODE_CERTIFIED STREQUAL "AUTO")
-    message(STATUS "no Arb: truth --certified is left out; its packages are libflint-arb-dev and libflint-dev")
+    message(STATUS "Arb not found: truth --certified is disabled; install libflint-arb-dev and libflint-dev")
   else()
-    message(FATAL_ERROR "no Arb; install libflint-arb-dev and libflint-dev, or give -DPOLHODE_CERTIFIED=OFF")
+    message(FATAL_ERROR "Arb not found; install libflint-arb-dev and libflint-dev, or set -DPOLHODE_CERTIFIED=OFF")
   endif()
 endif()

@@ -75,7 +75,7 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
         second.motions.push_back(piece.motion(back->at(P(P(t) - end)), P(t)));
     }
     Attempt attempt = compared(problem, sample_times, first, second,
-                               "closed form in 100 digits, from the start and back from the end", 100);
+                               "closed form in 100 digits, forward from the start and backward from the end", 100);
     // compare the start with a series
     Scene beginning = problem.scene;
     const double rate = std::max(problem.scales.angular_velocity, 1e-300);
@@ -93,7 +93,7 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
     const double difference = disagreement(formed, series);
     if (difference > 0) attempt.agreed_digits = std::min(attempt.agreed_digits, -std::log10(difference));
     attempt.truth.reference.bound = std::max(attempt.truth.reference.bound, difference);
-    attempt.truth.reference.message += ", its beginning by Taylor series";
+    attempt.truth.reference.message += ", its start checked by Taylor series";
     attempt.truth.steps = series.steps;
     return attempt;
 }

@@ -84,7 +84,7 @@ class Words {
 
     std::string_view line() {
         const std::size_t end = rest_.find('\n');
-        if (end == rest_.npos) throw std::runtime_error("torn");
+        if (end == rest_.npos) throw std::runtime_error("truncated");
         const std::string_view line = rest_.substr(0, end);
         rest_.remove_prefix(end + 1);
         return line;
@@ -92,7 +92,7 @@ class Words {
     std::string_view word() {
         rest_.remove_prefix(std::min(rest_.find_first_not_of(" \n"), rest_.size()));
         const std::string_view word = rest_.substr(0, rest_.find_first_of(" \n"));
-        if (word.empty()) throw std::runtime_error("torn");
+        if (word.empty()) throw std::runtime_error("truncated");
         rest_.remove_prefix(word.size());
         return word;
     }
@@ -101,7 +101,7 @@ class Words {
         double value = 0;
         const auto [stop, fault] =
             std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::hex);
-        if (stop != text.data() + text.size() || fault != std::errc{}) throw std::runtime_error("no number");
+        if (stop != text.data() + text.size() || fault != std::errc{}) throw std::runtime_error("not a number");
         return value;
     }
     std::size_t count(std::size_t most) {
@@ -109,7 +109,7 @@ class Words {
         std::size_t value = 0;
         const auto [stop, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (stop != text.data() + text.size() || fault != std::errc{} || value > most)
-            throw std::runtime_error("no count");
+            throw std::runtime_error("not a count");
         return value;
     }
     bool next_is(std::string_view word) const {
@@ -175,7 +175,7 @@ void read_system(Words& in, Truth& truth) {
     if (in.word() != bodies_word) throw std::runtime_error("foreign");
     const std::size_t bodies = in.count(std::max<std::size_t>(reference.samples.size(), 1));
     const std::size_t reactions = in.count(in.left() / 36);
-    if (bodies < 1 || reference.samples.size() % bodies != 0) throw std::runtime_error("torn");
+    if (bodies < 1 || reference.samples.size() % bodies != 0) throw std::runtime_error("inconsistent");
     reference.bodies = static_cast<int>(bodies);
     reference.system.resize(reference.samples.size() / bodies);
     for (ReferenceSystem& system : reference.system) system.t = in.real(), each_pair_of_system(system, pair);

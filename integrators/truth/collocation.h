@@ -186,14 +186,14 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
     double h = 1 / step.fastest_rate(y, scales);
     P t(begin);
     while (t < end) {
-        if (steps++ >= settings.max_steps) return "more steps than are allowed";
+        if (steps++ >= settings.max_steps) return "the step limit is reached";
         if (Allowance::is_spent()) return Allowance::fault;
         measure();
         const P remaining = P(end) - t;
         const bool to_end = remaining <= h;
         const P exact_h = to_end ? remaining : P(h);
         const P reached = to_end ? P(end) : t + exact_h;
-        if (!std::isfinite(h) || reached <= t) return "the step vanishes";
+        if (!std::isfinite(h) || reached <= t) return "step size below the spacing of numbers";
         if (!step.solve(y, exact_h, scales, settings.digits + 4)) {
             h = exact_h.template convert_to<double>() / 4;
             continue;

@@ -238,7 +238,7 @@ Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample
     }
     attempt.truth.reference.impact_time_error = late.template convert_to<double>();
     attempt.truth.reference.message +=
-        fmt::format("; {} impact{}, whose times differ by {:.1e} s at most", first.impacts.size(),
+        fmt::format("; {} impact{}, times differ by at most {:.1e} s", first.impacts.size(),
                     first.impacts.size() == 1 ? "" : "s", attempt.truth.reference.impact_time_error);
     return attempt;
 }

@@ -64,16 +64,16 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     dense.scene_.duration = end * (1 + 1e-6);
     validate(dense.scene_, scene.name);
     if (is_mechanism(scene)) {
-        dense.message = "motions of several bodies are not kept as polynomials";
+        dense.message = "polynomial references support only one body";
         return dense;
     }
     const Problem problem = pose(dense.scene_);
     if (problem.needs.user_torque) {
-        dense.message = "a user's torque has no truth";
+        dense.message = "user-defined torques have no reference solution";
         return dense;
     }
     if (!scene.planes.empty()) {
-        dense.message = "impacts on planes are not kept as polynomials";
+        dense.message = "polynomial references do not support impacts on planes";
         return dense;
     }
     const bool by_collocation = truth_method(problem) == "collocation";
@@ -182,14 +182,14 @@ DenseTruth dense_reference(const Scene& scene, double end) {
             // two roundings of a quaternion's components rotate it by at most 4 2^-53 2
             dense.bound = difference + 8 * 0x1p-53;
             dense.message =
-                fmt::format("{} in {} and {} steps ({}, {}), their coefficients rounded to binary64", how, first.steps,
+                fmt::format("{} in {} and {} steps ({}, {}), coefficients rounded to binary64", how, first.steps,
                             other.steps, truth::EulerForm<P>::name, truth::MomentumForm<P>::name);
             return dense;
         }
         local = 17 + (local - agreed) + 6;
     }
     dense.message =
-        fault.empty() ? fmt::format("{} digits agree at most", static_cast<int>(std::max(0.0, agreed))) : fault;
+        fault.empty() ? fmt::format("at most {} digits agree", static_cast<int>(std::max(0.0, agreed))) : fault;
     return dense;
 }
 

@@ -125,7 +125,7 @@ double digits_of_momenta(const Problem& problem) {
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
     if (!scene.planes.empty() && is_strongly_damped(problem))
-        return none("no truth: a stiff motion is followed by collocation, which knows no planes");
+        return none("no truth: stiff motions require collocation, which does not support planes");
     double local = digits + 8, most_agreed = 0;
     std::string fault;
     SharedData shared(problem, times.back());
@@ -133,9 +133,9 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
     if (shared.error(local) > wanted) local = std::max(local, least_broad_digits);
     if (!(shared.error(local) <= wanted))
         return none(
-            fmt::format("no truth to {} digits: what the body's mass, moments, axes and start are loses them to "
-                        "cancellation in 100 digits; a tensor about the centre of mass that is larger beside "
-                        "the mass times the pivot's distance squared loses fewer",
+            fmt::format("no truth to {} digits: computing the body's mass, moments, axes and initial state loses them "
+                        "to cancellation in 100 digits; fewer are lost with a larger inertia about the centre of mass "
+                        "relative to the mass times the pivot's distance squared",
                         digits));
     // Momenta that do not represent a rate let it grow without bound. A closed form, if there is one, is used instead.
     const double beside = digits_of_momenta(problem);
@@ -165,7 +165,7 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
         failed.limit_reached = fault == truth::Allowance::fault;
         return failed;
     }
-    return none(fmt::format("no truth to {} digits: the motion is so sensitive that {} digits agree at most", digits,
+    return none(fmt::format("no truth to {} digits: the motion is so sensitive that at most {} digits agree", digits,
                             static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
 }
 
@@ -194,14 +194,14 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
 
 // Why no reference can be computed; empty if it can.
 std::string refusal(const Scene& scene, int digits) {
-    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
+    if (digits < 1) throw std::invalid_argument("the number of digits must be at least 1");
     validate(scene, scene.name);
     for (const Load& load : scene.loads)
-        if (std::holds_alternative<UserTorque>(load)) return "no truth: a user's torque has none";
+        if (std::holds_alternative<UserTorque>(load)) return "no truth: user-defined torques are not supported";
     for (const Plane& plane : scene.planes)
-        if (plane.friction > 0) return "no truth: an impact with friction has none";
+        if (plane.friction > 0) return "no truth: impacts with friction are not supported";
     if (digits > most_truth_digits)
-        return fmt::format("no truth to {} digits: {} at most can be asked for, unless they are certified", digits,
+        return fmt::format("no truth to {} digits: at most {} digits are available without certification", digits,
                            most_truth_digits);
     return "";
 }
@@ -235,17 +235,17 @@ DecimalReference in_decimals(const Truth& truth, const Scene& scene, int digits)
 }  // namespace
 
 Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
-    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    if (samples < 1) throw std::invalid_argument("the number of samples must be at least 1");
     if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
     return find_or_compute(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples),
                            digits, seconds_limit);
 }
 
 Truth truth::find_truth(const Scene& scene, const std::vector<double>& times, int digits, double seconds_limit) {
-    if (times.empty()) throw std::invalid_argument("there are no times");
+    if (times.empty()) throw std::invalid_argument("no times given");
     for (std::size_t i = 0; i < times.size(); ++i)
         if (!std::isfinite(times[i]) || !(i == 0 ? times[i] >= 0 : times[i] > times[i - 1]))
-            throw std::invalid_argument("the times do not increase from 0 on");
+            throw std::invalid_argument("times must be >= 0 and increase");
     Scene timed = scene;
     if (times.back() > 0) timed.duration = times.back();
     const long samples = static_cast<long>(times.size()) - 1;

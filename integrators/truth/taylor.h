@@ -114,11 +114,11 @@ bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Sc
     const double resting = std::pow(10.0, -settings.digits / 2) * (scales.velocity + reach * scales.angular_velocity);
     const char* why = nullptr;
     if (!outcome.resolved)
-        why = "the contacts that touch at once find no impulses";
+        why = "no impulses were found for simultaneous contacts";
     else if (!outcome.struck || outcome.separation <= resting)
-        why = "the body comes to rest on a plane, and resting contact is not followed";
+        why = "the body comes to rest on a plane, and resting contact is not supported";
     else if (run.impacts.size() > most_impacts)
-        why = "they do not end";
+        why = "too many impacts";
     if (why)
         run.fault = fmt::format("{} impact{} up to t = {:.10g} s: {}", run.impacts.size(),
                                 run.impacts.size() == 1 ? "" : "s", t.template convert_to<double>(), why);
@@ -151,7 +151,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
         P t(leg.begin);
         while (t < leg.end) {
             if (run.steps++ >= settings.max_steps) {
-                run.fault = "more steps than are allowed";
+                run.fault = "the step limit is reached";
                 return false;
             }
             if (Allowance::is_spent()) {
@@ -188,7 +188,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
                         impact = true;
                     }
             if (!to_end && !impact && reached <= t) {
-                run.fault = "the step vanishes";
+                run.fault = "step size below the spacing of numbers";
                 return false;
             }
             for (; samples.due(leg, reached); samples.pop()) {

@@ -37,12 +37,13 @@ Trajectory solve_truth(const Problem& problem, const Settings& settings) {
 
 constexpr Method each[] = {{
     .name = "truth",
-    .documentation = "The reference that errors are measured against, rounded to binary64. Taylor series in "
-                     "multiprecision, or Radau IIA collocation where the motion is stiff, each in two formulations "
-                     "with two orders and steps that agree to at least 25 digits. Its time is that of the first "
-                     "computation; later runs take the samples from a cache on disk.",
+    .documentation =
+        "The reference solution that errors are measured against, rounded to binary64. Taylor series in "
+        "multiprecision, or Radau IIA collocation if the motion is stiff, each in two formulations with two orders "
+        "and steps that agree to at least 25 digits. Its time is that of the first computation; later runs read the "
+        "samples from a cache on disk.",
     .source = "R. E. Moore 1966; A. Jorba and M. Zou 2005, Exp. Math. 14, 99; E. Hairer and G. Wanner 1996",
-    .conserves = "everything the motion does, to 25 digits",
+    .conserves = "all invariants of the motion, to 25 digits",
     .control = Control::none,
     .planes = true,
     .solve = solve_truth,

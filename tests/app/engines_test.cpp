@@ -86,8 +86,9 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     EXPECT_EQ(message("hung:default", "t_handle", 0).find("failed: sh was stopped: it gave no answer within "), 0u);
     EXPECT_NE(message("hung:default", "t_handle", 1).find("the curve was cut"), std::string::npos);
     EXPECT_EQ(message("absent:default", "t_handle", 0),
-              "unsupported: absent is not here: it needs Debian's libnone-dev");
-    EXPECT_EQ(message("good:default", "bouncing_ball", 0), "unsupported: good:default knows no impacts on planes");
+              "unsupported: absent is not available: it needs Debian's libnone-dev");
+    EXPECT_EQ(message("good:default", "bouncing_ball", 0),
+              "unsupported: good:default does not support impacts on planes");
 
     // the order: the better update before the worse, and those that took no part behind them, without a place
     const Table leaders = table("one", "few_leaderboard");

@@ -164,7 +164,8 @@ TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
 TEST_F(Mechanisms, MethodsOfOneBodySaySo) {
     const Outcome outcome = run({"solve", resting, "--method", "splitting4"});
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_NE(outcome.err.find("unsupported: splitting4 takes one body"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("unsupported: splitting4 supports only scenes of one body"), std::string::npos)
+        << outcome.err;
 }
 
 TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {

@@ -120,7 +120,7 @@ TEST_F(Truth, MoreDigitsThanCanBeHadAreRefused) {
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(lines(outcome.err), 1);
-    EXPECT_NE(outcome.err.find("can be had"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("are available"), std::string::npos) << outcome.err;
     EXPECT_TRUE(fs::is_empty(directory));
 }
 

@@ -108,7 +108,7 @@ TEST(OwnSystem, AMethodThatNeedsTheBodySaysSo) {
     const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
     const Trajectory trajectory = solve(pose(SideBySide{alone}, 3), *find_method("exact"));
     EXPECT_EQ(trajectory.status, Status::unsupported);
-    EXPECT_NE(trajectory.message.find("needs to know the body"), std::string::npos) << trajectory.message;
+    EXPECT_NE(trajectory.message.find("supports only rigid bodies"), std::string::npos) << trajectory.message;
 }
 
 /// A mass on a spring that is struck at t = 1: x'' = -x.

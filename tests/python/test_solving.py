@@ -149,7 +149,7 @@ def test_a_torque_of_ones_own():
     torque = polhode.scene(body)
     torque["loads"] = [{"type": "torque", "vector": [0, 0, 1], "frame": "body", "from": 0.5, "until": 1.0}]
     assert np.abs(polhode.solve(window).q - polhode.solve(torque).q).max() < 1e-8
-    with pytest.raises(polhode.NoTruthError, match="user's torque"):
+    with pytest.raises(polhode.NoTruthError, match="user-defined torque"):
         polhode.solve(own).errors()
 
 

@@ -104,11 +104,11 @@ int main() {
          version,
          is_double ? "binary64" : "binary32",
          {{"default",
-           "the gyroscopic term by one Newton step in body axes; a slow body falls asleep; no damping; a "
-           "turn of at most pi/4 a step"},
-          {"best", "as default, never asleep"},
-          {"explicit", "the gyroscopic term by an explicit step, never asleep"},
-          {"none", "no gyroscopic term, never asleep"}},
+           "gyroscopic term by one Newton step in body axes; slow bodies sleep; no damping; at most pi/4 of "
+           "rotation per step"},
+          {"best", "as default, without sleeping"},
+          {"explicit", "gyroscopic term by an explicit step, no sleeping"},
+          {"none", "no gyroscopic term, no sleeping"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"}});
 }

@@ -84,7 +84,7 @@ class BulletMechanism {
             const auto [a, b] = frames({1, 0, 0, 0});
             joints_.push_back(std::make_unique<btFixedConstraint>(parent, child, a, b));
         } else {
-            if (!joint.is_cross()) throw Unsupported("Bullet's universal joint has its axes at right angles");
+            if (!joint.is_cross()) throw Unsupported("Bullet supports only universal joints with perpendicular axes");
             // z fixed in the parent, x in the child, no rotation about y
             const auto [a, b] = frames(frame_about(joint.axes_W[0], joint.axes_W[1]));
             auto cross = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, a, b, RO_XYZ);

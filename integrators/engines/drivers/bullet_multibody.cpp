@@ -21,7 +21,7 @@ class MultibodyWorld {
   public:
     explicit MultibodyWorld(const Body& body)
         : body_(0, body.mass, bullet(body.moments), false, body.setting == "default") {
-        if (!body.planes.empty()) throw Unsupported("planes are hit by this driver's btRigidBody only: see bullet");
+        if (!body.planes.empty()) throw Unsupported("this driver does not support planes; use bullet");
         world_.setGravity(bullet(body.gravity));
         // Bullet stores the base's rotation from world to body
         body_.setWorldToBaseRot(btQuaternion(body.q.x, body.q.y, body.q.z, body.q.w).inverse());
@@ -224,9 +224,9 @@ int main() {
         {"bullet_multibody",
          fmt::format("{}.{}", btGetVersion() / 100, btGetVersion() % 100),
          "binary64",
-         {{"default", "damping 0.04 of either velocity, a slow body falls asleep, coordinate velocities up to 100"},
-          {"best", "no damping, never asleep, no limit of speed"},
-          {"rk4", "as best, by btMultiBody's own RK4"}},
+         {{"default", "linear and angular damping 0.04, slow bodies sleep, coordinate velocities limited to 100"},
+          {"best", "no damping, no sleeping, no speed limit"},
+          {"rk4", "as best, with btMultiBody's RK4"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {}});
 }

@@ -35,7 +35,7 @@ Motion motion_of(const dd::BodyNode& node) {
 class DartWorld {
   public:
     explicit DartWorld(const Body& body) {
-        if (!body.planes.empty()) throw Unsupported("planes are left to the engines made for games");
+        if (!body.planes.empty()) throw Unsupported("this driver does not support planes");
         const dd::SkeletonPtr skeleton = dd::Skeleton::create("body");
         const Eigen::Matrix3d turn = Eigen::Quaterniond(body.q.w, body.q.x, body.q.y, body.q.z).toRotationMatrix();
         if (body.pivot) {
@@ -194,7 +194,7 @@ int main() {
         {"dart",
          DART_VERSION,
          "binary64",
-         {{"default", "semi-implicit Euler on joint coordinates, the gyroscopic term explicit; no damping"}},
+         {{"default", "semi-implicit Euler in joint coordinates, gyroscopic term explicit; no damping"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"spherical"}});
 }

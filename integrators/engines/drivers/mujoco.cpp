@@ -44,13 +44,13 @@ void advance(mjModel* model, mjData* data, double h) {
     if (data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number +
             data->warning[mjWARN_BADQACC].number >
         0)
-        throw std::runtime_error("MuJoCo found its state to be bad and began anew");
+        throw std::runtime_error("MuJoCo detected an invalid state and reset the simulation");
 }
 
 class MujocoWorld {
   public:
     explicit MujocoWorld(const Body& body) : pivot_(body.pivot) {
-        if (!body.planes.empty()) throw Unsupported("MuJoCo's contacts know no coefficient of restitution");
+        if (!body.planes.empty()) throw Unsupported("MuJoCo's contacts have no coefficient of restitution");
         const char* integrator = integrator_of(body.setting);
         const std::string joint =
             body.pivot ? fmt::format(R"(<joint type="ball" pos="{}"/>)", text(*body.pivot)) : "<freejoint/>";
@@ -228,9 +228,9 @@ int main() {
         {"mujoco",
          mj_versionString(),
          "binary64",
-         {{"default", "its Euler: semi-implicit, the gyroscopic term explicit; no damping"},
-          {"implicit", "its integrator \"implicit\""},
-          {"rk4", "its integrator \"RK4\""}},
+         {{"default", "integrator Euler: semi-implicit, gyroscopic term explicit; no damping"},
+          {"implicit", "integrator implicit"},
+          {"rk4", "integrator RK4"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"}});
 }

@@ -97,7 +97,7 @@ class OdeWorld {
                                         if (std::abs(std::abs(corner[i]) - half[i]) > 1e-9 * half[i]) return false;
                                     return true;
                                 });
-            if (!is_box) throw Unsupported("of bodies that hit planes this driver makes boxes and balls");
+            if (!is_box) throw Unsupported("on planes this driver supports only boxes and balls");
             shape = dCreateBox(space_, dReal(2 * half[0]), dReal(2 * half[1]), dReal(2 * half[2]));
         }
         dGeomSetBody(shape, body_);
@@ -189,7 +189,7 @@ class OdeMechanism {
         } else if (known.type == "fixed") {
             dJointSetFixed(attach(dJointCreateFixed(world_, nullptr)));
         } else {
-            if (!known.is_cross()) throw Unsupported("ODE's universal joint has its axes at right angles");
+            if (!known.is_cross()) throw Unsupported("ODE supports only universal joints with perpendicular axes");
             const dJointID joint = attach(dJointCreateUniversal(world_, nullptr));
             dJointSetUniversalAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
             axis(0, dJointSetUniversalAxis1, joint), axis(1, dJointSetUniversalAxis2, joint);
@@ -213,7 +213,7 @@ int main() {
     dInitODE2(0);
     const bool is_double = dCheckConfiguration("ODE_double_precision") != 0;
     if (is_double != (sizeof(dReal) == sizeof(double))) {
-        fmt::print(stderr, "ode: the library was compiled for another precision than its headers say\n");
+        fmt::print(stderr, "ode: the library and its headers differ in precision\n");
         return 1;
     }
     const int exit_code = serve<OdeWorld, OdeMechanism>(
@@ -221,10 +221,10 @@ int main() {
          version(),
          is_double ? "binary64" : "binary32",
          {{"default",
-           "dWorldStep; the gyroscopic term linearly implicit; attitude by the first-order quaternion; no damping, "
-           "never asleep"},
-          {"best", "as default, with finite rotations: the attitude by an exponential"},
-          {"none", "as default, the gyroscopic term switched off"}},
+           "dWorldStep; gyroscopic term linearly implicit; attitude by the first-order quaternion update; no "
+           "damping, no sleeping"},
+          {"best", "as default, with finite rotations: attitude by an exponential"},
+          {"none", "as default, gyroscopic term off"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"}});
     dCloseODE();

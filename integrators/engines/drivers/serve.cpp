@@ -23,7 +23,7 @@ void say(const json& line) {
         if (written > 0)
             done += static_cast<std::size_t>(written);
         else if (written < 0 && errno != EINTR)
-            throw std::runtime_error("nobody listens on descriptor 3");
+            throw std::runtime_error("cannot write to descriptor 3");
     }
 }
 
@@ -111,9 +111,9 @@ json answer_to(const std::string& line, const Driver& driver, const std::functio
         const json asked = json::parse(line);
         const auto known = [&](const auto& setting) { return asked.at("setting") == setting.first; };
         if (std::ranges::none_of(driver.settings, known))
-            throw std::runtime_error("it has no setting " + asked.at("setting").get<std::string>());
+            throw std::runtime_error("unknown setting " + asked.at("setting").get<std::string>());
         if (asked.contains("bodies")) {
-            if (!run_mechanism) throw Unsupported("this driver knows one body");
+            if (!run_mechanism) throw Unsupported("this driver supports only scenes of one body");
             return mechanism_answer(run_mechanism(read_mechanism(asked)));
         }
         const Run done = run(read_request(asked));

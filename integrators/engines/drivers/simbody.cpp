@@ -6,7 +6,8 @@ namespace polhode::engines {
 namespace {
 
 SimbodyStart start_of(const Body& body) {
-    if (!body.planes.empty()) throw Unsupported("Simbody's contacts are compliant: no coefficient of restitution");
+    if (!body.planes.empty())
+        throw Unsupported("Simbody's contacts have no coefficient of restitution: they are compliant");
     SimbodyStart start{};
     start.mass = body.mass, start.setting = body.setting, start.pivoted = body.pivot.has_value();
     start.q[0] = body.q.w, start.q[1] = body.q.x, start.q[2] = body.q.y, start.q[3] = body.q.z;
@@ -48,7 +49,7 @@ SimbodyJoint joint_of(const Mechanism& known, const LinkJoint& joint) {
     if (joint.type == "prismatic")
         frame = frame_about(rotate(frame_about(joint.axes_W[0]), Vector3<double>(1, 0, 0)), joint.axes_W[0]);
     if (joint.type == "universal") {
-        if (!joint.is_cross()) throw Unsupported("Simbody's universal joint has its axes at right angles");
+        if (!joint.is_cross()) throw Unsupported("Simbody supports only universal joints with perpendicular axes");
         frame = frame_about(cross(joint.axes_W[0], joint.axes_W[1]), joint.axes_W[0]);
     }
     SimbodyJoint plain{joint.type, joint.parent, joint.child, {}, {}, {}, {}};
@@ -107,11 +108,10 @@ int main() {
         {"simbody",
          SimbodySystem::version(),
          "binary64",
-         {{"default", "Runge-Kutta-Merson with its own error control at the accuracy 1e-3, asked for a state every h"},
-          {"best", "Runge-Kutta-Merson with the fixed step h"},
+         {{"default", "Runge-Kutta-Merson with its own error control at accuracy 1e-3; state reported every h"},
+          {"best", "Runge-Kutta-Merson at the fixed step h"},
           {"gazebo",
-           "the second semi-explicit Euler with its own error control, asked for a state every h, as Gazebo sets it "
-           "up"}},
+           "semi-explicit Euler 2 with its own error control, configured as in Gazebo; state reported every h"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"}});
 }

@@ -141,8 +141,8 @@ await serve({
   packageName: 'ammojs-typed',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; a slow body falls asleep; no damping; a turn of at most pi/4 a step',
-    best: 'the gyroscopic term by an explicit step (setFlags(1)), never asleep'
+    default: 'no gyroscopic term; slow bodies sleep; no damping; at most pi/4 of rotation per step',
+    best: 'gyroscopic term by an explicit step (setFlags(1)), no sleeping'
   },
   // no fixed one: the constraint of this build gives way, 1.1 rad on a welded pendulum in a quarter of a second
   joints: ['revolute', 'prismatic', 'spherical'],

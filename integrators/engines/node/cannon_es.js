@@ -105,8 +105,8 @@ await serve({
   packageName: 'cannon-es',
   precision: 'binary64',
   settings: {
-    default: 'damping 0.01 of either velocity; no gyroscopic term to switch on; the attitude by the first-order quaternion',
-    best: 'no damping; still no gyroscopic term'
+    default: 'linear and angular damping 0.01; no gyroscopic term available; attitude by the first-order update',
+    best: 'no damping; no gyroscopic term available'
   },
   joints: ['revolute', 'spherical'],
   loops: ['revolute', 'spherical'],

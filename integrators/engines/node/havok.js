@@ -8,7 +8,7 @@ let havok;
 // Every call answers with [result, ..]: what follows the result, if it is a good one.
 function good(answer) {
   const [result, ...values] = Array.isArray(answer) ? answer : [answer];
-  if (result !== havok.Result.RESULT_OK) throw new Error('Havok refuses a call');
+  if (result !== havok.Result.RESULT_OK) throw new Error('a Havok call failed');
   return values[0];
 }
 
@@ -170,8 +170,8 @@ await serve({
   packageName: '@babylonjs/havok',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term to switch on; damping 0.1 of w; a slow body falls asleep; up to 100 rad/s',
-    best: 'no damping, never asleep, no limit of speed; still no gyroscopic term'
+    default: 'no gyroscopic term available; angular damping 0.1; slow bodies sleep; speed limit 100 rad/s',
+    best: 'no damping, no sleeping, no speed limit; no gyroscopic term available'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],

@@ -94,7 +94,7 @@ class World extends Taking {
     // Jolt rounds edges off; this body has none that are round
     settings.mMaxConvexRadius = 0;
     const made = settings.Create();
-    if (made.HasError()) throw new Unsupported(`Jolt makes no hull of it: ${made.GetError().c_str()}`);
+    if (made.HasError()) throw new Unsupported(`Jolt cannot build a convex hull: ${made.GetError().c_str()}`);
     return made.Get();
   }
   addPlane({normal, offset, restitution, friction}) {
@@ -157,8 +157,8 @@ await serve({
   packageName: 'jolt-physics',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; damping 0.05 of either velocity; a slow body falls asleep; up to 47 rad/s and 500 m/s',
-    best: 'the gyroscopic term on (mApplyGyroscopicForce); no damping, never asleep, no limit of speed'
+    default: 'no gyroscopic term; linear and angular damping 0.05; slow bodies sleep; limits 47 rad/s and 500 m/s',
+    best: 'gyroscopic term on (mApplyGyroscopicForce); no damping, no sleeping, no speed limit'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],

@@ -8,12 +8,12 @@ const integrators = {default: 'Euler', implicit: 'implicit', implicitfast: 'impl
 function advance(model, data, h) {
   model.opt.timestep = h;
   mujoco.mj_step(model, data);
-  if (!(data.time > 0)) throw new Error('MuJoCo found its state to be bad and began anew');
+  if (!(data.time > 0)) throw new Error('MuJoCo detected an invalid state and reset the simulation');
 }
 
 class World {
   constructor(body) {
-    if (body.planes.length) throw new Unsupported("MuJoCo's contacts know no coefficient of restitution");
+    if (body.planes.length) throw new Unsupported("MuJoCo's contacts have no coefficient of restitution");
     this.pivot = body.pivot;
     const joint = body.pivot ? `<joint type="ball" pos="${body.pivot.join(' ')}"/>` : '<freejoint/>';
     const place = body.pivot ? scaled(-1, body.pivot) : body.p;
@@ -124,10 +124,10 @@ await serve({
   packageName: '@mujoco/mujoco',
   precision: 'binary64',
   settings: {
-    default: 'its Euler: semi-implicit, the gyroscopic term explicit; no damping',
-    implicit: 'its integrator "implicit"',
-    implicitfast: 'its integrator "implicitfast"',
-    rk4: 'its integrator "RK4"'
+    default: 'integrator Euler: semi-implicit, gyroscopic term explicit; no damping',
+    implicit: 'integrator implicit',
+    implicitfast: 'integrator implicitfast',
+    rk4: 'integrator RK4'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'universal', 'fixed'],
   loops: ['revolute', 'spherical'],

@@ -7,7 +7,7 @@ const array = (v) => [v.x, v.y, v.z];
 
 class World {
   constructor(body) {
-    if (body.planes.length) throw new Unsupported('Oimo.js has no planes, nor hulls');
+    if (body.planes.length) throw new Unsupported('Oimo.js does not support planes or convex hulls');
     this.world = new OIMO.World({timestep: 1 / 60, random: false, gravity: body.gravity});
     // a body is made of shapes, which are to weigh what they weigh here
     this.body = this.world.add({type: 'sphere', size: [1], pos: body.p, move: true, density: 1, collidesWith: 0});
@@ -20,7 +20,7 @@ class World {
     this.body.syncShapes();
     if (body.setting === 'best') this.body.allowSleep = false;
     this.setVelocities(body.w, body.v);
-    if (body.pivot) throw new Unsupported("this driver leaves Oimo.js's joints alone");
+    if (body.pivot) throw new Unsupported('this driver does not support pivots');
   }
   motion() {
     const q = this.body.orientation;
@@ -34,7 +34,7 @@ class World {
     this.body.angularVelocity.set(...w), this.body.linearVelocity.set(...v);
   }
   setGravity(g) { this.world.gravity.set(...g); }
-  apply() { throw new Unsupported('Oimo.js takes no torque from outside'); }
+  apply() { throw new Unsupported('Oimo.js does not support external torques'); }
   step(h) {
     this.world.timeStep = h;
     this.world.step();
@@ -49,8 +49,8 @@ await serve({
   packageName: 'oimo',
   precision: 'binary64',
   settings: {
-    default: 'no gyroscopic term to switch on; a slow body falls asleep',
-    best: 'never asleep; still no gyroscopic term'
+    default: 'no gyroscopic term available; slow bodies sleep',
+    best: 'no sleeping; no gyroscopic term available'
   },
   load: async () => (OIMO = (await import('oimo')).default, {World})
 });

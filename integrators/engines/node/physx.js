@@ -171,8 +171,8 @@ await serve({
   packageName: 'physx-js-webidl',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; damping 0.05 of w; a slow body falls asleep; up to 100 rad/s',
-    best: 'eENABLE_GYROSCOPIC_FORCES; no damping, never asleep, no limit of speed'
+    default: 'no gyroscopic term; angular damping 0.05; slow bodies sleep; speed limit 100 rad/s',
+    best: 'gyroscopic term on (eENABLE_GYROSCOPIC_FORCES); no damping, no sleeping, no speed limit'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],

@@ -107,8 +107,8 @@ await serve({
   packageName: '@dimforge/rapier3d-compat',
   precision: 'binary32',
   settings: {
-    default: 'the gyroscopic term in four substeps; a slow body falls asleep; no damping; a turn of at most pi/4 a substep',
-    best: 'as default, never asleep'
+    default: 'gyroscopic term in four substeps; slow bodies sleep; no damping; at most pi/4 of rotation per substep',
+    best: 'as default, without sleeping'
   },
   joints: ['revolute', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],

@@ -197,7 +197,7 @@ function marchMechanism(world, request, samples) {
 }
 
 function answerForSeveral(Mechanism, request) {
-  if (!Mechanism) throw new Unsupported('this driver knows one body');
+  if (!Mechanism) throw new Unsupported('this driver supports only scenes of one body');
   const samples = [];
   let seconds = 0, steps = 0;
   for (let i = 0; i < request.repetitions; ++i) {
@@ -214,7 +214,7 @@ function answerForSeveral(Mechanism, request) {
 
 function answerTo({World, Mechanism}, settings, line) {
   const request = JSON.parse(line);
-  if (!(request.setting in settings)) throw new Error(`it has no setting ${request.setting}`);
+  if (!(request.setting in settings)) throw new Error(`unknown setting ${request.setting}`);
   if (request.bodies) return answerForSeveral(Mechanism, request);
   const gravity = request.pieces[0].gravity ?? zero;
   const samples = [];
@@ -240,7 +240,7 @@ export async function serve({engine, packageName, precision, settings, load, joi
     loaded = {version: versionOf(packageName), ...await load()};
   } catch (error) {
     const missing = error.code === 'MODULE_NOT_FOUND' || error.code === 'ERR_MODULE_NOT_FOUND' ?
-        `the npm package ${packageName} is not installed; experiments/run engines does it` :
+        `the npm package ${packageName} is not installed; run experiments/run engines to install it` :
         `the npm package ${packageName} cannot be loaded (${error.code ?? error.message})`;
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;

@@ -75,7 +75,7 @@ class Certifier {
         // a tensor whose digits cancel requires more bits, whatever the motion requires
         if (const double known = known_bits(form.body().inertia_B); known < least_bits_ - spare_bits) {
             const auto bits = static_cast<double>(Ball::precision());
-            result.fault = "the tensor's digits cancel";
+            result.fault = "cancellation in the inertia tensor";
             result.wanted_bits = known > 0 ? bits + least_bits_ - known : 2 * bits;
             return result;
         }
@@ -184,13 +184,13 @@ class Certifier {
         }
         const double wanted = least_bits_ + growth_ + (sheared_ ? sensitivity_bits_ : 0) + spread_;
         if (closed && wanted > most_series_bits) {
-            result.fault = "balls cannot tell the side of the separatrix", result.wanted_bits = 2 * bits;
+            result.fault = "the precision does not resolve the side of the separatrix", result.wanted_bits = 2 * bits;
             return {};
         }
         (damped ? result.by_collocation : sheared ? result.by_parallelepiped : result.by_series) = true;
         result.most_bits = std::min(result.most_bits, damped ? truth::most_collocation_bits : most_series_bits);
         if (wanted > bits || bits > result.most_bits) {
-            result.fault = "errors grow", result.wanted_bits = std::max(wanted, bits);
+            result.fault = "the precision is too low", result.wanted_bits = std::max(wanted, bits);
             return {};
         }
         Enclosure enclosure = damped ? truth::enclose_by_collocation(scene_, piece, route.plan, y)
@@ -297,31 +297,31 @@ double truth::kappa_bits(const Problem& problem) {
 }
 
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
-    if (samples < 1) throw std::invalid_argument("the number of samples is below 1");
+    if (samples < 1) throw std::invalid_argument("the number of samples must be at least 1");
     return certified_reference(scene, sample_times(scene.duration, samples), digits, seconds_limit);
 }
 
 CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
                                        double seconds_limit) {
-    if (times.empty()) throw std::invalid_argument("there are no times");
+    if (times.empty()) throw std::invalid_argument("no times given");
     for (std::size_t i = 0; i < times.size(); ++i)
         if (!(times[i] >= 0 && times[i] <= scene.duration && (i == 0 || times[i] > times[i - 1])))
-            throw std::invalid_argument("the times do not increase from 0 to the scene's duration at most");
-    if (digits < 1) throw std::invalid_argument("the number of digits is below 1");
+            throw std::invalid_argument("times must increase and lie between 0 and the scene's duration");
+    if (digits < 1) throw std::invalid_argument("the number of digits must be at least 1");
     validate(scene, scene.name);
     CertifiedReference result;
     result.requested_digits = digits;
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) {
-            result.message = "no certified truth: a user's torque has none";
+            result.message = "no certified truth: user-defined torques are not supported";
             return result;
         }
     if (!scene.loops.empty()) {
-        result.message = "no certified truth: motions with loops are not enclosed; leave out --certified";
+        result.message = "no certified truth: loops are not supported; remove --certified";
         return result;
     }
     if (!scene.planes.empty()) {
-        result.message = "no certified truth: impacts on planes are not enclosed; leave out --certified";
+        result.message = "no certified truth: impacts on planes are not supported; remove --certified";
         return result;
     }
     result.scene_hash = content_hash(write_scene(scene));
@@ -364,9 +364,9 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
             if (used) result.method += (result.method.empty() ? "" : "; ") + std::string(method);
         };
         name(attempt.by_closed_form, "closed form");
-        name(attempt.by_series, "Taylor series with a proven defect, errors carried by the logarithmic norm");
-        name(attempt.by_parallelepiped, "Taylor series with a proven defect, errors carried by parallelepipeds");
-        name(attempt.by_collocation, "collocation with a proven defect, errors carried by the logarithmic norm");
+        name(attempt.by_series, "Taylor series with a proven defect, errors propagated by the logarithmic norm");
+        name(attempt.by_parallelepiped, "Taylor series with a proven defect, errors propagated by parallelepipeds");
+        name(attempt.by_collocation, "collocation with a proven defect, errors propagated by the logarithmic norm");
         break;
     }
     flint_cleanup();
@@ -386,8 +386,8 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     }
     // 64 bits of margin for what a further attempt may find missing
     const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
-    result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits of {} bits", limit)
-                             : fmt::format("no certified truth to {} digits: {} can be had", digits, had);
+    result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits at {} bits", limit)
+                             : fmt::format("no certified truth to {} digits: {} digits are available", digits, had);
     return result;
 }
 

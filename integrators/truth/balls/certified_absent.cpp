@@ -8,7 +8,7 @@ CertifiedReference certified_reference(const Scene&, long, int digits, double) {
     result.requested_digits = digits;
     result.message =
         "no certified truth: this program was built without Arb; install libflint-arb-dev and libflint-dev, and "
-        "build it anew";
+        "rebuild";
     return result;
 }
 

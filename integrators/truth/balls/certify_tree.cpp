@@ -75,7 +75,7 @@ CertifiedAttempt TreeCertifier::attempt() {
     const auto bits = static_cast<double>(Ball::precision());
     if (plan_.dimension == 0) make_plan();
     if (least_bits_ + lost_bits_ > bits) {
-        result.fault = "errors grow", result.wanted_bits = least_bits_ + lost_bits_;
+        result.fault = "the precision is too low", result.wanted_bits = least_bits_ + lost_bits_;
         return result;
     }
     TreeForm<Ball> form(scene_);
@@ -96,7 +96,7 @@ CertifiedAttempt TreeCertifier::attempt() {
         [&](const Leg& leg) {
             Piece piece(record<Ball>(form, form.dimension()), leg.begin, leg.end, {});
             if (numbers_carried(piece.equations, bits - plan_.spare_bits) > most_numbers) {
-                result.fault = fmt::format("errors of {} variables take too much memory to carry", form.dimension());
+                result.fault = fmt::format("the error bounds of {} variables need too much memory", form.dimension());
                 result.hopeless = true;
                 return false;
             }

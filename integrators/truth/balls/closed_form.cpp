@@ -32,7 +32,7 @@ Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& st
     const std::optional<FreeRotation> rotation =
         free_rotation(form.body().inertia_B, BodyState::angular_velocity(start.data()));
     if (!rotation) {
-        result.fault = "the order of the moments or the side of the separatrix is out of reach";
+        result.fault = "the precision does not resolve the order of the moments or the side of the separatrix";
         return result;
     }
     const Quaternion<Ball> q0 = BodyState::attitude(start.data());
@@ -48,7 +48,7 @@ Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& st
             BodyState::set_translation(y.data(), p, v);
         }
         for (const Ball& component : y)
-            if (!component.is_finite()) result.fault = "the closed form has no finite balls at this precision";
+            if (!component.is_finite()) result.fault = "the closed form is not finite at this precision";
         return y;
     };
     for (const double time : piece.sample_times) {

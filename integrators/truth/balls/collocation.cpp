@@ -35,7 +35,7 @@ class Follower {
         const WorkingPrecision precision(bound_bits);
         coarse_ = rounded(recording_);
         if (is_polynomial(recording_)) return;
-        result_.fault = "collocation polynomials are put into sums and products only";
+        result_.fault = "collocation supports only right-hand sides of sums and products";
         result_.hopeless = true;
     }
 
@@ -78,7 +78,7 @@ class Follower {
         }
         const Bound largest = exponential(most) * (before + local);
         if (!largest.is_finite() || norm_.allowed() < largest) {
-            result_.fault = "errors grow beyond what the collocation polynomials carry";
+            result_.fault = "the error bound exceeds its limit";
             return;
         }
         const std::vector<Bound> distance = norm_.components(largest);

@@ -360,7 +360,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         const bool too_many =
             result.steps == foreseen_after && (piece.end - piece.begin) / passed * foreseen_after > 2.0 * max_steps;
         if (too_many || result.steps >= max_steps) {
-            result.fault = fmt::format("{:.2g} s took {} steps of at most {}", passed, result.steps, max_steps);
+            result.fault = fmt::format("{:.2g} s took {} of at most {} steps", passed, result.steps, max_steps);
             result.hopeless = true;
             return result;
         }
@@ -373,12 +373,12 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         const double wanted = on_grid(wanted_step(series, plan, bits, true));
         // the bounds of the rounding errors grow faster with the order than the terms of the motion
         if (8 * wanted < std::min(wanted_step(series, plan, bits, false), piece.end - t.near())) {
-            result.fault = fmt::format("rounding in {} bits shortens the steps", Ball::precision());
+            result.fault = fmt::format("rounding errors at {} bits shorten the steps", Ball::precision());
             result.coarse = true;
             return result;
         }
         if (!(wanted > 0)) {
-            result.fault = "the step vanishes";
+            result.fault = "the step size is zero";
             result.hopeless = true;
             return result;
         }
@@ -393,7 +393,7 @@ Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<B
         find_growth(coarse, norm, series, terms, margin, Errors::parts, step);
         step.largest = step.growth * (errors.length() + step.local);
         if (!step.largest.is_finite() || norm.allowed() < step.largest) {
-            result.fault = fmt::format("errors grow beyond what {} bits can carry", Ball::precision());
+            result.fault = fmt::format("the error bound exceeds its limit at {} bits", Ball::precision());
             return result;
         }
         errors.begin(point, terms, step);

@@ -40,7 +40,7 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// "cannon_es: it has no universal joint" without the name
+// "cannon_es: it does not support universal joints" without the name
 std::string reason_of(const Result& row) {
     const std::size_t colon = row.message.find(": ");
     return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
@@ -238,7 +238,8 @@ std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>
             place.report = place.engine->inspect(nullptr);
             for (const auto& [name, what] : place.report.hello.settings)
                 if (name == place.engine->setting) place.about_setting = what;
-            if (place.is_here() && place.report.hello.joints.empty()) place.report.fault = "its driver takes no joints";
+            if (place.is_here() && place.report.hello.joints.empty())
+                place.report.fault = "its driver does not support joints";
         }
         place_among(place, plan, rows);
         places.push_back(std::move(place));

@@ -158,7 +158,7 @@ def truth(
         raise _polhode.InputError("both samples and times; give one of them")
     posed = make_scene(scene)
     if posed._torques:
-        raise _polhode.NoTruthError("no truth: a user's torque has none")
+        raise _polhode.NoTruthError("no truth: user-defined torques are not supported")
     at = _polhode.SampleTimes(
         100 if samples is None else samples,
         np.empty(0) if times is None else np.atleast_1d(np.asarray(times, dtype=np.float64)),

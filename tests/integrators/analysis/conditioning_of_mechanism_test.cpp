@@ -110,7 +110,7 @@ TEST(ConditioningOfMechanism, PassesImpulses) {
 TEST(ConditioningOfMechanism, OfALongChainFollowsSomeDirections) {
     const Conditioning kappa = conditioning_at(find_scene("mechanisms/chain_100"), {0.01});
     ASSERT_TRUE(kappa.available) << kappa.message;
-    EXPECT_NE(kappa.message.find("16 directions of many"), std::string::npos) << kappa.message;
+    EXPECT_NE(kappa.message.find("16 directions (random combinations"), std::string::npos) << kappa.message;
     EXPECT_GT(kappa.state[0], 0.5);
 }
 

@@ -171,7 +171,7 @@ inline Conditioning reference_conditioning(const Problem& problem, const std::ve
     if (problem.needs.user_torque || !problem.scene.planes.empty()) {
         Conditioning none;
         none.message = problem.needs.user_torque ? "a torque of the user's own has no Taylor series"
-                                                 : "the variational equation does not pass through impacts on planes";
+                                                 : "conditioning through impacts on planes is not supported";
         return none;
     }
     return problem.needs.translation == Translation::fixed ? truth::run<false>(problem, times, digits, max_steps)

@@ -129,20 +129,20 @@ TEST(EngineMechanism, AnEngineWithoutJointsIsToldSo) {
     const Trajectory silent =
         scripted(R"(echo '{"version": "1", "settings": {"default": ""}}' >&3; read -r request)", rod());
     EXPECT_EQ(silent.status, Status::unsupported);
-    EXPECT_EQ(silent.message, "scripted: its driver takes no joints");
+    EXPECT_EQ(silent.message, "scripted: its driver does not support joints");
     const Trajectory balls = scripted(greeting(R"(["spherical"])") + "read -r request", rod());
     EXPECT_EQ(balls.status, Status::unsupported);
-    EXPECT_EQ(balls.message, "scripted: it has no revolute joint");
+    EXPECT_EQ(balls.message, "scripted: it does not support revolute joints");
     Scene loop = find_scene("mechanisms/four_bar");
     const Trajectory open = scripted(greeting(R"(["revolute"])") + "read -r request", loop);
     EXPECT_EQ(open.status, Status::unsupported);
-    EXPECT_EQ(open.message, "scripted: it closes no loop by a revolute joint");
+    EXPECT_EQ(open.message, "scripted: it does not support loops closed by a revolute joint");
 }
 
 TEST(EngineMechanism, SpringsAreRefusedBeforeAnybodyIsAsked) {
     const Trajectory run = scripted("exit 1", find_scene("mechanisms/ball_joint_arm"));
     EXPECT_EQ(run.status, Status::unsupported);
-    EXPECT_EQ(run.message, "springs and dampers of joints are not asked of engines");
+    EXPECT_EQ(run.message, "the engine protocol does not support springs and dampers of joints");
 }
 
 TEST(EngineMechanism, AnAnswerHasAllBodiesAtEachTime) {
@@ -162,10 +162,10 @@ TEST(EngineMechanism, AnAnswerHasAllBodiesAtEachTime) {
     EXPECT_EQ(run.samples[1].angular_velocity_B, Vector3<double>(0, 2, 0));
     const Trajectory two = answer("[[" + row + "," + row + "], [" + row + "]]");
     EXPECT_EQ(two.status, Status::failed);
-    EXPECT_NE(two.message.find("2 bodies where there are 1"), std::string::npos) << two.message;
+    EXPECT_NE(two.message.find("2 bodies instead of 1"), std::string::npos) << two.message;
     const Trajectory short_one = answer("[[" + row + "]]");
     EXPECT_EQ(short_one.status, Status::failed);
-    EXPECT_NE(short_one.message.find("1 samples where 2"), std::string::npos) << short_one.message;
+    EXPECT_NE(short_one.message.find("1 samples instead of 2"), std::string::npos) << short_one.message;
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST(EngineMethods, ReadsBackWhatTheEngineHas) {
     const Problem problem = pose(simple_scene());
     const EngineReport report = scripted.engine().inspect(&problem);
     // the script answers with three samples where two are asked for
-    EXPECT_NE(report.fault.find("3 samples where 2 are asked for"), std::string::npos) << report.fault;
+    EXPECT_NE(report.fault.find("3 samples instead of 2"), std::string::npos) << report.fault;
     EXPECT_EQ(scripted.engine().inspect(nullptr).hello.version, "1.0");
     const EngineScene scene = engine_scene(problem);
     EngineReadback back;
@@ -103,24 +103,24 @@ TEST(EngineMethods, WhateverGoesWrongIsTold) {
     };
     EXPECT_EQ(message(answering(R"({"status": "unsupported", "message": "no planes"})"), Status::unsupported),
               "scripted: no planes");
-    EXPECT_EQ(message(answering(R"({"status": "failed"})"), Status::failed), "scripted: failed, and does not say why");
+    EXPECT_EQ(message(answering(R"({"status": "failed"})"), Status::failed), "scripted: failed without a message");
     EXPECT_EQ(message(answering("no JSON").c_str(), Status::failed).substr(0, 37),
-              "scripted: its answer cannot be read: ");
+              "scripted: the answer cannot be read: ");
     EXPECT_EQ(message(answering(R"({"status": "ok", "seconds": 1, "steps": 1, "samples": []})"), Status::failed),
-              "scripted: its answer cannot be read: 0 samples where 3 are asked for");
+              "scripted: the answer cannot be read: 0 samples instead of 3");
     EXPECT_EQ(message(std::string(hello) + "read -r request; kill -9 $$", Status::failed), "sh was ended by signal 9");
     EXPECT_EQ(message(std::string(hello) + "read -r request; sleep 600", Status::failed),
               "sh was stopped: it gave no answer within 0.5 s");
-    EXPECT_EQ(message("echo nonsense >&3", Status::failed), "sh says something else than who it is");
+    EXPECT_EQ(message("echo nonsense >&3", Status::failed), "sh did not send a JSON object as its first line");
     EXPECT_EQ(message(R"(echo '{"missing": "the package is not installed"}' >&3)", Status::unsupported),
-              "scripted is not here: the package is not installed");
+              "scripted is not available: the package is not installed");
 }
 
 TEST(EngineMethods, AnEngineThatIsNotThereNamesWhatItNeeds) {
     const ScriptedEngine none("", {{"command", {"/no/such/engine"}}, {"needs", "Debian's libnone-dev"}});
     const Trajectory run = none.solved(simple_scene());
     EXPECT_EQ(run.status, Status::unsupported);
-    EXPECT_EQ(run.message, "scripted is not here: it needs Debian's libnone-dev");
+    EXPECT_EQ(run.message, "scripted is not available: it needs Debian's libnone-dev");
     EXPECT_EQ(none.engine().inspect(nullptr).fault, "it needs Debian's libnone-dev");
 }
 
@@ -157,7 +157,7 @@ TEST(EngineMethods, AHangCostsTwoTimeOuts) {
         EXPECT_EQ(failed.status, Status::failed);
         EXPECT_TRUE(failed.limit_reached);
         EXPECT_EQ(failed.message, run < 2 ? "sh was stopped: it gave no answer within 0.2 s"
-                                          : "sh was not asked: it gave no answer in time to the last questions");
+                                          : "sh received no request: its last requests timed out");
     }
     const ScriptedEngine slow(std::string(hello) + "read -r a; echo '" + sound + "' >&3; read -r b; exec sleep 600");
     for (int run = 0; run < 6; ++run)
@@ -171,7 +171,7 @@ TEST(EngineMethods, StepsBeyondTheLimitAreNotBegun) {
     settings.step = 1e-9, settings.max_steps = 1000;
     const Trajectory run = solve(simple_scene(), *scripted.engine().method, settings);
     EXPECT_EQ(run.status, Status::failed);
-    EXPECT_EQ(run.message, "more than the limit of 1000 steps");
+    EXPECT_EQ(run.message, "needs more than the limit of 1000 steps");
     EXPECT_TRUE(run.limit_reached);
 }
 

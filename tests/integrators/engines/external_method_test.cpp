@@ -75,7 +75,7 @@ TEST(ExternalMethod, SaysWhichSettingsItsCommandTakes) {
     EXPECT_EQ(engine("true")->control, Control::none);
     Settings settings;
     settings.step = 0.1;
-    EXPECT_EQ(solved_by("true", settings).message, "engine takes no step");
+    EXPECT_EQ(solved_by("true", settings).message, "engine does not take a step");
 }
 
 TEST(ExternalMethod, OwnsItsTexts) {
@@ -103,14 +103,14 @@ TEST(ExternalMethod, NamesWhatWentWrong) {
     } cases[] = {
         {"kill -SEGV $$", "sh was ended by signal 11"},
         {"echo first >&2; echo 'no licence' >&2; exit 3", "sh failed (3): no licence"},
-        {"true", "it prints no trajectory: sh"},
-        {"echo hello", "it prints no trajectory: sh"},
-        {"head -c 100000 /dev/zero", "it prints no trajectory: sh"},
-        {"echo " + header + "; echo nan" + at_rest, "it prints no trajectory: sh"},
-        {"echo " + header + "; echo 0" + at_rest, "it prints 1 samples where 3 are asked for"},
+        {"true", "its output is not a trajectory: sh"},
+        {"echo hello", "its output is not a trajectory: sh"},
+        {"head -c 100000 /dev/zero", "its output is not a trajectory: sh"},
+        {"echo " + header + "; echo nan" + at_rest, "its output is not a trajectory: sh"},
+        {"echo " + header + "; echo 0" + at_rest, "its output has 1 samples instead of 3"},
         {"echo " + header + "; for t in 0 1 100; do echo $t" + at_rest + "; done",
-         "its sample 1 is at t = 1 s and not"},
-        {"echo t,qw,qx,qy,qz; for t in 0 50 100; do echo $t,1,0,0,0; done", "it prints no columns wx, wy, wz"},
+         "its sample 1 is at t = 1 s instead of"},
+        {"echo t,qw,qx,qy,qz; for t in 0 50 100; do echo $t,1,0,0,0; done", "its output has no columns wx, wy, wz"},
     };
     Settings settings;
     settings.samples = 2;
@@ -152,8 +152,8 @@ TEST(ExternalMethod, RefusesWhatItCannotHandOver) {
     scene.loads.push_back(UserTorque{"of mine", [](const LoadState&) { return Vector3<double>(); }, {}});
     const Trajectory refused = solve(scene, *engine("true"));
     EXPECT_EQ(refused.status, Status::unsupported);
-    EXPECT_EQ(refused.message, "a torque of the user's own cannot be handed to another process");
-    EXPECT_EQ(refusal(*engine("true"), pose(find_scene("bouncing_ball"))), "engine knows no impacts on planes");
+    EXPECT_EQ(refused.message, "a user-defined torque cannot be passed to another process");
+    EXPECT_EQ(refusal(*engine("true"), pose(find_scene("bouncing_ball"))), "engine does not support impacts on planes");
 }
 
 }  // namespace

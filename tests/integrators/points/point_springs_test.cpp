@@ -144,7 +144,7 @@ TEST(PointSprings, SayWhichStepTheyWant) {
             EXPECT_EQ(method(problem, stepped(0.97 * limit / fastest, 4), {}).trajectory.status, Status::ok);
             const Trajectory beyond = method(problem, stepped(share * limit / fastest, 4), {}).trajectory;
             EXPECT_EQ(beyond.status, Status::diverged);
-            EXPECT_NE(beyond.message.find("want steps below"), std::string::npos) << beyond.message;
+            EXPECT_NE(beyond.message.find("require steps below"), std::string::npos) << beyond.message;
         }
 }
 

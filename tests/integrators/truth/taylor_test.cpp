@@ -108,7 +108,7 @@ TEST(TruthTaylor, EndsWhereItWouldTakeMoreStepsThanAreAllowed) {
     const Problem problem = pose(scene);
     const auto run = truth::taylor<P, Form>(scene, {0, scene.duration}, problem.scales, problem.body.principal.moments,
                                             {36, 32, 1, 3});
-    EXPECT_EQ(run.fault, "more steps than are allowed");
+    EXPECT_EQ(run.fault, "the step limit is reached");
 }
 
 // y' = -y, whose coefficients change their sign from one to the next

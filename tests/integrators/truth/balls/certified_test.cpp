@@ -249,7 +249,7 @@ TEST(Certified, AnyTimeCostsTheSame) {
 TEST(Certified, SaysHowManyDigitsCanBeHad) {
     const CertifiedReference refused = certified_reference(heavy_top(), 1, 5000);
     EXPECT_FALSE(refused.available);
-    EXPECT_NE(refused.message.find("can be had"), std::string::npos) << refused.message;
+    EXPECT_NE(refused.message.find("are available"), std::string::npos) << refused.message;
     EXPECT_TRUE(refused.columns.empty());
     // a free body: as many as it says
     const Scene scene = body("free", {1, 2, 3}, {1, 0.5, 1.5}, 5);
@@ -269,7 +269,7 @@ TEST(Certified, SaysThatStepsWouldBeTooMany) {
     scene.loads.push_back(Spring{1e14, {0.6, 0.8, 0, 0}, {}});
     const CertifiedReference refused = certified_reference(scene, 1, 15);
     EXPECT_FALSE(refused.available);
-    EXPECT_NE(refused.message.find("steps of at most"), std::string::npos) << refused.message;
+    EXPECT_NE(refused.message.find("of at most"), std::string::npos) << refused.message;
     EXPECT_LT(refused.seconds, optimised_build ? 60 : 300);
 }
 
@@ -282,7 +282,7 @@ TEST(Certified, RefusesWhatHasNoTruth) {
     scene.loads.push_back(UserTorque{"mine", [](const LoadState&) { return Vector3<double>(); }, {}});
     const CertifiedReference none = certified_reference(scene, 1, 10);
     EXPECT_FALSE(none.available);
-    EXPECT_NE(none.message.find("user's torque"), std::string::npos);
+    EXPECT_NE(none.message.find("user-defined torque"), std::string::npos);
     scene.loads.clear();
     scene.body.mass = -1;
     EXPECT_THROW(certified_reference(scene, 1, 10), InputError);

@@ -55,15 +55,16 @@ EnsembleBody start_under(const std::vector<const EnsembleColumn*>& columns, cons
     for (const EnsembleColumn& known : ensemble_columns()) {
         if (seen[known.block] == 0 || std::ranges::find(columns, &known) != columns.end()) continue;
         fail(fmt::format("column {} is missing", known.name),
-             fmt::format("give all of {}, or none", block_names[known.block]));
+             fmt::format("give all of {} or none", block_names[known.block]));
     }
     if (seen[block_id] > 0 && columns.size() == 1)
         fail("has no column but id", "give at least one of qw,qx,qy,qz, wx,wy,wz, ixx,iyy,izz, mass, ..");
     if (seen[block_products] > 0 && seen[block_moments] == 0)
-        fail("has products of inertia without moments", "give ixx,iyy,izz beside ixy,ixz,iyz");
+        fail("has products of inertia without moments", "give ixx,iyy,izz together with ixy,ixz,iyz");
     if (scene.pivot && (seen[block_p] > 0 || seen[block_v] > 0))
-        fail(fmt::format("has columns {} in a scene with a pivot", block_names[seen[block_p] ? block_p : block_v]),
-             "leave them out: the pivot and the attitude say where the centre of mass is");
+        fail(fmt::format("has the columns {}, but the scene has a pivot",
+                         block_names[seen[block_p] ? block_p : block_v]),
+             "remove them: the pivot and the attitude determine the centre of mass");
     EnsembleBody start = ensemble_body(scene);
     // moments without products: about the body's own axes
     if (seen[block_moments] > 0) start.inertia_B = {};
@@ -71,11 +72,11 @@ EnsembleBody start_under(const std::vector<const EnsembleColumn*>& columns, cons
 }
 
 std::optional<BodyFault> fault_of_id(std::string_view id) {
-    if (id.size() > longest_id) return BodyFault{"id", "has more than 200 bytes", "give shorter ids"};
-    if (first_invalid_utf8(id) != std::string_view::npos) return BodyFault{"id", "is not UTF-8", "give UTF-8"};
+    if (id.size() > longest_id) return BodyFault{"id", "is longer than 200 bytes", "use shorter ids"};
+    if (first_invalid_utf8(id) != std::string_view::npos) return BodyFault{"id", "is not UTF-8", "encode it as UTF-8"};
     if (one_line(id, id.size()) != id || id.find('"') != id.npos)
-        return BodyFault{"id", one_line(id, 60) + " holds quotes or control characters",
-                         "give plain text without commas"};
+        return BodyFault{"id", one_line(id, 60) + " contains quotes or control characters",
+                         "use printable text without quotes and commas"};
     return {};
 }
 

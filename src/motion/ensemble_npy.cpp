@@ -38,15 +38,15 @@ class NpyEnsemble : public EnsembleStream {
             const auto known = std::ranges::find(names, field.name);
             if (known == names.end()) {
                 const std::string meant = did_you_mean(field.name, names);
-                fail("header", "has a field " + one_line(field.name, 60),
+                fail("header", "has the unknown field " + one_line(field.name, 60),
                      fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", fmt::join(names, ", ")));
             }
             columns.push_back(&ensemble_columns()[static_cast<std::size_t>(known - names.begin())]);
             places_.push_back({columns.back(), field.offset});
             const bool is_id = columns.back()->put == nullptr;
             if (is_id != field.type.starts_with("|S") || (!is_id && field.type != "<f8"))
-                fail("header", fmt::format("has {} of type {}", field.name, field.type),
-                     is_id ? "give S1 to S200" : "give <f8");
+                fail("header", fmt::format("declares {} with type {}", field.name, field.type),
+                     is_id ? "give a type from S1 to S200" : "give the type <f8");
             if (is_id) has_ids_ = true, id_width_ = field.size;
         }
         start_ = start_under(columns, scene, file_, "header");
@@ -73,7 +73,7 @@ class NpyEnsemble : public EnsembleStream {
                 std::string_view id(record + offset, id_width_);
                 id = id.substr(0, id.find_last_not_of('\0') + 1);
                 if (id.find(',') != id.npos || id.starts_with(' ') || id.ends_with(' '))
-                    refuse({"id", "holds a comma, or a space at an end", "give plain text without them"});
+                    refuse({"id", "contains a comma, or starts or ends with a space", "remove them"});
                 if (const auto fault = fault_of_id(id)) refuse(*fault);
                 piece.ids.emplace_back(id);
                 continue;
@@ -108,7 +108,8 @@ class NpyEnsemble : public EnsembleStream {
         const std::size_t offset = header_.data_offset + static_cast<std::size_t>(held_begin_) * header_.record_size;
         // it was long enough when it was opened
         if (bytes_(offset, held_.data(), count) < count)
-            fail(fmt::format("row {}", passed_), "is missing: the file has become shorter", "let nobody write to it");
+            fail(fmt::format("row {}", passed_), "is missing: the file was truncated while it was read",
+                 "do not modify the file during the run");
     }
 
     struct Place {

@@ -45,7 +45,7 @@ class CsvEnsemble : public EnsembleStream {
         const auto& cells = lines_.cells();
         if (cells.size() != columns_.size())
             fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
-                 "give a cell for each column");
+                 "give one cell per column");
         EnsembleBody& b = piece.bodies.emplace_back(start_);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             if (columns_[i]->put == nullptr) {
@@ -55,7 +55,7 @@ class CsvEnsemble : public EnsembleStream {
             }
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is not a number",
                      "give a decimal number such as -1.5e-3");
             if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
             columns_[i]->put(b, *value);
@@ -78,7 +78,7 @@ class CsvEnsemble : public EnsembleStream {
 
     void header(const Scene& scene) {
         if (!lines_.next())
-            fail("", "is empty", "give a header line such as qw,qx,qy,qz,wx,wy,wz and a line for each body");
+            fail("", "is empty", "give a header line such as qw,qx,qy,qz,wx,wy,wz and one line per body");
         std::vector<std::string> names;
         for (const EnsembleColumn& known : ensemble_columns()) names.emplace_back(known.name);
         for (const std::size_t place : lines_.header(names)) columns_.push_back(&ensemble_columns()[place]);
@@ -128,8 +128,8 @@ std::size_t EnsembleStream::skip(std::size_t rows) {
 
 void EnsembleStream::require_bodies() const {
     if (bodies_ > 0) return;
-    if (first_refusal_.empty()) throw InputError(file(), "", "has a header and no row", "give a line for each body");
-    throw InputError(file(), "", "has no row that is a body", "the first: " + first_refusal_);
+    if (first_refusal_.empty()) throw InputError(file(), "", "has a header but no rows", "give one line per body");
+    throw InputError(file(), "", "has no valid row", "first error: " + first_refusal_);
 }
 
 std::unique_ptr<EnsembleStream> open_ensemble(const std::string& path, const Scene& scene) {

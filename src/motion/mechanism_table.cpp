@@ -110,7 +110,7 @@ class MechanismTableReader {
     MechanismTable read() {
         if (!lines_.next())
             fail("", "is empty",
-                 fmt::format("give a header line such as {} and a line for each start", known_.front().name));
+                 fmt::format("give a header line such as {} and one line per start", known_.front().name));
         header();
         for (std::size_t number = 1; lines_.next(); ++number) {
             const std::size_t numbers = result_.numbers.size(), ids = result_.ids.size();
@@ -126,8 +126,8 @@ class MechanismTableReader {
             }
         }
         if (result_.rows() == 0 && !result_.refused.empty())
-            fail("", "has no row that is a start", "the first: " + result_.refused.front().fault);
-        if (result_.rows() == 0) fail("", "has a header and no row", "give a line for each start");
+            fail("", "has no valid row", "first error: " + result_.refused.front().fault);
+        if (result_.rows() == 0) fail("", "has a header but no rows", "give one line per start");
         return std::move(result_);
     }
 
@@ -148,18 +148,19 @@ class MechanismTableReader {
             there.insert(result_.columns.back().name), blocks.insert(result_.columns.back().block);
         }
         if (result_.columns.empty())
-            fail(here(), "has no column but id", fmt::format("give at least one, such as {}", known_.front().name));
+            fail(here(), "has no column but id",
+                 fmt::format("give at least one other column, such as {}", known_.front().name));
         for (const MechanismColumn& column : known_)
             if (blocks.contains(column.block) && !there.contains(column.name))
                 fail(here(), fmt::format("column {} is missing", column.name),
-                     fmt::format("give all of {}, or none", column.block));
+                     fmt::format("give all of {} or none", column.block));
     }
 
     void row() {
         const auto& cells = lines_.cells();
         if (cells.size() != places_.size())
             fail(here(), fmt::format("has {} cells under {} columns", cells.size(), places_.size()),
-                 "give a cell for each column");
+                 "give one cell per column");
         for (std::size_t i = 0; i < cells.size(); ++i) {
             const std::string at =
                 fmt::format("{}, column {}", here(), places_[i] == 0 ? "id" : known_[places_[i] - 1].name);
@@ -167,13 +168,14 @@ class MechanismTableReader {
                 const std::string_view id = cells[i];
                 if (id.size() > longest_name || first_invalid_utf8(id) != std::string_view::npos ||
                     one_line(id, id.size()) != id || id.find('"') != id.npos)
-                    fail(at, "holds more than 200 bytes, quotes or control characters", "give short plain text");
+                    fail(at, "is longer than 200 bytes, not UTF-8, or contains quotes or control characters",
+                         "use short printable text");
                 result_.ids.emplace_back(id);
                 continue;
             }
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                fail(at, cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                fail(at, cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is not a number",
                      "give a decimal number such as -1.5e-3");
             if (!std::isfinite(*value)) fail(at, one_line(cells[i], 60) + " is not finite", "give a finite number");
             result_.numbers.push_back(*value);

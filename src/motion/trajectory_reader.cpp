@@ -70,14 +70,14 @@ class Reader {
     }
 
     TrajectoryFile read() {
-        if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
+        if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and one line per sample");
         header();
         while (lines_.next()) {
             // as many as there are lines of this length
             if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
-        if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
+        if (result_.rows.empty()) fail("", "has a header but no samples", "give one line per sample");
         if (body_column_ != nowhere) end_moment(), leave_out_missing();
         result_.bodies = std::move(bodies_);
         result_.read_past = lines_.read_past();
@@ -105,16 +105,16 @@ class Reader {
             const bool needed = known.block <= block_q || (seen[known.block] > 0 && known.block < block_bound);
             if (needed && std::find(columns_.begin(), columns_.end(), &known) == columns_.end())
                 fail(here(), fmt::format("column {} is missing", known.name),
-                     known.block <= block_q ? "give t,qw,qx,qy,qz at least"
-                                            : fmt::format("give all of {}, or none", block_names[known.block]));
+                     known.block <= block_q ? "give at least t,qw,qx,qy,qz"
+                                            : fmt::format("give all of {} or none", block_names[known.block]));
         }
         if (seen[block_p] > 0 && seen[block_o] > 0)
             fail(here(), "has both px,py,pz and ox,oy,oz",
                  "give the centre of mass (p) or the body's origin (o), not both");
         if (seen[block_body] == 0 && bodies_.size() > 1)
             fail(here(), "column body is missing",
-                 "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) +
-                     ", or some of them, at each time");
+                 "give t,body,qw,.. with one line at each time for each of " + one_line(listed(bodies_), 200) +
+                     ", or for some of them");
         for (std::size_t i = 0; i < columns_.size(); ++i) {
             places_.push_back(columns_[i]->place);
             if (columns_[i]->block == block_body) body_column_ = i;
@@ -137,29 +137,29 @@ class Reader {
         const auto& cells = lines_.cells();
         if (cells.size() != columns_.size())
             fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
-                 "give a number for each column");
+                 "give one number per column");
         TrajectoryRow row;
         for (std::size_t i = 0; i < cells.size(); ++i) {
             if (i == body_column_) continue;
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is not a number",
                      "give a decimal number such as -1.5e-3");
             if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
             if (places_[i] != nullptr) *places_[i](row) = *value;
         }
         const std::string time = fmt::format("line {}, column t", lines_.number());
-        if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
+        if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the start of the scene", "give times >= 0");
         const bool same_moment = body_column_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
         if (!same_moment && !result_.rows.empty() && !(row.t > result_.rows.back().t))
             fail(time,
-                 fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
+                 fmt::format("{} s is not after the {} s of the previous sample", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
-                 "give each time once, in order");
+                 "give each time once, in ascending order");
         const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
             fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
-                 fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),
+                 fmt::format("have length {}, which does not define an attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
         if (body_column_ == nowhere)
             result_.rows.push_back(row);
@@ -176,22 +176,22 @@ class Reader {
             if (name.empty()) fail(at(body_column_), "is empty", "give the body's name");
             if (bodies_known_) {
                 const std::string meant = did_you_mean(name, bodies_);
-                fail(at(body_column_), fmt::format("\"{}\" is no body of the scene", one_line(name, 60)),
+                fail(at(body_column_), fmt::format("\"{}\" is not a body of the scene", one_line(name, 60)),
                      meant.empty() ? "give one of " + one_line(listed(bodies_), 200) : meant);
             }
             if (moment_ > 0)
-                fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
-                     "give a line for each body at each time");
+                fail(at(body_column_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
+                     "give one line per body at each time");
             bodies_.emplace_back(name);
             index_.emplace(name, body);
         }
         if (moment_ > 0 && in_file_[body] == 0)
-            fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
-                 "give a line for each of the file's bodies at each time");
+            fail(at(body_column_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
+                 "give one line per body at each time");
         if (body < there_.size() && there_[body] != 0)
             fail(at(body_column_),
-                 fmt::format("the body \"{}\" is there twice at {} s", one_line(name, 60), shortest_decimal(row.t)),
-                 "give a line for each body at each time");
+                 fmt::format("body \"{}\" has two lines at {} s", one_line(name, 60), shortest_decimal(row.t)),
+                 "give one line per body at each time");
         there_.resize(bodies_.size()), there_[body] = 1;
         last_line_ = lines_.number();
         // the rows of a moment that are still to come have its time already
@@ -211,9 +211,9 @@ class Reader {
         for (std::size_t body = 0; body < bodies_.size(); ++body)
             if (there_[body] == 0 && in_file_[body] != 0)
                 fail(fmt::format("line {}, column body", last_line_),
-                     fmt::format("the body \"{}\" is missing at {} s", one_line(bodies_[body], 60),
+                     fmt::format("body \"{}\" has no line at {} s", one_line(bodies_[body], 60),
                                  shortest_decimal(result_.rows.back().t)),
-                     "give a line for each body at each time");
+                     "give one line per body at each time");
     }
     // Takes out the places of bodies that the file does not have.
     void leave_out_missing() {

@@ -125,7 +125,7 @@ def test_a_scene_names_files_in_its_own_folder_unless_that_is_allowed(tmp_path):
         (folder / "s.json").write_text(json.dumps(
             {"name": "s", "duration": 1, "body": {"mesh": named, "density": 1}}))
     assert polhode.scene(tmp_path / "s.json").name == "s"
-    with pytest.raises(polhode.InputError, match="leads out of the folder"):
+    with pytest.raises(polhode.InputError, match="is outside the folder"):
         polhode.scene(tmp_path / "sub" / "s.json")
     polhode.allow_outside_files(True)
     try:

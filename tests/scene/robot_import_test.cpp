@@ -615,7 +615,7 @@ TEST(RobotImport, TheMemberImport) {
     EXPECT_EQ(fault(file + R"(, "initial": {"elbo": {}}})"),
               "file.json: /import/initial/elbo: is neither a joint nor a free body of the robot; did you mean elbow?");
     EXPECT_EQ(fault(file + R"(, "initial": {"elbow": {"speed": 1}}})"),
-              "file.json: /import/initial/elbow/speed: is an unknown key; known here: angle, rate, dependent");
+              "file.json: /import/initial/elbow/speed: is an unknown key; known keys: angle, rate, dependent");
     EXPECT_NE(fault(file + R"(, "base": "loose"})").find("/import/base: is the string \"loose\""), std::string::npos);
     EXPECT_NE(fault(file + R"(, "link": "forearm"})").find("/import/link: is an unknown key"), std::string::npos);
     EXPECT_NE(fault(R"("import": {"file": "arm6.urdf"})").find("/import: mechanisms/arm6.urdf: is not a built-in file"),

@@ -171,7 +171,7 @@ std::string tensor_fault(const Matrix3<double>& inertia);
 /// What is wrong with a quaternion that is not of length 1 within 1e-6, "has norm ..", or an empty text; norm_remedy is
 /// what to give instead.
 std::string norm_fault(const Quaternion<double>& q);
-inline constexpr const char* norm_remedy = "a unit quaternion [w, x, y, z] has norm 1 within 1e-6";
+inline constexpr const char* norm_remedy = "give a unit quaternion [w, x, y, z] with norm 1 within 1e-6";
 
 /// Whether the body was read with its shape: it is a shape, a mesh, or parts of such.
 bool has_shape(const BodySource& source);

@@ -72,8 +72,8 @@ TEST(JsonDocument, GettersSayWhatIsThere) {
 TEST(JsonDocument, DepthOf64IsAllowedAnd65IsNot) {
     const auto nested = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
     EXPECT_EQ(fault_of(nested(64)), "");
-    EXPECT_NE(fault_of(nested(65)).find("deeper than 64"), std::string::npos);
-    EXPECT_NE(fault_of(std::string(10'000'000, '[')).find("deeper than 64"), std::string::npos);
+    EXPECT_NE(fault_of(nested(65)).find("more than 64 levels deep"), std::string::npos);
+    EXPECT_NE(fault_of(std::string(10'000'000, '[')).find("more than 64 levels deep"), std::string::npos);
 }
 
 TEST(JsonDocument, SyntaxErrorsGiveLineColumnAndPointer) {

@@ -72,7 +72,7 @@ TEST_F(NamedFile, IsARegularFileOfBoundedSize) {
     std::ofstream(top / "mine/ten") << "0123456789";
     EXPECT_EQ(text("ten"), "0123456789");
     std::ofstream(top / "mine/ten", std::ios::app) << "x";
-    EXPECT_NE(fault("ten").find("more than 10 bytes"), std::string::npos);
+    EXPECT_NE(fault("ten").find("larger than 10 bytes"), std::string::npos);
 }
 
 TEST(Printable, IsWhatDoesNothingToATerminal) {

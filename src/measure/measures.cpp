@@ -104,7 +104,7 @@ const std::vector<Measure>& table() {
          .of_one_body = false,
          .tabled_of_systems = true},
         {.name = "joint_gap",
-         .title = "gap of joints",
+         .title = "joint gap",
          .unit = "m",
          .meaning = "Largest distance between the two points of a joint, over all joints of the mechanism",
          .needs = known_position,
@@ -114,7 +114,7 @@ const std::vector<Measure>& table() {
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "joint_turn",
-         .title = "turn of joints",
+         .title = "joint misalignment",
          .unit = "rad",
          .meaning = "Largest angle between the two axes of a joint, over all joints of the mechanism",
          .over_time = true,
@@ -123,11 +123,10 @@ const std::vector<Measure>& table() {
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "reaction",
-         .title = "reactions of joints",
+         .title = "joint reactions",
          .unit = "relative",
-         .meaning =
-             "Error of the force and of the torque of a joint, each over the run's largest, the worst of several "
-             "bodies' joints",
+         .meaning = "Error of joint force and torque, each over the run's largest, the largest over all joints of the "
+                    "mechanism",
          .needs = known_truth | known_reactions,
          .whole_error = [](const auto& c) { return c.reaction_error; },
          .of_one_body = false,

@@ -77,7 +77,7 @@ Load spring(const JsonNode& node) {
 
 Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
     Motor load;
-    load.joint = node.required("joint", "the name of a revolute or a prismatic joint").string();
+    load.joint = node.required("joint", "the name of a revolute or prismatic joint").string();
     const JsonNode *torque = node.find("torque"), *along = node.find("force");
     if (torque && along)
         along->fail("is given together with \"torque\"",

@@ -278,7 +278,7 @@ void validate(const Scene& scene, const std::string& file) {
         if (is_of_joints(block) && !is_mechanism(scene))
             throw InputError(file, "/tolerated/" + block, "applies to joints, but the scene has one body", "remove it");
         if (std::ranges::find(tolerated_blocks, block) == tolerated_blocks.end())
-            throw InputError(file, "/tolerated/" + one_line(block, 60), "is not the name of a block",
+            throw InputError(file, "/tolerated/" + one_line(block, 60), "is not the name of an error block",
                              fmt::format("give one of {}", fmt::join(tolerated_blocks, ", ")));
         check.positive("/tolerated/" + block, error, "the tolerated error");
     }

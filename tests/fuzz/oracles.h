@@ -28,7 +28,6 @@
 #include "integrators/truth/cache.h"
 #include "motion/ensemble_npy.h"
 #include "motion/ensemble_table.h"
-#include "motion/mechanism_table.h"
 #include "motion/problem.h"
 #include "motion/trajectory_csv.h"
 #include "motion/written_tables.h"
@@ -183,48 +182,6 @@ inline void ensemble(std::string_view text) {
     }
 }
 
-/// Tables of ensembles in NumPy's format: what is taken gives the same rows in pieces of any size and after rows that
-/// are left out, its header is written again as it was read, and as CSV it says the same.
-inline void npy(std::string_view content) {
-    Scene scene;
-    scene.name = "fuzz", scene.duration = 1;
-    if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
-    auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
-    if (header) {
-        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
-        // names are ours where a header is written, and need no escapes
-        for (NpyField& field : header->fields) std::erase(field.name, '\'');
-        const std::string again = write_npy_header(header->fields, header->rows);
-        const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
-        require(read.rows == header->rows && read.record_size == header->record_size, "a header does not read back");
-    }
-    const auto rows = parsed([&] { return npy_ensemble_of(content, "fuzz", scene); });
-    if (!rows) return;
-    require(header.has_value(), "a table without a header");
-    EnsembleTable whole, piece;
-    (*rows)->next(whole, content.size() + 1);
-    require(whole.bodies.size() + whole.refused.size() == header->rows, "rows are lost");
-    require(whole.ids.empty() || whole.ids.size() == whole.bodies.size(), "ids are lost");
-    for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
-    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
-    const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
-    require(left_out == header->rows, "rows that are left out are not counted");
-    const auto pieces = npy_ensemble_of(content, "fuzz", scene);
-    const std::size_t skipped = pieces->skip(1);
-    std::vector<EnsembleBody> bodies;
-    std::size_t refused = 0;
-    while (pieces->next(piece, 3)) {
-        bodies.insert(bodies.end(), piece.bodies.begin(), piece.bodies.end());
-        refused += piece.refused.size();
-    }
-    require(skipped + bodies.size() + refused == header->rows, "pieces lose rows");
-    require(std::equal(bodies.rbegin(), bodies.rend(), whole.bodies.rbegin()), "pieces differ from the whole");
-    const auto as_comment = [](const std::string& id) { return id.starts_with('#'); };
-    if (whole.bodies.empty() || std::any_of(whole.ids.begin(), whole.ids.end(), as_comment)) return;
-    const EnsembleTable csv = parse_ensemble(write_ensemble(whole, scene.pivot.has_value()), "written", scene);
-    require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
-}
-
 /// Bodies joined in every way that has coordinates, and one that is free.
 inline const Scene& joined_bodies() {
     static const Scene scene = parse_scene(
@@ -243,22 +200,80 @@ inline const Scene& joined_bodies() {
     return scene;
 }
 
-/// Tables of other starts of several bodies: refused by one line, or rows of scenes that can be written and read.
-inline void mechanisms(std::string_view text) {
-    const Scene& scene = joined_bodies();
-    const std::optional<MechanismTable> table = parsed([&] { return parse_mechanism_table(text, "fuzz", scene); });
-    if (!table) return;
-    require(table->numbers.size() == table->rows() * table->columns.size(), "a row is not as long as the header");
-    require(table->ids.empty() || table->ids.size() == table->rows(), "ids are lost");
-    for (const RefusedRow& row : table->refused) require_one_line(row.fault);
-    for (std::size_t k = 0; k < std::min<std::size_t>(table->rows(), 4); ++k) {
-        const std::string written = write_scene(table->scene_of(scene, k));
+/// Rows of a table of several bodies, each a scene that can be written and read.
+inline void require_scenes(const MechanismTable& table, const Scene& scene) {
+    require(table.numbers.size() == table.rows() * table.columns.size(), "a row is not as long as the header");
+    for (std::size_t k = 0; k < std::min<std::size_t>(table.rows(), 4); ++k) {
+        const std::string written = write_scene(table.scene_of(scene, k));
         require(write_scene(parse_scene(written, "written")) == written, "a row's scene does not read back");
     }
 }
 
-/// A line that names columns, then a table with names of its own: refused by one line, or a table with ours, which
-/// stays as it is. `check` and `plot` read it so.
+/// A table in NumPy's format of `rows` records by its header: pieces of any size have the rows of the whole, also after
+/// rows that are skipped. Returns the whole.
+inline EnsembleTable npy_rows(std::string_view content, const Scene& scene, std::uint64_t rows) {
+    EnsembleTable whole, piece;
+    npy_ensemble_of(content, "fuzz", scene)->next(whole, content.size() + 1);
+    require(whole.rows() + whole.refused.size() == rows, "rows are lost");
+    require(whole.ids.empty() || whole.ids.size() == whole.rows(), "ids are lost");
+    for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
+    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
+    require_scenes(whole.mechanisms, scene);
+    const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
+    require(left_out == rows, "rows that are skipped are not counted");
+    const auto pieces = npy_ensemble_of(content, "fuzz", scene);
+    std::size_t passed = pieces->skip(1);
+    std::vector<EnsembleBody> bodies;
+    std::vector<double> numbers;
+    while (pieces->next(piece, 3)) {
+        bodies.insert(bodies.end(), piece.bodies.begin(), piece.bodies.end());
+        numbers.insert(numbers.end(), piece.mechanisms.numbers.begin(), piece.mechanisms.numbers.end());
+        passed += piece.rows() + piece.refused.size();
+    }
+    require(passed == rows, "pieces lose rows");
+    require(std::equal(bodies.rbegin(), bodies.rend(), whole.bodies.rbegin()), "pieces differ from the whole");
+    require(std::equal(numbers.rbegin(), numbers.rend(), whole.mechanisms.numbers.rbegin()),
+            "pieces differ from the whole");
+    return whole;
+}
+
+/// Tables of ensembles in NumPy's format, of one body and of several: the header is written again as it was read, and
+/// the table as CSV has the same bodies.
+inline void npy(std::string_view content) {
+    Scene scene;
+    scene.name = "fuzz", scene.duration = 1;
+    if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
+    auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
+    if (header) {
+        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
+        // names are ours where a header is written, and need no escapes
+        for (NpyField& field : header->fields) std::erase(field.name, '\'');
+        const std::string again = write_npy_header(header->fields, header->rows);
+        const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
+        require(read.rows == header->rows && read.record_size == header->record_size, "a header does not read back");
+    }
+    const auto opens = [&](const Scene& of) { return parsed([&] { return npy_ensemble_of(content, "fuzz", of); }); };
+    if (opens(joined_bodies())) npy_rows(content, joined_bodies(), header.value().rows);
+    if (!opens(scene)) return;
+    const EnsembleTable whole = npy_rows(content, scene, header.value().rows);
+    const auto as_comment = [](const std::string& id) { return id.starts_with('#'); };
+    if (whole.bodies.empty() || std::any_of(whole.ids.begin(), whole.ids.end(), as_comment)) return;
+    const EnsembleTable csv = parse_ensemble(write_ensemble(whole, scene.pivot.has_value()), "written", scene);
+    require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
+}
+
+/// Tables of other starts of several bodies: refused by one line, or rows of scenes that can be written and read.
+inline void mechanisms(std::string_view text) {
+    const Scene& scene = joined_bodies();
+    const auto table = parsed([&] { return parse_ensemble(text, "fuzz", scene, BadRows::pass_over); });
+    if (!table) return;
+    require(table->ids.empty() || table->ids.size() == table->rows(), "ids are lost");
+    for (const RefusedRow& row : table->refused) require_one_line(row.fault);
+    require_scenes(table->mechanisms, scene);
+}
+
+/// A line that names columns, then a table of another program: refused by one line, or read and written under polhode's
+/// names. `check` and `plot` read it so.
 inline void columns(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string table(text.substr(std::min(end + 1, text.size())));
@@ -269,11 +284,13 @@ inline void columns(std::string_view text) {
         require_one_line(error.what());
     }
     for (const bool several : {false, true}) {
-        const auto own = parsed([&] { return own_columns(table, "fuzz", names, several); });
-        if (!own) continue;
-        for (const std::string& remark : own->remarks) require_one_line(remark);
-        const auto again = parsed([&] { return own_columns(own->text, "fuzz", {}, several); });
-        if (!own->remarks.empty()) require(again && again->text == own->text, "what is ours does not stay as it is");
+        const auto found = parsed([&] { return find_foreign_columns(table, "fuzz", names, several); });
+        if (!found) continue;
+        for (const std::string& remark : found->remarks) require_one_line(remark);
+        auto file = parsed([&] { return parse_foreign_trajectory(table, "fuzz", found->columns); });
+        if (!file) continue;
+        file->read_past.clear();
+        require(parse_trajectory(write_trajectory(*file), "written") == *file, "a foreign table does not read back");
     }
     parsed([&] {
         CheckedFile checked;

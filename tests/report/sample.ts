@@ -1,6 +1,6 @@
 // Documents to try the page with: a rich one that behaves as measured data do, and hostile ones.
 
-import type { Check, Drift, Method, Motion, Order, ReportData, Rows, StabilityMap, Table } from "../../src/report/page/source/data.ts";
+import { indexColumns, numberColumns, type Check, type Drift, type Method, type Motion, type Order, type ReportData, type Rows, type StabilityMap, type Table } from "../../src/report/page/source/data.ts";
 
 /** The same numbers on every run: a linear congruential generator, Numerical Recipes' constants. */
 function generator(seed: number): () => number {
@@ -12,11 +12,8 @@ function generator(seed: number): () => number {
 }
 
 export function emptyRows(): Rows {
-  return {
-    count: 0, total: 0, experiment: [], scene: [], method: [], setting_kind: [], setting: [], status: [], message: [], messages: [""],
-    seconds: [], seconds_min: [], steps: [], evaluations: [], attitude_final: [], attitude: [], omega: [], energy: [], momentum: [],
-    norm: [], floor: [], floor32: [], cut: [], formulation: [], formulations: [""],
-  };
+  const columns = Object.fromEntries([...indexColumns, ...numberColumns].map((name) => [name, []]));
+  return { count: 0, total: 0, messages: [""], formulations: [""], ...columns } as unknown as Rows;
 }
 
 export function emptyDocument(): ReportData {
@@ -57,9 +54,7 @@ export function addRow(rows: Rows, line: Line): number {
   rows.status.push(line.status ?? 0);
   rows.message.push(place(rows.messages, line.message ?? ""));
   rows.seconds.push(line.seconds ?? null);
-  rows.seconds_min.push(line.seconds === undefined || line.seconds === null ? null : 0.97 * line.seconds);
   rows.evaluations.push(line.evaluations ?? null);
-  rows.steps.push(line.evaluations === undefined || line.evaluations === null ? null : Math.ceil(line.evaluations / 4));
   rows.attitude.push(error);
   rows.attitude_final.push(error === null ? null : 0.8 * error);
   rows.omega.push(error === null ? null : 0.4 * error);

@@ -266,10 +266,11 @@ TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
         plate(0.007, false);
         FAIL() << "an excess of a seventh was accepted";
     } catch (const InputError& error) {
-        EXPECT_STREQ(error.what(),
-                     "robot.urdf: line 1: link \"plate\" breaks the triangle inequality: its largest principal moment "
-                     "0.007 kg m^2 exceeds the sum of the other two by 0.143 of itself; correct the tensor, or accept "
-                     "the smallest change by \"balance_inertia\": true");
+        EXPECT_STREQ(
+            error.what(),
+            "robot.urdf: line 1: link \"plate\" violates the triangle inequality: its largest principal moment "
+            "0.007 kg m^2 exceeds the sum of the other two by 0.143 of its value; correct the tensor, or permit "
+            "the smallest correction by \"balance_inertia\": true");
     }
     const Scene balanced = plate(0.007, true);
     EXPECT_NEAR(balanced.bodies[0].body.inertia_B[2][2], 0.007 - 0.001 / 3, 1e-17);

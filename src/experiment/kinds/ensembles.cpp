@@ -117,10 +117,7 @@ Ensemble of_pendulums(double asked) {
     for (const MechanismColumn& column : mechanism_columns(scene))
         if (column.name == "shoulder.angle" || column.name == "elbow.angle") table.columns.push_back(column);
     Draw draw;
-    for (std::size_t k = 0; k < members; ++k) {
-        for (std::size_t i = 0; i < table.columns.size(); ++i) table.numbers.push_back(draw.uniform(-1, 1));
-        table.row_numbers.push_back(k + 1);
-    }
+    for (std::size_t i = 0; i < members * table.columns.size(); ++i) table.numbers.push_back(draw.uniform(-1, 1));
     Ensemble ensemble{"double pendulums", {}, asked, {}};
     for (std::size_t k = 0; k < members; ++k) ensemble.scenes.push_back(table.scene_of(scene, k));
     ensemble.solve = [scene, table](double tolerance) {

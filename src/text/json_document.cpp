@@ -194,7 +194,7 @@ std::string JsonNode::described() const {
         case JsonKind::string:
             return "is the string " + json_string(one_line(string_, 60));
         case JsonKind::array:
-            return fmt::format("is an array of {}", children_.size());
+            return fmt::format("is an array of length {}", children_.size());
         case JsonKind::null:
         case JsonKind::object:
             break;

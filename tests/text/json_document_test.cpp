@@ -50,7 +50,7 @@ TEST(JsonDocument, StaysWhereItIsWhenMoved) {
     const JsonNode* node = first.root().find("a");
     const JsonDocument second(std::move(first));
     EXPECT_EQ(second.root().find("a"), node);
-    EXPECT_EQ(thrown([&] { node->number(); }), "f: /a: is an array of 1; give a number");
+    EXPECT_EQ(thrown([&] { node->number(); }), "f: /a: is an array of length 1; give a number");
 }
 
 TEST(JsonDocument, GettersSayWhatIsThere) {

@@ -1,4 +1,4 @@
-"""Reference pages of the C++ interface, from what Doxygen reads in the headers that are installed."""
+"""Reference pages of the C++ interface, from Doxygen's XML of the installed headers."""
 
 import re
 import subprocess
@@ -13,7 +13,7 @@ from pages import Pages
 
 Element = xml.Element
 
-# what a header's folder is about; a folder that is not here stands under its own name
+# titles of the directories of headers; other directories are listed under their names
 FOLDERS = {
     "scene": "Scenes",
     "motion": "Motion: problems, systems, trajectories",
@@ -28,7 +28,7 @@ FOLDERS = {
 
 @dataclass
 class Declaration:
-    """A public declaration as a directive of Sphinx' C++ domain, with what stands within it."""
+    """A public declaration as a directive of Sphinx' C++ domain, with its members."""
 
     file: str
     line: int
@@ -38,10 +38,10 @@ class Declaration:
     inner: list["Declaration"] = field(default_factory=list)
 
     def lines(self, indent: str = "") -> list[str]:
-        """The directive and its content."""
+        """Returns the directive and its content."""
         if _parses(self.directive, self.signature):
             out = [f"{indent}.. cpp:{self.directive}:: {self.signature}", ""]
-        else:  # C++ that Sphinx does not know
+        else:  # C++ that Sphinx does not support
             out = [f"{indent}.. code-block:: cpp", "", f"{indent}   {self.signature}", ""]
         below = indent + "   " if out[0].lstrip().startswith(".. cpp:") else indent
         for paragraph in self.text:
@@ -68,7 +68,7 @@ def _parses(directive: str, signature: str) -> bool:
 
 
 def read_headers(top: Path, folder: Path) -> Path:
-    """Doxygen's XML of the public headers. Returns its folder."""
+    """Writes Doxygen's XML of the public headers. Returns its directory."""
     subprocess.run(
         ["cmake", f"-DSOURCE={top}", f"-DOUTPUT={folder}/include", "-P", str(top / "src/public_headers.cmake")],
         check=True, capture_output=True,
@@ -83,7 +83,7 @@ def read_headers(top: Path, folder: Path) -> Path:
 
 
 def cpp_pages(pages: Pages, source: Path) -> None:
-    """An overview of the headers and a page for each folder of them, from Doxygen's XML in `source`."""
+    """Writes an overview of the headers and a page for each directory, from Doxygen's XML in `source`."""
     headers = {file: text for file, text in map(_header, sorted(source.glob("*_8h.xml")))}
     declarations = list(_namespace(source))
     found = {_folder(file) for file in headers} - {""}
@@ -101,12 +101,12 @@ def cpp_pages(pages: Pages, source: Path) -> None:
             for one in inside:
                 out += one.lines()
         pages.write(f"reference/cpp_{folder}.rst", "\n".join(out) + "\n")
-    door = "\n\n".join(headers.get("polhode/polhode.h", []))
+    overview = "\n\n".join(headers.get("polhode/polhode.h", []))
     toc = "\n".join(f"   cpp_{folder}" for folder in folders)
     pages.write(
         "reference/cpp.rst",
-        "C++\n===\n\nEvery public declaration of the headers that are installed. "
-        f"``polhode/polhode.h`` includes what a program needs.\n\n{door}\n\n.. toctree::\n\n{toc}\n",
+        "C++\n===\n\nAll public declarations of the installed headers. "
+        f"``polhode/polhode.h`` includes everything that a program needs.\n\n{overview}\n\n.. toctree::\n\n{toc}\n",
     )
 
 
@@ -229,7 +229,7 @@ def _described(element: Element) -> list[str]:
 
 
 def _paragraph(paragraph: Element) -> list[str]:
-    """Text, and the blocks that Doxygen puts inside a paragraph, in their order."""
+    """Returns the text and the blocks that Doxygen puts inside a paragraph, in order."""
     blocks, text = [], _escaped(paragraph.text)
     for child in paragraph:
         if child.tag in ("verbatim", "preformatted", "programlisting"):
@@ -249,7 +249,7 @@ def _paragraph(paragraph: Element) -> list[str]:
         else:
             text += _escaped("".join(child.itertext()))
         text += _escaped(child.tail)
-    # inline literals must stand apart from letters
+    # inline literals must be separated from letters
     text = re.sub(r"(``[^`]+``)(?=\w)", r"\1\\ ", " ".join(text.split()))
     text = re.sub(r"(?<=\w)(``[^`]+``)", r"\\ \1", text)
     return [block for block in [*blocks, text] if block.strip()]

@@ -1,4 +1,4 @@
-"""Gathers the folder of pages that Sphinx reads: those of this folder, the tree's READMEs, and reference pages."""
+"""Collects the pages that Sphinx reads: those of this directory, the READMEs of the tree, and reference pages."""
 
 import argparse
 import subprocess
@@ -13,15 +13,15 @@ from python_pages import comparison_outputs, notebook_pages, python_page
 HERE = Path(__file__).resolve().parent
 TOP = HERE.parents[1]
 
-# the tree's own pages in the order in which they are shown
+# pages of the source tree, in the order of the index
 INCLUDED = [
     "README.md", "experiments/README.md", "experiments/robots.md", "experiments/scenes/README.md", "integrators/README.md",
-    "results/README.md", "src/README.md", "tests/README.md", "CHANGELOG.md", "CONTRIBUTING.md",
+    "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
 ]  # fmt: skip
 
 
 def own_pages(pages: Pages) -> None:
-    """This folder's pages and what they show."""
+    """Copies the pages of this directory and the files that they show."""
     for path in HERE.iterdir():
         if path.suffix == ".md" and path.name != "README.md":
             pages.write(path.name, path.read_text(encoding="utf-8"))
@@ -30,16 +30,16 @@ def own_pages(pages: Pages) -> None:
 
 
 def included_pages(pages: Pages) -> None:
-    """The tree's READMEs, and a page that lists those of single folders."""
+    """Includes the READMEs of the tree, and writes the pages that list those of directories and the published tables."""
     for path in INCLUDED:
         pages.include(path)
     folders = sorted(
         str(path.relative_to(TOP))
-        for room in ("src", "integrators", "tests", "experiments")
-        for path in (TOP / room).rglob("README.md")
+        for part in ("src", "integrators", "tests", "experiments")
+        for path in (TOP / part).rglob("README.md")
         if str(path.relative_to(TOP)) not in INCLUDED
     )
-    rooms = "\n".join(f"{Path(path).parent} <{pages.include(path)[:-3]}>" for path in folders)
+    directories = "\n".join(f"{Path(path).parent} <{pages.include(path)[:-3]}>" for path in folders)
     others = sorted(
         str(path.relative_to(pages.folder).with_suffix(""))
         for path in pages.written()
@@ -47,13 +47,13 @@ def included_pages(pages: Pages) -> None:
     )
     results = "\n".join(f"{Path(path).name} <{path}>" for path in others)
     pages.write(
-        "rooms.md",
-        "# Folders of the source tree\n\nThe README of each folder, as it stands there.\n\n"
-        f"```{{toctree}}\n:maxdepth: 1\n\n{rooms}\n```\n",
+        "directories.md",
+        "# Directories of the source tree\n\nThe README of each directory.\n\n"
+        f"```{{toctree}}\n:maxdepth: 1\n\n{directories}\n```\n",
     )
     pages.write(
         "results.md",
-        "# Published tables\n\nThe tables that [What was found](tree/results/README.md) quotes.\n\n"
+        "# Published tables\n\nThe tables that [Results](tree/results/README.md) quotes.\n\n"
         f"```{{toctree}}\n:maxdepth: 1\n\n{results}\n```\n",
     )
 

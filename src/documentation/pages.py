@@ -1,4 +1,4 @@
-"""The folder that Sphinx reads: pages written into it, and pages of the source tree copied with what they show."""
+"""The directory that Sphinx reads: generated pages, and pages of the source tree with the files that they show."""
 
 import os
 import re
@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-# beyond it Sphinx takes minutes, and browsers long: the file itself is linked
+# Larger pages take Sphinx minutes and browsers long; the file itself is linked instead.
 LARGEST_PAGE = 120_000
 
 _CODE = re.compile(r"^(```+|~~~+).*?^\1[ \t]*$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
@@ -14,7 +14,7 @@ _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 
 
 class Pages:
-    """A folder of pages. What was not written again since it was opened is removed by `finish`."""
+    """A directory of pages. `finish` removes the files that were not written since it was opened."""
 
     def __init__(self, folder: Path, top: Path) -> None:
         self.folder = folder
@@ -22,7 +22,7 @@ class Pages:
         self._written: set[Path] = set()
 
     def write(self, name: str, text: str) -> None:
-        """Writes a page; one that is the same stays as it is, so that Sphinx does not read it again."""
+        """Writes a page. An unchanged page is not touched, so that Sphinx does not read it again."""
         path = self.folder / name
         self._written.add(path)
         if path.is_file() and path.read_text(encoding="utf-8") == text:
@@ -31,7 +31,7 @@ class Pages:
         path.write_text(text, encoding="utf-8")
 
     def copy(self, source: Path, name: str) -> None:
-        """Copies a file that is no page."""
+        """Copies a file that is not a page."""
         path = self.folder / name
         if path in self._written:
             return
@@ -41,7 +41,7 @@ class Pages:
             shutil.copy2(source, path)
 
     def include(self, path: str) -> str:
-        """Copies a page of the source tree, and what it links to, as it stands there. Returns the copy's name."""
+        """Copies a page of the source tree and the files that it links to. Returns the copy's name."""
         name = f"tree/{path}"
         if self.folder / name not in self._written:
             self._written.add(self.folder / name)
@@ -52,7 +52,7 @@ class Pages:
         return name
 
     def write_page(self, name: str, text: str, origin: Path) -> None:
-        """Writes Markdown whose links are relative to `origin`, a folder of the source tree, under tree/."""
+        """Writes Markdown under tree/ whose links are relative to `origin`, a directory of the source tree."""
         self.write(name, _outside_code(text, lambda part: _LINK.sub(lambda link: self._link(link, origin), part)))
 
     def _link(self, link: re.Match[str], origin: Path) -> str:
@@ -68,6 +68,10 @@ class Pages:
             inside, path = inside / "README.md", path / "README.md"
         if inside.parts[0] == ".." or not path.is_file():
             return words
+        if inside.parent == Path("src/documentation") and inside.name != "README.md" and path.suffix == ".md":
+            # pages of this directory are copied to the top level
+            anchor = f"#{anchor}" if anchor else ""
+            return f"{image}[{words}]({os.path.relpath(inside.name, Path('tree') / origin)}{anchor})"
         if image or path.suffix != ".md":
             self.copy(path, f"tree/{inside}")
             suffix = ""
@@ -80,11 +84,11 @@ class Pages:
         return f"{image}[{words}]({os.path.relpath(inside, origin)}{suffix})"
 
     def written(self) -> set[Path]:
-        """The files that were written so far."""
+        """Returns the files written so far."""
         return set(self._written)
 
     def finish(self) -> list[Path]:
-        """Removes what earlier builds have left, and returns what it was."""
+        """Removes the files of earlier builds and returns their paths."""
         left = [path for path in self.folder.rglob("*") if path.is_file() and path not in self._written]
         for path in left:
             path.unlink()

@@ -1,4 +1,4 @@
-"""Reference pages of what the built program tells of itself: scenes, methods, experiments, commands, keys, columns."""
+"""Reference pages from the output of the program: scenes, methods, experiments, commands, keys, columns."""
 
 import concurrent.futures
 import hashlib
@@ -14,7 +14,7 @@ from pages import Pages
 
 
 class Program:
-    """The program, and what it said before: a description of a scene may take half a second."""
+    """The program, with a cache of its output: describing a scene may take half a second."""
 
     def __init__(self, path: Path, cache: Path) -> None:
         self._path = path
@@ -24,33 +24,33 @@ class Program:
             if old != self._cache:
                 shutil.rmtree(old)
 
-    def says(self, *arguments: str) -> str:
-        """The standard output of one call."""
-        kept = self._cache / (re.sub(r"[^\w.-]", "_", " ".join(arguments)) + ".txt")
-        if not kept.is_file():
+    def output(self, *arguments: str) -> str:
+        """Returns the standard output of one call."""
+        cached = self._cache / (re.sub(r"[^\w.-]", "_", " ".join(arguments)) + ".txt")
+        if not cached.is_file():
             done = subprocess.run([self._path, *arguments], capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 raise RuntimeError(f"polhode {' '.join(arguments)}: {done.stderr.strip() or done.returncode}")
-            kept.write_text(done.stdout, encoding="utf-8")
-        return kept.read_text(encoding="utf-8")
+            cached.write_text(done.stdout, encoding="utf-8")
+        return cached.read_text(encoding="utf-8")
 
-    def lists(self, what: str) -> list[tuple[str, str]]:
-        """Name and meaning of each of the scenes, methods and so on."""
-        return [(one["name"], one["about"]) for one in json.loads(self.says("list", what, "--format", "json"))]
+    def entries(self, what: str) -> list[tuple[str, str]]:
+        """Returns the name and description of each scene, method or experiment."""
+        return [(one["name"], one["about"]) for one in json.loads(self.output("list", what, "--format", "json"))]
 
-    def describes(self, names: list[str]) -> list[str]:
-        """`describe` of each, several at a time."""
+    def descriptions(self, names: list[str]) -> list[str]:
+        """Returns the output of `describe` for each name, computed in parallel."""
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as threads:
-            return list(threads.map(lambda name: self.says("describe", name), names))
+            return list(threads.map(lambda name: self.output("describe", name), names))
 
 
 def literal(text: str, language: str = "text") -> str:
-    """A literal block."""
+    """Returns a literal block."""
     return f"````{language}\n{text.rstrip()}\n````\n"
 
 
 def wrapped(text: str, width: int = 98) -> str:
-    """What the program prints, its long lines broken and continued below where their last column begins."""
+    """Returns the program's output with long lines wrapped and indented to their last column."""
     out = []
     for line in text.splitlines():
         column = max((gap.end() for gap in re.finditer(r"(?:^|\S)\s{2,}(?=\S)", line[:45])), default=0)
@@ -62,50 +62,51 @@ def wrapped(text: str, width: int = 98) -> str:
 
 
 def folded(title: str, block: str) -> str:
-    """A block that is opened by a click."""
+    """Returns a block that opens on a click."""
     return f"```{{raw}} html\n<details><summary>{title}</summary>\n```\n\n{block}\n```{{raw}} html\n</details>\n```\n"
 
 
 def escaped(text: str) -> str:
-    """Text in which nothing is Markdown's but what stands between backticks."""
+    """Returns text with Markdown characters escaped, except between backticks."""
     parts = re.split(r"(`[^`]+`)", text)
     return "".join(part if i % 2 else re.sub(r"([\\*_\[\]<>|$#{}~])", r"\\\1", part) for i, part in enumerate(parts))
 
 
 def scene_pages(pages: Pages, program: Program) -> None:
-    """All scenes, a page for each part of the catalogue."""
+    """Writes one page of scenes for each part of the catalogue."""
     parts = {
         "": ("scenes", "Scenes of one body", "The catalogue of `experiments/scenes`."),
-        "extreme": ("scenes_extreme", "Extreme scenes", "Where methods break; each family has one parameter."),
+        "extreme": ("scenes_extreme", "Extreme scenes", "Scenes at which methods fail; each family has one parameter."),
         "mechanisms": ("scenes_mechanisms", "Scenes of several bodies", "Bodies with joints and loops."),
     }
     grouped: dict[str, list[tuple[str, str]]] = {part: [] for part in parts}
-    for name, about in program.lists("scenes"):
+    for name, about in program.entries("scenes"):
         grouped.setdefault(name.rpartition("/")[0], []).append((name, about))
     for part, scenes in grouped.items():
         file, title, about_part = parts.get(part, (f"scenes_{part}", f"Scenes of {part}/", ""))
-        text = [f"# {title}\n\n{about_part} Each scene is shown as `polhode describe` tells it and as it is written.\n"]
-        for (name, about), description in zip(scenes, program.describes([name for name, _ in scenes])):
+        text = [f"# {title}\n\n{about_part} Each scene is shown as `polhode describe` prints it, and as JSON.\n"]
+        for (name, about), description in zip(scenes, program.descriptions([name for name, _ in scenes])):
             text += [f"(scene-{slug(name)})=\n## {escaped(name)}\n", f"{escaped(about)}.\n"]
             text.append(literal(wrapped(description)))
-            text.append(folded(f"{name}.json", literal(program.says("show", name), "jsonc")))
+            text.append(folded(f"{name}.json", literal(program.output("show", name), "jsonc")))
         pages.write(f"reference/{file}.md", "\n".join(text))
 
 
 def slug(name: str) -> str:
-    """A name as a part of a label."""
+    """Returns a name as a part of a label."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower())
 
 
 def method_page(pages: Pages, program: Program) -> None:
-    """All methods, each with what its descriptor says."""
-    names = [name for name, _ in program.lists("methods")]
+    """Writes the page of methods with the contents of their descriptors."""
+    names = [name for name, _ in program.entries("methods")]
     text = [
-        "# Methods\n\nEach method as `polhode describe` tells it. *Stable* is how far a step may reach by "
-        "[linear theory](../theory.md#linear-stability-and-stiffness). The methods of a family stand side by side in "
-        "[the table of all methods](../tree/integrators/README.md#all-methods), which also says what was left out.\n"
+        "# Methods\n\nEach method as `polhode describe` prints it. *Stable* is the largest stable step according to "
+        "[linear theory](../theory.md#linear-stability-and-stiffness). "
+        "[The table of all methods](../tree/integrators/README.md#all-methods) lists them by family, and the methods "
+        "that were considered and omitted.\n"
     ]
-    for name, description in zip(names, program.describes(names)):
+    for name, description in zip(names, program.descriptions(names)):
         blocks = description.split("\n\n")
         text.append(f"(method-{slug(name)})=\n## {escaped(name)}\n")
         text += [escaped(" ".join(block.split())) + "\n" for block in blocks[1:2]]
@@ -116,53 +117,53 @@ def method_page(pages: Pages, program: Program) -> None:
 
 
 def experiment_page(pages: Pages, program: Program) -> None:
-    """All experiments: what each will run."""
-    experiments = program.lists("experiments")
+    """Writes the page of experiments with the runs of each."""
+    experiments = program.entries("experiments")
     text = [
-        "# Experiments\n\nEach experiment as `polhode describe` tells it. "
-        "[Scenes and experiments](../tree/experiments/README.md#writing-an-experiment) says how to write one.\n"
+        "# Experiments\n\nEach experiment as `polhode describe` prints it. "
+        "[Scenes and experiments](../tree/experiments/README.md#writing-an-experiment) explains how to write one.\n"
     ]
-    for (name, about), description in zip(experiments, program.describes([name for name, _ in experiments])):
+    for (name, about), description in zip(experiments, program.descriptions([name for name, _ in experiments])):
         text += [f"## {escaped(name)}\n", f"{escaped(about)}\n"]
-        text.append(folded("What it runs", literal(wrapped(description))))
+        text.append(folded("Runs", literal(wrapped(description))))
     pages.write("reference/experiments.md", "\n".join(text))
 
 
 def command_page(pages: Pages, program: Program) -> None:
-    """Each command's help, as it prints it."""
-    top = program.says("--help")
+    """Writes the page with the output of `--help` of each command."""
+    top = program.output("--help")
     commands = re.findall(r"^  ([a-z]+) +\S", top.partition("Subcommands:")[2], re.MULTILINE)
     text = [
-        "# Commands\n\nWhat `--help` prints. [The page of the commands](../tree/src/app/README.md) has them in a "
+        "# Commands\n\nThe output of `--help`. [The page of the commands](../tree/src/app/README.md) lists them in a "
         "table, with exit codes.\n",
         literal(wrapped(top)),
     ]
     for command in commands:
-        text += [f"## polhode {command}\n", literal(wrapped(program.says(command, "--help")))]
+        text += [f"## polhode {command}\n", literal(wrapped(program.output(command, "--help")))]
     pages.write("reference/commands.md", "\n".join(text))
 
 
 def key_page(pages: Pages, program: Program) -> None:
-    """Every key of scene and experiment files, a table for each object that has keys."""
+    """Writes the page of all keys of scene and experiment files, with one table per object."""
     head = "| key | type | default | meaning | example |\n| --- | --- | --- | --- | --- |"
-    text = ["# Keys of scene and experiment files\n\nEvery key that a file may have, by the object that has it.\n"]
-    for line in program.says("list", "keys", "--format", "markdown").splitlines()[2:]:
+    text = ["# Keys of scene and experiment files\n\nAll keys, by the object to which they belong.\n"]
+    for line in program.output("list", "keys", "--format", "markdown").splitlines()[2:]:
         cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
         object_, key, type_, unit, default, example, meaning = cells
         if object_:
             text.append(f"\n## {object_}\n\n{head}")
-        if example:  # as code, where nothing but | is escaped
+        if example:  # as code, in which only | is escaped
             example = "`" + re.sub(r"\\(?!\|)(.)", r"\1", example) + "`"
         text.append(f"| `{key}` | {', '.join(filter(None, (type_, unit)))} | {default} | {meaning} | {example} |")
     pages.write("reference/keys.md", "\n".join(text) + "\n")
 
 
 def column_pages(pages: Pages, program: Program) -> None:
-    """Columns of trajectories and of results."""
+    """Writes the pages of the columns of trajectories and results."""
     titles = {
         "columns": ("Columns of trajectories", "The columns of trajectory files, found by name."),
-        "metrics": ("Columns of results", "The columns of result tables that measure something."),
+        "metrics": ("Columns of results", "The measures in result tables."),
     }
     for what, (title, about) in titles.items():
-        table = program.says("list", what, "--format", "markdown")
+        table = program.output("list", what, "--format", "markdown")
         pages.write(f"reference/{what}.md", f"# {title}\n\n{about}\n\n{table}")

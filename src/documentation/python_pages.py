@@ -1,4 +1,4 @@
-"""Pages that need Python: the module's reference, the notebooks, and what the comparison's scripts print."""
+"""Pages that need Python: the module's reference, the notebooks, and the output of the comparison's scripts."""
 
 import json
 import os
@@ -9,13 +9,13 @@ from pathlib import Path
 from pages import Pages
 
 _NOT_BUILT = (
-    "The module `polhode` was not there when these pages were built: `import polhode` failed. "
-    "Build it, and build the pages again.\n"
+    "The module `polhode` was not available when these pages were built: `import polhode` failed. "
+    "Build the module, then build the pages again.\n"
 )
 
 
 def _environment() -> dict[str, str]:
-    """The environment of a Python that finds the module where POLHODE_PYTHON says."""
+    """Returns the environment in which Python finds the module in POLHODE_PYTHON."""
     paths = [os.environ.get("POLHODE_PYTHON", ""), os.environ.get("PYTHONPATH", "")]
     return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
 
@@ -27,8 +27,8 @@ def _python(*arguments: str, folder: Path | None = None) -> subprocess.Completed
 
 
 def public_names() -> dict[str, str] | None:
-    """The module's public names and what each is: class, function or data. Nothing where it cannot be imported."""
-    asked = _python(
+    """Returns the kind (class, function or data) of each public name, or None if the module cannot be imported."""
+    run = _python(
         "-c",
         "import inspect, json, polhode\n"
         "names = getattr(polhode, '__all__', [n for n in vars(polhode) if not n.startswith('_')])\n"
@@ -36,14 +36,14 @@ def public_names() -> dict[str, str] | None:
         "print(json.dumps({n: 'class' if inspect.isclass(v) else 'function' if callable(v) else 'module'\n"
         "                  if inspect.ismodule(v) else 'data' for n, v in kinds.items()}))\n",
     )
-    if asked.returncode != 0:
+    if run.returncode != 0:
         return None
-    names: dict[str, str] = json.loads(asked.stdout)
+    names: dict[str, str] = json.loads(run.stdout)
     return {name: kind for name, kind in names.items() if kind != "module" and name[0] != "_"}
 
 
 def python_page(pages: Pages) -> None:
-    """The module's reference, from its docstrings."""
+    """Writes the module's reference from its docstrings."""
     names = public_names()
     title = "# Python\n\n"
     if names is None:
@@ -62,27 +62,27 @@ def python_page(pages: Pages) -> None:
 
 
 def comparison_outputs(pages: Pages, folder: Path, work: Path, program: Path) -> None:
-    """What the scripts of the comparison print; each is run again only where it or the program has changed."""
+    """Writes the output of the comparison's scripts; runs a script only if it or the program has changed."""
     work.mkdir(parents=True, exist_ok=True)
     for name in ("scipy", "polhode"):
-        script, kept = folder / f"comparison_{name}.py", work / f"{name}.txt"
+        script, cached = folder / f"comparison_{name}.py", work / f"{name}.txt"
         if _python("-c", f"import {name}").returncode != 0:
             pages.write(f"comparison_{name}.txt", f"not run: `import {name}` failed when these pages were built\n")
             continue
-        if not kept.is_file() or kept.stat().st_mtime < max(one.stat().st_mtime for one in (script, program)):
+        if not cached.is_file() or cached.stat().st_mtime < max(one.stat().st_mtime for one in (script, program)):
             done = _python(str(script), folder=folder)
             if done.returncode != 0:
                 raise RuntimeError(f"{script.name}: {done.stderr.strip()}")
-            kept.write_text(done.stdout, encoding="utf-8")
-        pages.write(f"comparison_{name}.txt", kept.read_text(encoding="utf-8"))
+            cached.write_text(done.stdout, encoding="utf-8")
+        pages.write(f"comparison_{name}.txt", cached.read_text(encoding="utf-8"))
 
 
 def notebook_pages(pages: Pages, top: Path, work: Path, program: Path) -> None:
-    """Runs the notebooks, each again only where it or the module has changed, and writes their pages."""
+    """Writes the pages of the notebooks; runs a notebook only if it or the module has changed."""
     notebooks = sorted((top / "experiments/notebooks").glob("*.ipynb"))
     text = ["# Notebooks\n\nThe notebooks of `experiments/notebooks`, run when these pages were built.\n"]
     if not notebooks:
-        pages.write("notebooks.md", "# Notebooks\n\nThere are none.\n")
+        pages.write("notebooks.md", "# Notebooks\n\nNo notebooks are available.\n")
         return
     if public_names() is None:
         names = "\n".join(f"- `{path.name}`" for path in notebooks)

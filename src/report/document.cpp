@@ -91,7 +91,7 @@ class DocumentWriter {
         std::set<std::size_t> needed;
         for (const auto& rows : by_scene) {
             std::vector<Fastest>& fastest = fastest_.emplace_back();
-            for (const double error : asked_accuracies) {
+            for (const double error : accuracy_levels) {
                 fastest.push_back(fastest_within(folder_, rows, error));
                 for (const auto& row : {fastest.back().row, fastest.back().runner_up})
                     if (row) needed.insert(*row);
@@ -193,9 +193,9 @@ class DocumentWriter {
             const auto place = [&](const std::optional<std::size_t>& row) {
                 return row ? Json(place_.at(*row)) : Json();
             };
-            for (std::size_t i = 0; i < std::size(asked_accuracies); ++i)
+            for (std::size_t i = 0; i < std::size(accuracy_levels); ++i)
                 if (fastest_[s][i].row)
-                    fastest.push_back({{"error", asked_accuracies[i]},
+                    fastest.push_back({{"error", accuracy_levels[i]},
                                        {"row", place(fastest_[s][i].row)},
                                        {"runner_up", place(fastest_[s][i].runner_up)}});
             const auto motion = content_.motions.of_scene.find(static_cast<int>(s));

@@ -1,4 +1,4 @@
-// The table of limits in src/README.md against the constants that hold them.
+// Compares the table of limits in SECURITY.md with the constants that enforce them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@
 namespace polhode {
 namespace {
 
-std::map<std::string, std::string> limits_of_readme() {
+std::map<std::string, std::string> limits_of_security_page() {
     std::map<std::string, std::string> limits;
-    std::ifstream file(source_dir() + "/src/README.md");
+    std::ifstream file(source_dir() + "/SECURITY.md");
     bool inside = false;
     for (std::string line; std::getline(file, line);) {
         if (line.starts_with("| what | limit")) inside = true;
@@ -30,7 +30,7 @@ std::map<std::string, std::string> limits_of_readme() {
     return limits;
 }
 
-TEST(Limits, AreThoseOfTheReadme) {
+TEST(Limits, MatchTheSecurityPage) {
     const auto mebibytes = [](double bytes) { return fmt::format("{:.0f} MiB", bytes / (1 << 20)); };
     const auto count = [](double value, const char* unit = "") { return fmt::format("{:.0f}{}", value, unit); };
     const std::map<std::string, std::string> expected{
@@ -38,7 +38,7 @@ TEST(Limits, AreThoseOfTheReadme) {
         {"JSON values of scene, experiment", count(most_json_values)},
         {"JSON nesting of scene, experiment", count(deepest_json)},
         {"name of scene, body, joint, loop", count(longest_scene_name, " bytes")},
-        {"about and source of scene", count(longest_about, " bytes")},
+        {"about, source of scene", count(longest_about, " bytes")},
         {"bodies of scene, robot", count(most_bodies)},
         {"loads of scene", count(most_loads)},
         {"planes of scene", count(most_planes)},
@@ -59,11 +59,11 @@ TEST(Limits, AreThoseOfTheReadme) {
         {"seconds_per_run of experiment", count(most_seconds_per_run, " s")},
         {"about of experiment", count(longest_experiment_about, " bytes")},
         {"regular expression of experiment, --filter", count(longest_expression, " characters")},
-        {"parentheses in one another of experiment, --filter", count(deepest_parentheses)},
-        {"repetitions multiplied of experiment, --filter", count(most_unrolled)},
+        {"nested parentheses of experiment, --filter", count(deepest_parentheses)},
+        {"product of nested repetitions of experiment, --filter", count(most_unrolled)},
         {"trajectory of check, plot", mebibytes(largest_file)},
     };
-    EXPECT_EQ(limits_of_readme(), expected);
+    EXPECT_EQ(limits_of_security_page(), expected);
 }
 
 }  // namespace

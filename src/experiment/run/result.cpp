@@ -43,17 +43,17 @@ std::optional<double> error_over_tolerance(const Result& r) {
     return *attitude / r.setting;
 }
 
-// the measures of the contract's columns, in their order; those of further measures stand at the end of a table
-const char* const contract_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
+// the measures of the standard columns, in their order; further measures have columns at the end of a table
+const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
-std::vector<std::size_t> contracted() {
+std::vector<std::size_t> standard_indices() {
     std::vector<std::size_t> result;
-    for (const char* name : contract_measures) result.push_back(measure_index(name));
+    for (const char* name : standard_measures) result.push_back(measure_index(name));
     return result;
 }
 std::vector<std::size_t> beyond_contract() {
     std::vector<std::size_t> result;
-    const std::vector<std::size_t> before = contracted();
+    const std::vector<std::size_t> before = standard_indices();
     for (std::size_t m = 0; m < measures().size(); ++m)
         if (measures()[m].tabled && std::ranges::find(before, m) == before.end()) result.push_back(m);
     return result;
@@ -145,7 +145,7 @@ std::vector<ResultColumn> make_columns() {
         column("repeats", &Result::repeats),
         column("steps", &Result::steps, "Steps taken", "steps", 7),
         column("rhs_evaluations", &Result::rhs_evaluations, "Evaluations of the right-hand side", "evaluations", 7)};
-    append_errors(all, contracted());
+    append_errors(all, standard_indices());
     all.insert(all.end(), {column("message", &Result::message),
                            column("step_taken", &Result::step_taken),
                            {"cut", [](const Result& r) { return Cell(std::string(r.cut ? "cut" : "")); },
@@ -203,7 +203,7 @@ std::vector<SeriesColumn> series_columns(SeriesOf which) {
             all.push_back({series_name(m), [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
     };
     if (which != SeriesOf::systems_alone) {
-        add(contracted(), false);
+        add(standard_indices(), false);
         all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
         add(beyond_contract(), true);
     }

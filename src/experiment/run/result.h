@@ -73,11 +73,11 @@ enum class TableOf {
     stored,         ///< what is kept of a case: those, and its machine
 };
 
-/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
+/// The standard columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
 /// float32_floor, float64_floor_final and float32_floor_final, then rejected_steps, newton_failures, order_reductions,
 /// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance; then those of
-/// tabled measures beyond the contract's. Of several bodies further: position_error_max, linear_momentum_error_max,
-/// joint_gap_max, joint_turn_max, reaction_error_max and worst_body.
+/// further tabled measures. Of several bodies further: position_error_max, linear_momentum_error_max, joint_gap_max,
+/// joint_turn_max, reaction_error_max and worst_body.
 std::vector<std::string> result_columns(TableOf which = TableOf::single_bodies);
 std::vector<Cell> row_of(const std::string& experiment, const Result& result, TableOf which = TableOf::single_bodies);
 
@@ -85,7 +85,7 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& result, Ta
 /// std::invalid_argument where a cell cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
-/// drift.csv: scene, method, setting, t, the contract's errors, float64_floor and the other tabled errors, then the
+/// drift.csv: scene, method, setting, t, the standard errors, float64_floor and the other tabled errors, then the
 /// experiment.
 Table drift_table(const std::string& experiment, const std::vector<Result>& results);
 /// drift_joints.csv: scene, method, setting, t, the errors that several bodies alone have, then the experiment; of the

@@ -142,7 +142,7 @@ std::vector<PointMass<double>> random_points(const Shape& shape, double mass, lo
     const auto [low, high] = bounds(shape);
     if (std::holds_alternative<ThinRod>(shape) || std::holds_alternative<ThinDisc>(shape) ||
         std::holds_alternative<ThinPlate>(shape))
-        throw std::invalid_argument("a rod, disc or plate has no points inside");
+        throw std::invalid_argument("a rod, disc or plate has no interior points");
     SplitMix64 dice{seed};
     std::vector<PointMass<double>> points;
     points.reserve(static_cast<std::size_t>(count));

@@ -60,7 +60,7 @@ std::string mesh_fault(const Mesh& mesh) {
         named.push_back(fmt::format("{}-{}", edge.first + 1, edge.second + 1));
     }
     return fmt::format(
-        "is not a closed surface: {} edge{} run through more often in one direction than in the other, "
+        "is not a closed surface: {} edge{} not traversed equally often in both directions, "
         "between vertices {}{}",
         edges.size(), edges.size() == 1 ? " is" : "s are", fmt::join(named, ", "), edges.size() > most ? ", .." : "");
 }

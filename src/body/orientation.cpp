@@ -99,7 +99,7 @@ Vector3<double> rotation_vector_from_quaternion(const Quaternion<double>& q) {
 Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn) {
     if (turn.angle == 0) return {};
     if (hypotenuse(turn.axis) == 0)
-        throw std::invalid_argument("a turn by " + number(turn.angle) + " rad about an axis of length 0");
+        throw std::invalid_argument("the axis of a rotation by " + number(turn.angle) + " rad has length 0");
     const double s = std::sin(turn.angle / 2);
     const Vector3<double> n = unit(turn.axis);
     return {std::cos(turn.angle / 2), s * n[0], s * n[1], s * n[2]};
@@ -126,10 +126,11 @@ void require_rotation(const Matrix3<double>& A, double tolerance) {
     if (!finite(A)) throw std::invalid_argument("not a rotation matrix: an entry is not finite");
     const double det = determinant(A), defect = orthogonality_defect(A);
     if (!(defect <= tolerance))
-        throw std::invalid_argument("not a rotation matrix: |A^T A - 1| is " + number(defect) + ", not within " +
+        throw std::invalid_argument("not a rotation matrix: |A^T A - 1| is " + number(defect) + ", must be within " +
                                     number(tolerance) + " of 0");
     if (!(det > 0))
-        throw std::invalid_argument("a reflection, not a rotation: the determinant is " + number(det) + ", not 1");
+        throw std::invalid_argument("not a rotation matrix but a reflection: the determinant is " + number(det) +
+                                    ", must be 1");
 }
 
 Quaternion<double> quaternion_from_matrix(const Matrix3<double>& A) {
@@ -166,9 +167,11 @@ template Matrix3<double> reorthogonalised(const Matrix3<double>&);
 template Matrix3<float> reorthogonalised(const Matrix3<float>&);
 
 Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
-    if (!finite(A)) throw std::invalid_argument("no rotation is nearest to a matrix that is not finite");
+    if (!finite(A)) throw std::invalid_argument("a matrix with entries that are not finite has no nearest rotation");
     const double det = determinant(A);
-    if (!(det > 0)) throw std::invalid_argument("no rotation is near a matrix of determinant " + number(det));
+    if (!(det > 0))
+        throw std::invalid_argument("a matrix must have a determinant > 0 to have a nearest rotation, not " +
+                                    number(det));
     const auto norm = [](const Matrix3<double>& m) {
         return std::hypot(hypotenuse(m[0]), hypotenuse(m[1]), hypotenuse(m[2]));
     };
@@ -201,7 +204,7 @@ EulerSequence parse_euler_sequence(std::string_view name) {
         if (name_of(sequence) == name) return sequence;
     throw std::invalid_argument(
         "\"" + one_line(name, 100) +
-        "\" is no sequence of Euler angles: one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz");
+        "\" is not an Euler angle sequence; must be one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz");
 }
 
 bool is_proper(EulerSequence sequence) {

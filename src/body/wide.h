@@ -14,7 +14,7 @@ __extension__ using Wide = __float128;
 #else
 // on AArch64 long double has this format, and GCC has no other name for it in C++
 using Wide = long double;
-static_assert(std::numeric_limits<Wide>::digits == 113, "no floating-point type of 113 bits on this machine");
+static_assert(std::numeric_limits<Wide>::digits == 113, "this compiler has no floating-point type with 113 bits");
 #endif
 
 /// The square root by Newton's iteration from the binary64 root: two steps extend 53 bits to 113. Zero for values

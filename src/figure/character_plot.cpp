@@ -190,7 +190,7 @@ class Plotter {
                 low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
             }
         }
-        if (!(low_x <= high_x)) return heading + "  no point to draw\n";
+        if (!(low_x <= high_x)) return heading + "  no data to plot\n";
         if (panel.x_limits) low_x = panel.x_limits->low, high_x = panel.x_limits->high;
         if (panel.y_limits) low_y = panel.y_limits->low, high_y = panel.y_limits->high;
         const Axis y = make_axis(panel.log_y, low_y, high_y, std::max(3, plot_.rows * 2 / 5), 0.02);

@@ -38,7 +38,7 @@ std::vector<LegendEntry> legend_entries(const Figure& figure) {
             entries.push_back({curve.label, &curve, ""});
         }
     }
-    if (cut) entries.push_back({"curve cut short", nullptr, ""});
+    if (cut) entries.push_back({"truncated curve", nullptr, ""});
     return entries;
 }
 

@@ -239,7 +239,7 @@ class Script {
             beneath += guides_of(panel, curves, plot, x, y);
             curves_of(panel, curves, beneath, plot, x, y);
         } else {
-            label("no point to draw", middle, (plot.top + plot.bottom) / 2, "textcolor \"#808080\"", text_size);
+            label("no data to plot", middle, (plot.top + plot.bottom) / 2, "textcolor \"#808080\"", text_size);
             nothing();
         }
         line("unset label");

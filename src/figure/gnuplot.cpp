@@ -40,7 +40,7 @@ GnuplotRun gnuplot_picture(const std::string& script, const std::string& termina
     if (!run.fault.empty()) return run;
     const bool svg = terminal == "svg";
     if (run.output.find(svg ? "</svg>" : "%%EOF") == std::string::npos)
-        return {"", svg ? "gnuplot wrote no complete SVG" : "gnuplot wrote no complete PDF"};
+        return {"", svg ? "gnuplot wrote an incomplete SVG" : "gnuplot wrote an incomplete PDF"};
     if (svg)
         escape_ends_of_sections(run.output);
     else

@@ -29,7 +29,7 @@ std::string gnuplot_quoted_line(std::string text) {
 
 GnuplotTerminal::GnuplotTerminal(const std::string& name) : svg_(name == "svg") {
     if (!svg_ && name != "pdf") {
-        throw std::invalid_argument(fmt::format("a figure's terminal is svg or pdf, not '{}'", name));
+        throw std::invalid_argument(fmt::format("unknown figure format '{}'; must be svg or pdf", name));
     }
 }
 

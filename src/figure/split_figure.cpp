@@ -138,13 +138,13 @@ Figure with_labels(const Figure& whole, const std::vector<std::string>& labels) 
 std::string criterion(Best best) {
     switch (best) {
         case Best::least_x:
-            return "furthest left at the level that half of all curves reach";
+            return "the curve furthest left at the level that half of all curves reach";
         case Best::greatest_x:
-            return "furthest right at the level that half of all curves reach";
+            return "the curve furthest right at the level that half of all curves reach";
         case Best::lowest_end:
             break;
     }
-    return "lowest at the end";
+    return "the curve that ends lowest";
 }
 
 }  // namespace
@@ -181,8 +181,8 @@ std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most
     }
     NamedFigure overview{whole.name, with_labels(whole.figure, best)};
     std::string note = fmt::format(
-        "{} of {} curves: the best of each family, then the next best; best is who is {}, by the mean place over the "
-        "panels. Families with more of them:",
+        "{} of {} curves: the best of each family, then the next best. The best is {}, by mean rank over the "
+        "panels. Figures of complete families:",
         most, all.size(), criterion(whole.figure.best));
     for (const NamedFigure& part : parts) note += fmt::format(" {}{}", part.name, &part == &parts.back() ? "." : ",");
     overview.figure.note += (overview.figure.note.empty() ? "" : " ") + note;

@@ -65,9 +65,9 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
     const std::vector<Wide> arms = measure.arms();
     const std::size_t n = measure.bodies(), joints = arms.size();
     if (!trajectory.samples.empty() && static_cast<std::size_t>(trajectory.bodies) != n)
-        throw std::invalid_argument("the trajectory is of another number of bodies");
+        throw std::invalid_argument("the trajectory has a different number of bodies than the scene");
     if (reference.available && static_cast<std::size_t>(reference.bodies) != n)
-        throw std::invalid_argument("the truth is of another number of bodies");
+        throw std::invalid_argument("the truth has a different number of bodies than the scene");
     const std::size_t moments = trajectory.samples.size() / n,
                       true_moments = reference.available ? reference.moments() : 0,
                       compared = std::min(moments, true_moments);

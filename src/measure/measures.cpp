@@ -77,7 +77,7 @@ const std::vector<Measure>& table() {
         {.name = "position",
          .title = "position",
          .unit = "m",
-         .meaning = "Distance of the centre of mass from the truth",
+         .meaning = "Distance between the centre of mass and its true position",
          .needs = known_truth | known_position,
          .error = [](const auto& c) { return length(c.own.position_W - c.truth.position_W); },
          .tabled_of_systems = true},
@@ -90,23 +90,23 @@ const std::vector<Measure>& table() {
         {.name = "norm",
          .title = "norm of q",
          .unit = "",
-         .meaning = "| |q| - 1 |; of a matrix method the Frobenius norm of A^T A - 1",
+         .meaning = "| |q| - 1 |; for matrix methods the Frobenius norm of A^T A - 1",
          .tabled = true,
          .over_time = true,
          .error = [](const auto& c) { return norm_error(c); }},
         {.name = "linear_momentum",
          .title = "linear momentum",
          .unit = "relative",
-         .meaning = "|p_W - p_W,truth| of several bodies that no joint ties to the world, over the run's largest |p|",
+         .meaning = "|p_W - p_W,truth| of a mechanism without joints to the world, over the run's largest |p|",
          .needs = known_truth | known_velocity | known_free_system,
          .whole_error = [](const auto& c) { return length(c.own.linear_momentum_W - c.truth.linear_momentum_W); },
          .whole_scale = [](const auto& truth) { return or_zero(length(truth.linear_momentum_W), truth.linear_size); },
          .of_one_body = false,
          .tabled_of_systems = true},
         {.name = "joint_gap",
-         .title = "gap of joints",
+         .title = "joint gap",
          .unit = "m",
-         .meaning = "How far the points of a joint are apart, the worst of several bodies' joints",
+         .meaning = "Largest distance between the two points of a joint, over all joints of the mechanism",
          .needs = known_position,
          .over_time = true,
          .whole_error = [](const auto& c) { return c.joints.gap; },
@@ -114,20 +114,19 @@ const std::vector<Measure>& table() {
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "joint_turn",
-         .title = "turn of joints",
+         .title = "joint misalignment",
          .unit = "rad",
-         .meaning = "How far the axes of a joint are off one another, the worst of several bodies' joints",
+         .meaning = "Largest angle between the two axes of a joint, over all joints of the mechanism",
          .over_time = true,
          .whole_error = [](const auto& c) { return c.joints.turn; },
          .of_one_body = false,
          .tabled_of_systems = true,
          .suffix = ""},
         {.name = "reaction",
-         .title = "reactions of joints",
+         .title = "joint reactions",
          .unit = "relative",
-         .meaning =
-             "Error of the force and of the torque of a joint, each over the run's largest, the worst of several "
-             "bodies' joints",
+         .meaning = "Error of joint force and torque, each over the run's largest, the largest over all joints of the "
+                    "mechanism",
          .needs = known_truth | known_reactions,
          .whole_error = [](const auto& c) { return c.reaction_error; },
          .of_one_body = false,
@@ -142,7 +141,7 @@ std::span<const Measure> measures() { return table(); }
 
 std::size_t measure_index(std::string_view name) {
     const auto found = std::ranges::find(table(), name, &Measure::name);
-    if (found == table().end()) throw std::invalid_argument(fmt::format("there is no measure \"{}\"", name));
+    if (found == table().end()) throw std::invalid_argument(fmt::format("unknown measure \"{}\"", name));
     return static_cast<std::size_t>(found - table().begin());
 }
 

@@ -176,7 +176,7 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
         if (changes.none()) keep(whole, name, formula, value);
         if (changes.any || !changes.along) return;
         const V3& u = *changes.along;
-        keep(part, (std::string(name) + " across u").c_str(), formula, value - dot(value, u) * u, u);
+        keep(part, (std::string(name) + " perpendicular to u").c_str(), formula, value - dot(value, u) * u, u);
     };
     if (adds_up_to_energy(problem))
         found.push_back(
@@ -186,10 +186,10 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
         for (const Load& load : scene.loads)
             std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
         keep_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
-                    "angular momentum", "L about the centre of mass of all, world axes, kg m^2/s",
+                    "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
                     at_start.angular_momentum_W);
         keep_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
-                    "p of all, world axes, kg m/s", at_start.linear_momentum_W);
+                    "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
         return found;
     }
     std::optional<V3> line = line_of_turning(scene, before);

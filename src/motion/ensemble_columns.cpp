@@ -80,12 +80,12 @@ class BodyColumns : public EnsembleColumns {
         for (const std::size_t i : selected) put_.push_back(body_columns[i].put);
         if (has_block(block_products) && !has_block(block_moments))
             throw InputError(file, place, "has products of inertia without moments",
-                             "give ixx,iyy,izz beside ixy,ixz,iyz");
+                             "give ixx,iyy,izz together with ixy,ixz,iyz");
         if (pivoted_ && (has_block(block_p) || has_block(block_v)))
             throw InputError(
                 file, place,
-                fmt::format("has columns {} in a scene with a pivot", has_block(block_p) ? block_p : block_v),
-                "leave them out: the pivot and the attitude say where the centre of mass is");
+                fmt::format("has the columns {}, but the scene has a pivot", has_block(block_p) ? block_p : block_v),
+                "remove them: the pivot and the attitude determine the centre of mass");
         // moments without products: about the body's own axes
         if (has_block(block_moments)) start_.inertia_B = {};
     }
@@ -104,7 +104,8 @@ class MechanismColumns : public EnsembleColumns {
 
     std::optional<BodyFault> fault_of_id(std::string_view id) const override {
         if (!EnsembleColumns::fault_of_id(id)) return {};
-        return BodyFault{"id", "holds more than 200 bytes, quotes or control characters", "give short plain text"};
+        return BodyFault{"id", "is longer than 200 bytes, not UTF-8, or contains quotes or control characters",
+                         "use short printable text"};
     }
     void begin(EnsembleTable& table, std::size_t rows) const override {
         table.mechanisms.columns = columns_;
@@ -145,20 +146,20 @@ void EnsembleColumns::select(const std::vector<std::size_t>& places, const std::
     }
     has_ids_ = is_selected.back();
     if (selected_.empty())
-        throw InputError(file, place, "has no column but id", "give at least one, such as " + example());
+        throw InputError(file, place, "has no column but id", "give at least one other column, such as " + example());
     for (std::size_t i = 0; i < blocks_.size(); ++i)
         if (!is_selected[i] && has_block(blocks_[i]))
             throw InputError(file, place, fmt::format("column {} is missing", names_[i]),
-                             fmt::format("give all of {}, or none", blocks_[i]));
+                             fmt::format("give all of {} or none", blocks_[i]));
     on_selection(selected_, file, place);
 }
 
 std::optional<BodyFault> EnsembleColumns::fault_of_id(std::string_view id) const {
-    if (id.size() > longest_id) return BodyFault{"id", "has more than 200 bytes", "give shorter ids"};
-    if (first_invalid_utf8(id) != std::string_view::npos) return BodyFault{"id", "is not UTF-8", "give UTF-8"};
+    if (id.size() > longest_id) return BodyFault{"id", "is longer than 200 bytes", "use shorter ids"};
+    if (first_invalid_utf8(id) != std::string_view::npos) return BodyFault{"id", "is not UTF-8", "encode it as UTF-8"};
     if (one_line(id, id.size()) != id || id.find('"') != id.npos)
-        return BodyFault{"id", one_line(id, 60) + " holds quotes or control characters",
-                         "give plain text without commas"};
+        return BodyFault{"id", one_line(id, 60) + " contains quotes or control characters",
+                         "use printable text without quotes and commas"};
     return {};
 }
 

@@ -36,13 +36,13 @@ class NpyEnsemble : public EnsembleStream {
             const auto known = std::ranges::find(names, field.name);
             if (known == names.end()) {
                 const std::string meant = did_you_mean(field.name, names);
-                fail("header", "has a field " + one_line(field.name, 60),
+                fail("header", "has the unknown field " + one_line(field.name, 60),
                      fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", fmt::join(names, ", ")));
             }
             const bool is_id = &*known == &names.back();
             if (is_id != field.type.starts_with("|S") || (!is_id && field.type != "<f8"))
-                fail("header", fmt::format("has {} of type {}", field.name, field.type),
-                     is_id ? "give S1 to S200" : "give <f8");
+                fail("header", fmt::format("declares {} with type {}", field.name, field.type),
+                     is_id ? "give a type from S1 to S200" : "give the type <f8");
             if (is_id) id_width_ = field.size;
             places.push_back(static_cast<std::size_t>(known - names.begin()));
             fields_.push_back({&*known, field.offset, is_id});
@@ -91,7 +91,7 @@ class NpyEnsemble : public EnsembleStream {
     void read_id(std::string_view id) {
         id_ = id.substr(0, id.find_last_not_of('\0') + 1);
         if (id_.find(',') != id_.npos || id_.starts_with(' ') || id_.ends_with(' '))
-            refuse({"id", "holds a comma, or a space at an end", "give plain text without them"});
+            refuse({"id", "contains a comma, or starts or ends with a space", "remove them"});
         if (const auto fault = columns().fault_of_id(id_)) refuse(*fault);
     }
 
@@ -105,7 +105,8 @@ class NpyEnsemble : public EnsembleStream {
         const std::size_t offset = header_.data_offset + static_cast<std::size_t>(held_begin_) * header_.record_size;
         // it was long enough when it was opened
         if (bytes_(offset, held_.data(), count) < count)
-            fail(here(), "is missing: the file has become shorter", "let nobody write to it");
+            fail(here(), "is missing: the file was truncated while it was read",
+                 "do not modify the file during the run");
     }
 
     Bytes bytes_;

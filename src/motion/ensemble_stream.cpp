@@ -44,7 +44,7 @@ class CsvEnsemble : public EnsembleStream {
         const auto& cells = lines_.cells();
         if (cells.size() != places_.size())
             fail(here(), fmt::format("has {} cells under {} columns", cells.size(), places_.size()),
-                 "give a cell for each column");
+                 "give one cell per column");
         const std::size_t id_place = columns().names().size() - 1;
         auto number = numbers_.begin();
         for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -55,7 +55,7 @@ class CsvEnsemble : public EnsembleStream {
             }
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                refuse({name(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                refuse({name(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is not a number",
                         "give a decimal number such as -1.5e-3"});
             if (!std::isfinite(*value))
                 refuse({name(i), one_line(cells[i], 60) + " is not finite", "give a finite number"});
@@ -72,7 +72,7 @@ class CsvEnsemble : public EnsembleStream {
     void read_header() {
         if (!lines_.next())
             fail("", "is empty",
-                 fmt::format("give a header line such as {} and a line for each {}", columns().example(),
+                 fmt::format("give a header line such as {} and one line per {}", columns().example(),
                              columns().row_noun()));
         places_ = lines_.header(columns().names());
         select(places_, here());
@@ -141,8 +141,8 @@ std::size_t EnsembleStream::skip(std::size_t rows) {
 void EnsembleStream::require_rows() const {
     if (rows_taken_ > 0) return;
     const char* const noun = columns_->row_noun();
-    if (first_refusal_.empty()) fail("", "has a header and no row", fmt::format("give a line for each {}", noun));
-    fail("", fmt::format("has no row that is a {}", noun), "the first: " + first_refusal_);
+    if (first_refusal_.empty()) fail("", "has a header but no rows", fmt::format("give one line per {}", noun));
+    fail("", "has no valid row", "first error: " + first_refusal_);
 }
 
 std::unique_ptr<EnsembleStream> open_ensemble(const std::string& path, const Scene& scene) {

@@ -54,13 +54,13 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
     const double norm = std::sqrt(squared_norm(q));
     if (!(std::abs(norm - 1) <= norm_tolerance))
         return BodyFault{"qw,qx,qy,qz", "have norm " + shortest_decimal(norm),
-                         "a unit quaternion w, x, y, z has norm 1 within 1e-6"};
+                         "give a unit quaternion w, x, y, z with norm 1 within 1e-6"};
     if (!all_finite(b.angular_velocity)) return BodyFault{"wx,wy,wz", "are not finite", "give finite numbers"};
     if (!all_finite(b.position_W)) return BodyFault{"px,py,pz", "are not finite", "give finite numbers"};
     if (!all_finite(b.velocity_W)) return BodyFault{"vx,vy,vz", "are not finite", "give finite numbers"};
     if (pivoted && !(b.position_W == Vector3<double>() && b.velocity_W == Vector3<double>()))
-        return BodyFault{"px,py,pz,vx,vy,vz", "stand beside a pivot",
-                         "leave them out: the pivot and the attitude say where the centre of mass is"};
+        return BodyFault{"px,py,pz,vx,vy,vz", "are given, but the scene has a pivot",
+                         "remove them: the pivot and the attitude determine the centre of mass"};
 
     const Matrix3<double>& J = b.inertia_B;
     const bool own_axes = is_diagonal(J);
@@ -73,17 +73,17 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j)
             if (!(std::abs(J[i][j] - J[j][i]) <= shape_tolerance * largest))
-                return BodyFault{columns, "are not symmetric", "an inertia tensor is symmetric"};
+                return BodyFault{columns, "are not symmetric", "the inertia tensor must be symmetric"};
     for (int i = 0; i < 3; ++i) {
         if (!(I[i] > 0) || !finite(I[i]) || !finite(1 / I[i]))
-            return BodyFault{columns, fmt::format("make the principal moment {}", shortest_decimal(I[i])),
+            return BodyFault{columns, fmt::format("result in the principal moment {}", shortest_decimal(I[i])),
                              "every principal moment must be finite and > 0"};
         const double others = I[(i + 1) % 3] + I[(i + 2) % 3];
         if (!(I[i] - others <= shape_tolerance * largest))
             return BodyFault{columns,
-                             fmt::format("make a principal moment {}, more than the sum {} of the other two",
+                             fmt::format("result in a principal moment {}, more than the sum {} of the other two",
                                          shortest_decimal(I[i]), shortest_decimal(others)),
-                             "moments of inertia keep the triangle inequality within 1e-12 of the largest"};
+                             "moments of inertia must satisfy the triangle inequality within 1e-12 of the largest"};
     }
     return {};
 }

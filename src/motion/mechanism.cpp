@@ -27,9 +27,9 @@ std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<dou
 std::string body_without_inertia(const Scene& scene) {
     for (const NamedBody& body : scene.bodies) {
         const std::string name = one_line(body.name, 60);
-        if (body.body.mass == 0) return fmt::format("body \"{}\" has no mass, by which the method divides", name);
+        if (body.body.mass == 0) return fmt::format("body \"{}\" has no mass, and the method divides by it", name);
         if (!has_three_moments(body.body.inertia_B))
-            return fmt::format("body \"{}\" has a moment of inertia of zero, by which the method divides", name);
+            return fmt::format("body \"{}\" has a moment of inertia of zero, and the method divides by it", name);
     }
     return "";
 }

@@ -217,7 +217,8 @@ P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motion
 
 template <class P>
 SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, JointCoordinates& coordinates) const {
-    if (motions.size() != bodies_.size()) throw std::invalid_argument("a motion for each body is needed");
+    if (motions.size() != bodies_.size())
+        throw std::invalid_argument("the number of motions must equal the number of bodies");
     SystemInvariants<P> result;
     result.angular_size = slow_angular_, result.linear_size = slow_linear_;
     P mass(0);
@@ -250,7 +251,8 @@ SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, J
 
 template <class P>
 JointViolations<P> MechanismMeasure<P>::violations(Motions motions) const {
-    if (motions.size() != bodies_.size()) throw std::invalid_argument("a motion for each body is needed");
+    if (motions.size() != bodies_.size())
+        throw std::invalid_argument("the number of motions must equal the number of bodies");
     JointViolations<P> worst;
     // NaN is larger than everything
     const auto larger = [](const P& a, const P& b) { return !(a <= b) && !std::isnan(static_cast<double>(b)); };

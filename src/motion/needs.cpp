@@ -146,19 +146,19 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     }
     const auto leave_out = [&](const char* what, const char* why) { needs.left_out.push_back({what, why}); };
     if (!(problem.body.principal.q_BP == Quaternion<double>{}))
-        leave_out("products of inertia", "they vanish in the principal frame, in which the system is posed");
+        leave_out("products of inertia", "zero in the principal frame, in which the system is posed");
 
     const bool planes = !problem.scene.planes.empty();
     const bool still = !planes && !exact.pivoted && at_rest(exact, problem.scene, forcings);
     if (exact.pivoted) {
         needs.translation = Translation::fixed;
-        leave_out("p and v", "the pivot holds the body: both follow from q and w");
+        leave_out("p and v", "the pivot is fixed: q and w determine both");
     } else if (still && !translation_couples(problem.scene, forcings)) {
         needs.translation = Translation::fixed;
-        leave_out("p and v", "no force, and the centre of mass starts at rest at the origin");
+        leave_out("p and v", "no force acts, and the centre of mass starts at rest at the origin");
     } else if (!planes && !translation_couples(problem.scene, forcings) && !needs.user_torque) {
         needs.translation = Translation::closed_form;
-        leave_out("p and v", "constant acceleration and linear drag at most: a closed form, piecewise");
+        leave_out("p and v", "only constant acceleration and linear drag: piecewise closed form");
     } else {
         needs.translation = Translation::integrated;
     }
@@ -170,15 +170,15 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
         leave_out("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
     } else if (!couples && needs.torque_free) {
         needs.system = SystemKind::free_rotation, needs.dimension = 7;
-        leave_out("torque",
-                  impulses ? "none between the impulses: w decouples from q there" : "none: w decouples from q");
+        leave_out("torque", impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
         if (needs.symmetry == Symmetry::symmetric)
-            leave_out("one gyroscopic component", "two moments agree: the rate about the symmetry axis is constant");
+            leave_out("one gyroscopic component",
+                      "two moments are equal: the rate about the symmetry axis is constant");
     } else {
         needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
         needs.dimension = couples ? 13 : 7;
         if (needs.symmetry == Symmetry::symmetric)
-            leave_out("one gyroscopic component", "two moments agree: its coefficient is zero");
+            leave_out("one gyroscopic component", "two moments are equal: its coefficient is zero");
     }
     if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
         leave_out("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");

@@ -8,27 +8,28 @@
 namespace polhode {
 
 Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration) {
-    const char* name = "own system";
+    const char* name = "user-defined system";
     const auto demand = [&](bool right, const char* place, const char* fault, const char* remedy) {
         if (!right) throw InputError(name, place, fault, remedy);
     };
     const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
-    demand(positive(duration), "duration", "not finite and positive", "give a time in s");
-    demand(model->dimension() > 0, "dimension", "below 1", "give the number of components");
+    demand(positive(duration), "duration", "is not finite and positive", "give a time in s, > 0");
+    demand(model->dimension() > 0, "dimension", "is below 1", "give the number of components");
     const std::size_t n = static_cast<std::size_t>(model->dimension());
     const std::vector<double> scales = model->scales();
     demand(scales.size() == n && std::all_of(scales.begin(), scales.end(), positive), "scales",
-           "not a finite, positive number for each component", "give the size that each component reaches");
+           "are not one finite, positive number per component", "give the typical magnitude of each component");
     std::vector<double> y(n);
     model->initial(y.data());
-    demand(!model->motion(y.data()).empty(), "motion", "no body", "give a sample for each body");
+    demand(!model->motion(y.data()).empty(), "motion", "is empty", "return one sample per body");
 
     Problem problem;
     problem.scene.name = name, problem.scene.duration = duration;
     problem.needs.system = SystemKind::own, problem.needs.dimension = model->dimension();
     std::vector<double> times{0};
     for (double t : model->events()) {
-        demand(std::isfinite(t) && t >= 0, "events", "a time that is not finite or before 0", "give times in s");
+        demand(std::isfinite(t) && t >= 0, "events", "contain a time that is not finite or is negative",
+               "give times in s, >= 0");
         if (t <= duration) times.push_back(t);
     }
     std::sort(times.begin(), times.end());

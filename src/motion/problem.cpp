@@ -53,31 +53,33 @@ void refuse_parts_of_one_body(const Scene& scene) {
     };
     for (std::size_t i = 0; i < scene.loads.size(); ++i)
         if (std::holds_alternative<UserTorque>(scene.loads[i]))
-            fail(fmt::format("/loads/{}", i), "is a user-defined torque in a scene of several bodies",
+            fail(fmt::format("/loads/{}", i),
+                 "is a user-defined torque, which scenes with several bodies do not support",
                  "give a load of type torque or force with \"body\", or a motor on a joint");
     if (scene.pivot)
-        fail("/pivot", "is given in a scene of several bodies", "hold a body by a joint whose parent is \"world\"");
-    if (!scene.planes.empty()) fail("/planes", "are given in a scene of several bodies", "remove them");
+        fail("/pivot", "is given in a scene with several bodies",
+             "connect a body to the world by a joint whose parent is \"world\"");
+    if (!scene.planes.empty()) fail("/planes", "are given in a scene with several bodies", "remove them");
     const Body &body = scene.body, no_body;
     if (body.mass != no_body.mass || !(body.inertia_B == no_body.inertia_B) ||
         !(body.center_of_mass == no_body.center_of_mass) || body.source)
-        fail("/body", "is given in a scene of several bodies", "give its properties to one of \"bodies\"");
+        fail("/body", "is given in a scene with several bodies", "move its properties into one of \"bodies\"");
     const Initial &initial = scene.initial, at_rest;
     if (!(initial.orientation == at_rest.orientation && initial.angular_velocity == at_rest.angular_velocity &&
           initial.position_W == at_rest.position_W && initial.velocity_W == at_rest.velocity_W))
-        fail("/initial", "is given in a scene of several bodies", "give it to one of \"bodies\" or to a joint");
+        fail("/initial", "is given in a scene with several bodies", "move it into one of \"bodies\" or into a joint");
 }
 
 // Throws if the equations of one body would ignore a part of the scene.
 void refuse_parts_of_several_bodies(const Scene& scene) {
-    const char* remedy = "give \"bodies\" in place of \"body\"";
-    if (!scene.joints.empty()) throw InputError(scene.name, "/joints", "are given in a scene of one body", remedy);
-    if (!scene.loops.empty()) throw InputError(scene.name, "/loops", "are given in a scene of one body", remedy);
+    const char* remedy = "use \"bodies\" instead of \"body\"";
+    if (!scene.joints.empty()) throw InputError(scene.name, "/joints", "are given in a scene with one body", remedy);
+    if (!scene.loops.empty()) throw InputError(scene.name, "/loops", "are given in a scene with one body", remedy);
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const Load& load = scene.loads[i];
         if (!load_body(load).empty() || std::holds_alternative<Motor>(load) ||
             std::holds_alternative<PointSpring>(load))
-            throw InputError(scene.name, fmt::format("/loads/{}", i), "needs several bodies in a scene of one body",
+            throw InputError(scene.name, fmt::format("/loads/{}", i), "needs several bodies, but the scene has one",
                              remedy);
     }
 }
@@ -176,7 +178,7 @@ const char* name_of(SystemKind system) {
                                      "loaded rotation",
                                      "loaded rotation and translation",
                                      "full motion",
-                                     "own system",
+                                     "user-defined system",
                                      "several bodies"};
     return names[static_cast<std::size_t>(system)];
 }

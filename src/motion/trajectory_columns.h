@@ -20,20 +20,18 @@ struct TrajectoryColumns {
 /// The column groups of the files that solve and truth write and check reads, in order.
 inline std::span<const TrajectoryColumns> trajectory_columns() {
     static constexpr TrajectoryColumns all[] = {
-        {"t", "s", "the time; a sample at the time of an impulse shows the motion after it"},
-        {"body", "", "of scenes of several bodies alone: the body's name; there is a line for each body at each t"},
+        {"t", "s", "time; a sample at the time of an impulse gives the motion after the impulse"},
+        {"body", "", "only in scenes with several bodies: name of the body; each time has one line per body"},
         {"qw,qx,qy,qz", "",
-         "the attitude: the quaternion q that maps body vectors to world vectors, v_W = q v_B q*, as the method left "
-         "it, not "
-         "normalised for show"},
-        {"wx,wy,wz", "rad/s", "the angular velocity, world axes"},
-        {"px,py,pz", "m", "the position of the centre of mass, world axes"},
-        {"vx,vy,vz", "m/s", "the velocity of the centre of mass, world axes"},
-        {"ox,oy,oz", "m", "in files for check, in place of px,py,pz: the position of the body's origin, world axes"},
+         "attitude: the quaternion q that maps body vectors to world vectors, v_W = q v_B q*, as the method computed "
+         "it, not normalised"},
+        {"wx,wy,wz", "rad/s", "angular velocity, world axes"},
+        {"px,py,pz", "m", "position of the centre of mass, world axes"},
+        {"vx,vy,vz", "m/s", "velocity of the centre of mass, world axes"},
+        {"ox,oy,oz", "m", "only in files for check, instead of px,py,pz: position of the body's origin, world axes"},
         {"bound", "rad, and relative",
-         "of truth: how far any number of the row may be off, the largest of the attitude in rad and the relative "
-         "error of "
-         "each other block"},
+         "only in the output of truth: error bound of the row, the largest of the attitude error in rad and the "
+         "relative error of each other block"},
     };
     return all;
 }

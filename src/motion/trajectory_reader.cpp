@@ -97,7 +97,7 @@ class Reader {
     }
 
     TrajectoryFile read() {
-        if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
+        if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and one line per sample");
         header();
         if (gaps_ != nullptr) find_lost_times();
         while (lines_.next()) {
@@ -106,7 +106,7 @@ class Reader {
             if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
-        if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
+        if (result_.rows.empty()) fail("", "has a header but no samples", "give one line per sample");
         if (body_place_ != nowhere) end_moment(), leave_out_missing();
         result_.bodies = std::move(bodies_);
         result_.read_past = lines_.read_past();
@@ -148,22 +148,22 @@ class Reader {
         has_matrix_ = seen[block_r] > 0, has_angles_ = seen[block_e] > 0;
         const bool has_other_rotation = has_matrix_ || has_angles_;
         if ((seen[block_q] > 0) + has_matrix_ + has_angles_ > 1)
-            fail(here(), "has the rotation in two forms", "give one of quaternion, matrix and Euler angles");
+            fail(here(), "gives the rotation in two forms", "give only one of quaternion, matrix and Euler angles");
         for (const Column& known : known_columns()) {
             const bool is_required = known.block == block_t || (known.block == block_q && !has_other_rotation);
             const bool needed = is_required || (seen[known.block] > 0 && known.block < block_bound);
             if (needed && std::ranges::find(columns_, known.name, &FileColumn::name) == columns_.end())
                 fail(here(), fmt::format("column {} is missing", known.name),
-                     is_required ? "give t,qw,qx,qy,qz at least"
-                                 : fmt::format("give all of {}, or none", block_columns[known.block].names));
+                     is_required ? "give at least t,qw,qx,qy,qz"
+                                 : fmt::format("give all of {} or none", block_columns[known.block].names));
         }
         if (seen[block_p] > 0 && seen[block_o] > 0)
             fail(here(), "has both px,py,pz and ox,oy,oz",
                  "give the centre of mass (p) or the body's origin (o), not both");
         if (seen[block_body] == 0 && bodies_.size() > 1)
             fail(here(), "column body is missing",
-                 "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) +
-                     ", or some of them, at each time");
+                 "give t,body,qw,.. with one line at each time for each of " + one_line(listed(bodies_), 200) +
+                     ", or for some of them");
         if (quaternion_ != QuaternionColumns::by_name) take_quaternion_in_order();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
@@ -229,14 +229,14 @@ class Reader {
         const auto& cells = lines_.cells();
         if (cells.size() != names_.size())
             fail(here(), fmt::format("has {} cells under {} columns", cells.size(), names_.size()),
-                 "give a number for each column");
+                 "give one number per column");
         LineNumbers numbers{};
         for (const FileColumn& column : columns_) {
             if (column.block == block_body) continue;
             const std::string_view cell = cells[column.place];
             const std::optional<double> value = parse_decimal(cell);
             if (!value)
-                fail(at(column.place), cell.empty() ? "is empty" : one_line(cell, 60) + " is no number",
+                fail(at(column.place), cell.empty() ? "is empty" : one_line(cell, 60) + " is not a number",
                      "give a decimal number such as -1.5e-3");
             if (!std::isfinite(*value))
                 fail(at(column.place), one_line(cell, 60) + " is not finite", "give a finite number");
@@ -244,18 +244,18 @@ class Reader {
         }
         const TrajectoryRow row = row_of(numbers);
         if (row.t < 0)
-            fail(at(time_place_), shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
+            fail(at(time_place_), shortest_decimal(row.t) + " s is before the start of the scene", "give times >= 0");
         const bool same_moment = body_place_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
         if (!same_moment && !result_.rows.empty() && !(row.t > result_.rows.back().t))
             fail(at(time_place_),
-                 fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
+                 fmt::format("{} s is not after the {} s of the previous sample", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
-                 "give each time once, in order");
+                 "give each time once, in ascending order");
         if (!same_moment) count_time();
         const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
             fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
-                 fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),
+                 fmt::format("have length {}, which does not define an attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
         if (body_place_ == nowhere)
             result_.rows.push_back(row);
@@ -272,22 +272,22 @@ class Reader {
             if (name.empty()) fail(at(body_place_), "is empty", "give the body's name");
             if (bodies_known_) {
                 const std::string meant = did_you_mean(name, bodies_);
-                fail(at(body_place_), fmt::format("\"{}\" is no body of the scene", one_line(name, 60)),
+                fail(at(body_place_), fmt::format("\"{}\" is not a body of the scene", one_line(name, 60)),
                      meant.empty() ? "give one of " + one_line(listed(bodies_), 200) : meant);
             }
             if (moment_ > 0)
-                fail(at(body_place_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
-                     "give a line for each body at each time");
+                fail(at(body_place_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
+                     "give one line per body at each time");
             bodies_.emplace_back(name);
             index_.emplace(name, body);
         }
         if (moment_ > 0 && in_file_[body] == 0)
-            fail(at(body_place_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
-                 "give a line for each of the file's bodies at each time");
+            fail(at(body_place_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
+                 "give one line per body at each time");
         if (body < there_.size() && there_[body] != 0)
             fail(at(body_place_),
-                 fmt::format("the body \"{}\" is there twice at {} s", one_line(name, 60), shortest_decimal(row.t)),
-                 "give a line for each body at each time");
+                 fmt::format("body \"{}\" has two lines at {} s", one_line(name, 60), shortest_decimal(row.t)),
+                 "give one line per body at each time");
         there_.resize(bodies_.size()), there_[body] = 1;
         last_line_ = lines_.number();
         // rows of this time that are not read yet get its time now
@@ -307,9 +307,9 @@ class Reader {
         for (std::size_t body = 0; body < bodies_.size(); ++body)
             if (there_[body] == 0 && in_file_[body] != 0)
                 fail(fmt::format("line {}, column body", last_line_),
-                     fmt::format("the body \"{}\" is missing at {} s", one_line(bodies_[body], 60),
+                     fmt::format("body \"{}\" has no line at {} s", one_line(bodies_[body], 60),
                                  shortest_decimal(result_.rows.back().t)),
-                     "give a line for each body at each time");
+                     "give one line per body at each time");
     }
     // Removes the rows of bodies that the file does not have.
     void leave_out_missing() {

@@ -84,32 +84,34 @@ void Tree<P>::require_inertia(const Scene& scene, std::size_t i, const Articulat
     if (link.kind == LinkJoint::free) {
         const std::string& body = scene.bodies[static_cast<std::size_t>(link.base)].name;
         const char* remedy =
-            "a body that no joint carries needs mass and three moments of inertia, its own or of what "
-            "fixed joints hold to it";
-        if (!(link.mass > P(0))) fail(body, "mass, and no joint carries it", remedy);
+            "a body that is not the child of a joint needs a mass and three moments of inertia, its own or those of "
+            "bodies fixed to it";
+        if (!(link.mass > P(0))) fail(body, "mass and is not the child of a joint", remedy);
         const P own = link.inertia.xx + link.inertia.yy + link.inertia.zz;
         if (!(own > P(0)) || !(least_eigenvalue_share(link.inertia, own) > least_joint_inertia))
-            fail(body, "moment of inertia about some axis, and no joint carries it", remedy);
+            fail(body, "moment of inertia about some axis and is not the child of a joint", remedy);
         return;
     }
     const Joint& joint = scene.joints[static_cast<std::size_t>(link.joint)];
     const std::string name = fmt::format("joint \"{}\"", one_line(joint.name, 60));
     switch (link.kind) {
         case LinkJoint::prismatic:
-            if (!is_enough(articulated.M.zz, mass)) fail(joint.child, "mass along " + name, "give it mass, or fix it");
+            if (!is_enough(articulated.M.zz, mass))
+                fail(joint.child, "mass along " + name, "give it mass, or use a fixed joint");
             break;
         case LinkJoint::revolute:
             if (is_enough(articulated.J.zz, trace)) break;
             fail(joint.child,
                  joint.type == JointType::universal ? fmt::format("inertia about axis {} of {}", link.axis, name)
                                                     : "inertia about " + name,
-                 mass > P(0) ? "give it mass away from the axis, or fix it" : "give it mass, or fix it");
+                 mass > P(0) ? "give it mass away from the axis, or use a fixed joint"
+                             : "give it mass, or use a fixed joint");
             break;
         case LinkJoint::spherical:
             if (!(trace > P(0)) || !(least_eigenvalue_share(articulated.J, trace) > least_joint_inertia))
                 fail(joint.child, "inertia about some axis through " + name,
                      mass > P(0) ? "give it a moment of inertia about each axis, or use a universal joint"
-                                 : "give it mass, or fix it");
+                                 : "give it mass, or use a fixed joint");
             break;
         case LinkJoint::free:
             break;

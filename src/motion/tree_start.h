@@ -89,9 +89,10 @@ void Tree<P>::find_start(const Scene& scene) {
         for (std::size_t row = 1; row < all_rows_; ++row)
             if (size(row) > size(worst)) worst = row;
         throw InputError(scene.name, fmt::format("/loops/{}", loop_of_row_[worst]),
-                         fmt::format("is open at the start, by {:.3g} (m, rad or their rates)", off),
-                         dependent.empty() ? "give joints \"dependent\": true, or a start that closes it to 1e-9"
-                                           : "start the dependent joints nearer to where it closes");
+                         fmt::format("is open by {:.3g} at the start (m, rad, m/s or rad/s)", off),
+                         dependent.empty()
+                             ? "mark joints as \"dependent\": true, or give a start that closes the loop to 1e-9"
+                             : "start the dependent joints closer to a closed position");
     }
     require_inertia(scene);
     choose_rows();

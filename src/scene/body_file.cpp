@@ -27,7 +27,7 @@ double length(const JsonNode& object, const char* key) {
 }
 double not_negative(const JsonNode& object, const char* key) {
     const JsonNode& node = object.required(key, "a length in m, >= 0");
-    if (!(node.number() >= 0)) node.fail(node.described(), "this length in m must be >= 0");
+    if (!(node.number() >= 0)) node.fail(node.described(), "a length in m must be >= 0");
     return node.number();
 }
 template <std::size_t n>
@@ -47,8 +47,8 @@ double inner_radius(const JsonNode& object, double outer) {
     const double inner = not_negative(object, "inner_radius");
     if (!(inner < outer))
         object.find("inner_radius")
-            ->fail(fmt::format("is {}, the outer radius {}", shortest_decimal(inner), shortest_decimal(outer)),
-                   "the inner radius must be the smaller one");
+            ->fail(fmt::format("is {}, but the outer radius is {}", shortest_decimal(inner), shortest_decimal(outer)),
+                   "the inner radius must be smaller than the outer radius");
     return inner;
 }
 
@@ -70,9 +70,9 @@ Shape torus(const JsonNode& node) {
     const Torus torus{length(node, "major_radius"), length(node, "minor_radius")};
     if (!(torus.minor_radius <= torus.major_radius))
         node.find("minor_radius")
-            ->fail(fmt::format("is {}, the major radius {}", shortest_decimal(torus.minor_radius),
+            ->fail(fmt::format("is {}, but the major radius is {}", shortest_decimal(torus.minor_radius),
                                shortest_decimal(torus.major_radius)),
-                   "a torus that does not meet itself has the greater major radius");
+                   "the minor radius must not exceed the major radius");
     return torus;
 }
 Shape rod(const JsonNode& node) { return ThinRod{length(node, "length")}; }
@@ -83,13 +83,14 @@ Shape tetrahedron(const JsonNode& node) {
     if (vertices.elements().size() != 4) vertices.fail(vertices.described(), "give 4 points [x, y, z]");
     Tetrahedron shape;
     for (std::size_t i = 0; i < 4; ++i) shape.vertices[i] = vector3(*vertices.elements()[i]);
-    if (six_volumes(shape) == 0) vertices.fail("has no volume: the four lie in a plane", "give 4 points around a body");
+    if (six_volumes(shape) == 0)
+        vertices.fail("has no volume: the four points lie in a plane", "give 4 points that do not lie in a plane");
     return shape;
 }
 Shape frustum(const JsonNode& node) {
     const Frustum shape{not_negative(node, "bottom_radius"), not_negative(node, "top_radius"), length(node, "height")};
     if (shape.bottom_radius == 0 && shape.top_radius == 0)
-        node.find("top_radius")->fail("is 0, and so is the bottom radius", "give one of them > 0");
+        node.find("top_radius")->fail("is 0, and the bottom radius is 0 too", "give at least one radius > 0");
     return shape;
 }
 
@@ -126,14 +127,15 @@ Shape shape(const JsonNode& node) {
 
 Amount amount(const JsonNode& node, bool is_part) {
     const JsonNode *mass = node.find("mass"), *density = node.find("density");
-    if (mass && density) density->fail("stands beside a mass", "give the mass or the density, not both");
+    if (mass && density) density->fail("is given together with a mass", "give the mass or the density, not both");
     if (mass)
         return {positive(*mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass"), false};
     if (!density) node.required("density", "the density in kg/m^3, or \"mass\" in kg");
     const double value = density->number();
     if (value == 0 || (value < 0 && !is_part))
-        density->fail(density->described(), is_part ? "a density is not 0; a hole has a negative one"
-                                                    : "the density must be > 0; only a part can be a hole");
+        density->fail(density->described(),
+                      is_part ? "the density of a part must not be 0; a hole has a negative density"
+                              : "the density must be > 0; only a part can be a hole (negative density)");
     return {value, true};
 }
 
@@ -167,7 +169,7 @@ MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     if (is_part) {
         positive(mass, "the mass of a part (a hole has a negative density)");
         if (const std::string fault = tensor_fault(b.inertia); !fault.empty())
-            moments->fail(fault, "give the tensor of some distribution of mass; a part's moments may be 0");
+            moments->fail(fault, "give a physically possible inertia tensor; a part's moments may be 0");
     }
     return b;
 }
@@ -269,7 +271,7 @@ std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string
         const JsonNode* told = node.find(way.key);
         if (!told) continue;
         if (chosen)
-            told->fail(fmt::format("\"{}\" stands beside \"{}\"", way.key, chosen->key),
+            told->fail(fmt::format("\"{}\" is given together with \"{}\"", way.key, chosen->key),
                        "give the mass properties in exactly one way");
         chosen = &way;
     }

@@ -29,13 +29,13 @@ std::string tensor_fault(const Matrix3<double>& J) {
     constexpr double tolerance = 1e-12;  // relative to the largest moment
     const Vector3<double> I = principal_frame(cast<Wide>(J)).moments;
     const double largest = std::max({std::abs(I[0]), std::abs(I[1]), std::abs(I[2])});
-    if (!std::isfinite(largest)) return "is beyond binary64";
+    if (!std::isfinite(largest)) return "is too large for binary64";
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < i; ++j)
             if (!(std::abs(J[i][j] - J[j][i]) <= tolerance * largest)) return "is not symmetric";
         if (I[i] < -tolerance * largest) return "has the principal moment " + shortest_decimal(I[i]);
         if (I[i] - I[(i + 1) % 3] - I[(i + 2) % 3] > tolerance * largest)
-            return "has moments that break the triangle inequality";
+            return "has moments that violate the triangle inequality";
     }
     return "";
 }

@@ -175,7 +175,7 @@ std::string tensor_fault(const Matrix3<double>& inertia);
 /// "has norm .." if the quaternion's length differs from 1 by more than 1e-6, else an empty text. norm_remedy is the
 /// matching remedy.
 std::string norm_fault(const Quaternion<double>& q);
-inline constexpr const char* norm_remedy = "a unit quaternion [w, x, y, z] has norm 1 within 1e-6";
+inline constexpr const char* norm_remedy = "give a unit quaternion [w, x, y, z] with norm 1 within 1e-6";
 
 /// Whether the body was described with its shape: by a shape, a mesh, or parts of these.
 bool has_shape(const BodySource& source);

@@ -33,9 +33,8 @@ void project(std::array<Wide, 3>& x) {
 
 std::string InertiaRepair::description() const {
     return fmt::format(
-        "breaks the triangle inequality: its largest principal moment {:.6g} kg m^2 exceeds the sum of the other two "
-        "by "
-        "{:.3g} of itself",
+        "violates the triangle inequality: its largest principal moment {:.6g} kg m^2 exceeds the sum of the other two "
+        "by {:.3g} of its value",
         largest, excess);
 }
 

@@ -24,8 +24,8 @@ Initial parse_initial(const JsonNode& node, bool pivoted, Initial start) {
         const JsonNode* given = node.find(key);
         if (!given) continue;
         if (pivoted)
-            given->fail("stands beside a pivot",
-                        "leave it out: the pivot and the attitude say where the centre of mass is");
+            given->fail("is given, but the scene has a pivot",
+                        "remove it: the pivot and the attitude determine the centre of mass");
         (key[0] == 'p' ? start.position_W : start.velocity_W) = vector3(*given);
     }
     return start;

@@ -69,7 +69,7 @@ Joint joint(const JsonNode& node) {
         j.axes[0] = vector3(node.required("axis", "[x, y, z], in the child's axes"));
     const bool universal = j.type == JointType::universal;
     if (universal) {
-        const JsonNode& axes = node.required("axes", "two times [x, y, z]");
+        const JsonNode& axes = node.required("axes", "two vectors [x, y, z]");
         if (axes.elements().size() != 2) axes.fail(axes.described(), "give two axes [[x, y, z], [x, y, z]]");
         for (std::size_t i = 0; i < 2; ++i) j.axes[i] = vector3(*axes.elements()[i]);
     }
@@ -104,8 +104,8 @@ NamedBody named_body(const JsonNode& node, const std::string& directory, const s
     one.body = parse_body(node.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
     const JsonNode* start = node.find("initial");
     if (start && carried.contains(one.name))
-        start->fail("is that of a body that a joint carries",
-                    "leave it out: the joint's own \"initial\" says how it starts");
+        start->fail("is given for a body that is the child of a joint",
+                    "remove it: the \"initial\" of the joint defines the start");
     if (start) one.initial = parse_initial(*start, false);
     return one;
 }
@@ -192,7 +192,7 @@ const char* name_of(LoopType type) {
 }
 
 void parse_joint_start(const JsonNode& node, Joint& j) {
-    if (j.type == JointType::fixed) node.fail("is that of a fixed joint", "leave it out: it does not move");
+    if (j.type == JointType::fixed) node.fail("is given for a fixed joint", "remove it: a fixed joint does not move");
     node.only(keys_of(scene_keys(), fmt::format("start {}", name_of(j.type))));
     const auto one = [&](const char* key, double& value) {
         if (const JsonNode* given = node.find(key)) value = given->number();
@@ -233,7 +233,7 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     const JsonNode& bodies = root.required("bodies", "a list of {\"name\": .., \"body\": ..}");
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
     if (bodies.elements().size() > most_bodies)
-        bodies.fail(bodies.described(), fmt::format("give {} bodies at the most", most_bodies));
+        bodies.fail(bodies.described(), fmt::format("give at most {} bodies", most_bodies));
     const std::set<std::string_view> carried = children_of(scene);
     for (const JsonNode* one : bodies.elements()) scene.bodies.push_back(named_body(*one, scene.directory, carried));
 }

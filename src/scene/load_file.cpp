@@ -47,14 +47,14 @@ Load constant_torque(const JsonNode& node) {
 Load force(const JsonNode& node) {
     return Force{vector3(node.required("vector", "[x, y, z] in N")),
                  parse_frame(node.required("frame", "\"body\" or \"world\"")),
-                 vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
+                 vector3(node.required("point", "the point of application [x, y, z] in m")), point_frame(node),
                  load_window(node)};
 }
 
 Load impulse(const JsonNode& node) {
     return Impulse{vector3(node.required("vector", "[x, y, z] in N s")),
                    parse_frame(node.required("frame", "\"body\" or \"world\"")),
-                   vector3(node.required("point", "where it acts: [x, y, z] in m")), point_frame(node),
+                   vector3(node.required("point", "the point of application [x, y, z] in m")), point_frame(node),
                    node.required("at", "the time in s").number()};
 }
 
@@ -80,17 +80,18 @@ Load spring(const JsonNode& node) {
 
 Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
     Motor load;
-    load.joint = node.required("joint", "the name of a revolute or a prismatic joint").string();
+    load.joint = node.required("joint", "the name of a revolute or prismatic joint").string();
     const JsonNode *torque = node.find("torque"), *along = node.find("force");
     if (torque && along)
-        along->fail("stands beside \"torque\"", "give \"torque\" or \"force\", as the joint turns or slides");
+        along->fail("is given together with \"torque\"",
+                    "give \"torque\" for a revolute joint or \"force\" for a prismatic joint");
     if (!torque && !along)
         node.required("torque", "the torque in N m on a revolute joint, or \"force\" in N on a prismatic one");
     const JointType* type = type_of(joints, load.joint);
     if (type && torque && *type == JointType::prismatic)
-        torque->fail("is given of a prismatic joint", "give \"force\" in N");
+        torque->fail("is given for a prismatic joint", "give \"force\" in N");
     if (type && along && *type == JointType::revolute)
-        along->fail("is given of a revolute joint", "give \"torque\" in N m");
+        along->fail("is given for a revolute joint", "give \"torque\" in N m");
     load.force = (torque ? torque : along)->number();
     load.window = load_window(node);
     return load;
@@ -157,7 +158,8 @@ struct LoadWriter {
                            write_window(load.window));
     }
     std::string operator()(const UserTorque& load) const {
-        throw std::invalid_argument(fmt::format("the user's torque \"{}\" has no file form", load.name));
+        throw std::invalid_argument(
+            fmt::format("the user-defined torque \"{}\" cannot be written to a file", load.name));
     }
     std::string operator()(const Motor& load) const {
         const JointType* type = type_of(joints, load.joint);

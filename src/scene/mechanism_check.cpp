@@ -23,14 +23,16 @@ class Names {
         if (name.empty()) check_.fail(place, "is empty", fmt::format("give the {} a name", what_));
         if (one_line(name, name.size()) != name || name.find_first_of(",\"") != name.npos || name.front() == ' ' ||
             name.back() == ' ')
-            check_.fail(place, "is no name that a table can hold",
-                        "give printable characters without commas, quotation marks and spaces at the ends");
+            check_.fail(
+                place, "is not a valid name for tables",
+                "use printable characters without commas and quotation marks, and no space at the start or end");
         check_.name(place, name);
-        if (name == "world") check_.fail(place, "is the world's own", fmt::format("give the {} another name", what_));
+        if (name == "world")
+            check_.fail(place, "is reserved for the world", fmt::format("give the {} another name", what_));
         const auto [found, is_new] = index_.emplace(name, index);
         if (!is_new)
-            check_.fail(place, fmt::format("is the name of a second {} \"{}\"", what_, one_line(name, 60)),
-                        fmt::format("give each {} its own", what_));
+            check_.fail(place, fmt::format("names a second {} \"{}\"", what_, one_line(name, 60)),
+                        fmt::format("give each {} a unique name", what_));
     }
     std::size_t find(const std::string& place, const std::string& name) const {
         const auto found = index_.find(name);
@@ -38,9 +40,9 @@ class Names {
         std::vector<std::string> known;
         for (const auto& [one, index] : index_) known.push_back(one);
         const std::string meant = did_you_mean(name, known);
-        check_.fail(place, fmt::format("is \"{}\", the name of no {}", one_line(name, 60), what_),
+        check_.fail(place, fmt::format("is \"{}\", which is not the name of a {}", one_line(name, 60), what_),
                     !meant.empty()  ? meant
-                    : known.empty() ? fmt::format("there is no {}", what_)
+                    : known.empty() ? fmt::format("the scene has no {}", what_)
                                     : "give one of " + listed(known));
     }
 
@@ -105,8 +107,8 @@ void check_bodies(const SceneCheck& check, const Scene& scene, const std::vector
         if (!carrier[i])
             check_initial(check, place + "/initial", one.initial);
         else if (!is_default(one.initial))
-            check.fail(place + "/initial", "is that of a body that a joint carries",
-                       "leave it out: the joint's own \"initial\" says how it starts");
+            check.fail(place + "/initial", "is given for a body that is the child of a joint",
+                       "remove it: the \"initial\" of the joint defines the start");
     }
 }
 
@@ -119,13 +121,14 @@ std::vector<const Joint*> carriers(const SceneCheck& check, const Scene& scene, 
         const Joint& joint = scene.joints[i];
         const std::string place = fmt::format("/joints/{}", i);
         if (joint.child == "world")
-            check.fail(place + "/child", "is \"world\"", "make the world the parent: it is the child of no joint");
+            check.fail(place + "/child", "is \"world\"",
+                       "make \"world\" the parent: it cannot be the child of a joint");
         const std::size_t child = bodies.find(place + "/child", joint.child);
         if (carrier[child])
             check.fail(place + "/child",
-                       fmt::format("is \"{}\", which joint \"{}\" carries already", one_line(joint.child, 60),
+                       fmt::format("is \"{}\", which is already the child of joint \"{}\"", one_line(joint.child, 60),
                                    one_line(carrier[child]->name, 60)),
-                       "each body is the child of one joint at most: close the chain by one of \"loops\"");
+                       "a body can be the child of only one joint: close the chain by one of \"loops\"");
         carrier[child] = &joint;
         if (joint.parent != "world") parent[child] = bodies.find(place + "/parent", joint.parent);
     }
@@ -137,8 +140,8 @@ std::vector<const Joint*> carriers(const SceneCheck& check, const Scene& scene, 
             walk[at] = start;
             if (parent[at] != none && walk[parent[at]] == start)
                 check.fail(fmt::format("/joints/{}", carrier[at] - scene.joints.data()),
-                           fmt::format("closes a circle of joints at body \"{}\"", one_line(carrier[at]->parent, 60)),
-                           "joints form trees: close the chain by one of \"loops\"");
+                           fmt::format("closes a cycle of joints at body \"{}\"", one_line(carrier[at]->parent, 60)),
+                           "joints must form trees: close the chain by one of \"loops\"");
         }
     return carrier;
 }
@@ -148,8 +151,8 @@ void check_ends(const SceneCheck& check, const std::string& place, const Names& 
     if (first != "world") bodies.find(place + "/first", first);
     if (second != "world") bodies.find(place + "/second", second);
     if (first == second)
-        check.fail(place + "/second", fmt::format("is \"{}\", and so is the first", one_line(second, 60)),
-                   "give two bodies, or a body and \"world\"");
+        check.fail(place + "/second", fmt::format("is \"{}\", the same as the first", one_line(second, 60)),
+                   "give two different bodies, or a body and \"world\"");
 }
 
 void check_loops(const SceneCheck& check, const Scene& scene, const Names& bodies) {
@@ -175,7 +178,7 @@ struct NamesInLoad {
 
     void operator()(const Gravity&) const {}
     void operator()(const UserTorque&) const {
-        check.fail(place, "is a user-defined torque in a scene of several bodies",
+        check.fail(place, "is a user-defined torque, which scenes with several bodies do not support",
                    "give a load of type torque or force with \"body\", or a motor on a joint");
     }
     void operator()(const Motor& load) const {
@@ -184,12 +187,13 @@ struct NamesInLoad {
         if (!turns && !slides)
             check.fail(place + "/joint",
                        fmt::format("is \"{}\", a {} joint", one_line(load.joint, 60), name_of(joint.type)),
-                       "give a revolute or a prismatic one");
+                       "give a revolute or prismatic joint");
         check.finite(place + (turns ? "/torque" : "/force"), load.force);
     }
     void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }
     void operator()(const auto& load) const {
-        if (load.body.empty()) check.fail(place, "names no body", "give \"body\": the name of the one that it acts on");
+        if (load.body.empty())
+            check.fail(place, "does not name a body", "give \"body\": the name of the body that the load acts on");
         bodies.find(place + "/body", load.body);
     }
 };
@@ -198,9 +202,11 @@ struct NamesInLoad {
 
 void check_mechanism(const SceneCheck& check, const Scene& scene) {
     if (scene.pivot)
-        check.fail("/pivot", "stands beside \"bodies\"", "hold a body by a joint whose parent is \"world\"");
+        check.fail("/pivot", "is given together with \"bodies\"",
+                   "connect a body to the world by a joint whose parent is \"world\"");
     if (!scene.planes.empty())
-        check.fail("/planes", "stand beside \"bodies\"", "leave them out: several bodies meet no planes");
+        check.fail("/planes", "are given together with \"bodies\"",
+                   "remove them: scenes with several bodies do not support planes");
     Names bodies(check, "body"), joints(check, "joint or loop");
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
         bodies.add(fmt::format("/bodies/{}/name", i), scene.bodies[i].name, i);
@@ -214,19 +220,19 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     check_bodies(check, scene, carriers(check, scene, bodies));
     const auto is_fixed = [](const Joint& joint) { return joint.type == JointType::fixed; };
     if (scene.joints.size() == scene.bodies.size() && std::ranges::all_of(scene.joints, is_fixed))
-        check.fail("/joints", "fix every body to the world, and nothing moves",
-                   "give one of them another type, or leave it out");
+        check.fail("/joints", "fix every body to the world, so nothing moves",
+                   "change the type of one of them, or remove it");
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const std::string place = fmt::format("/joints/{}", i);
         check_numbers(check, place, scene.joints[i]);
         if (!scene.joints[i].dependent) continue;
         const JointType type = scene.joints[i].type;
         if (type != JointType::revolute && type != JointType::prismatic)
-            check.fail(place + "/initial/dependent", "is that of a joint of several coordinates",
-                       "only revolute and prismatic joints are moved until the loops close");
+            check.fail(place + "/initial/dependent", "is given for a joint with several coordinates",
+                       "only revolute and prismatic joints can be dependent");
         if (scene.loops.empty())
-            check.fail(place + "/initial/dependent", "stands in a scene without loops",
-                       "leave it out, or close a chain by one of \"loops\"");
+            check.fail(place + "/initial/dependent", "is given in a scene without loops",
+                       "remove it, or close a chain by one of \"loops\"");
     }
     check_loops(check, scene, bodies);
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
@@ -238,14 +244,16 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
 void check_names_of_one(const SceneCheck& check, const Scene& scene) {
     for (const char* key : {"joints", "loops"})
         if (key[0] == 'j' ? !scene.joints.empty() : !scene.loops.empty())
-            check.fail(fmt::format("/{}", key), "stand beside \"body\"", "give \"bodies\" in place of \"body\"");
+            check.fail(fmt::format("/{}", key), "are given together with \"body\"",
+                       "use \"bodies\" instead of \"body\"");
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const std::string place = fmt::format("/loads/{}", i);
         if (const std::string name = load_body(scene.loads[i]); !name.empty())
-            check.fail(place + "/body", fmt::format("names \"{}\" in a scene of one body", one_line(name, 60)),
-                       "leave it out, or give \"bodies\" in place of \"body\"");
+            check.fail(place + "/body", fmt::format("is \"{}\" in a scene with one body", one_line(name, 60)),
+                       "remove it, or use \"bodies\" instead of \"body\"");
         if (std::holds_alternative<Motor>(scene.loads[i]) || std::holds_alternative<PointSpring>(scene.loads[i]))
-            check.fail(place, "acts between several bodies in a scene of one", "give \"bodies\" in place of \"body\"");
+            check.fail(place, "acts between several bodies, but the scene has one",
+                       "use \"bodies\" instead of \"body\"");
     }
 }
 

@@ -64,7 +64,7 @@ class Lines {
     double number(std::string_view word) const {
         const std::optional<double> value = parse_decimal(word);
         if (!value || !std::isfinite(*value))
-            fail(fmt::format("\"{}\" is no finite number", one_line(word, 40)), "give decimal coordinates in m");
+            fail(fmt::format("\"{}\" is not a finite number", one_line(word, 40)), "give decimal coordinates in m");
         return *value;
     }
     Vector3<double> point(const std::vector<std::string_view>& words) const {
@@ -82,7 +82,7 @@ class Lines {
             while (end < line.size() && !is_space(line[end])) ++end;
             if (words.size() > most_corners)
                 fail(fmt::format("has more than {} words", most_corners),
-                     fmt::format("give faces of {} corners at the most", most_corners));
+                     fmt::format("give faces with at most {} corners", most_corners));
             words.push_back(line.substr(i, end - i));
             i = end;
         }
@@ -111,11 +111,11 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
     while (lines.next(words, '#')) {
         if (words[0] == "v") {
             // a fourth number is a weight, six numbers include a colour
-            if (words.size() < 4) lines.fail("has a vertex of fewer than 3 coordinates", "give \"v x y z\"");
+            if (words.size() < 4) lines.fail("has a vertex with fewer than 3 coordinates", "give \"v x y z\"");
             mesh.vertices.push_back(lines.point(words));
             require_bounded(mesh, path);
         } else if (words[0] == "f") {
-            if (words.size() < 4) lines.fail("has a face of fewer than 3 corners", "give \"f a b c ..\"");
+            if (words.size() < 4) lines.fail("has a face with fewer than 3 corners", "give \"f a b c ..\"");
             std::vector<int> corners;
             for (std::size_t i = 1; i < words.size(); ++i) {
                 const std::string_view word = words[i].substr(0, words[i].find('/'));
@@ -125,9 +125,9 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
                 // indices count from 1, or backward from the last vertex
                 const long corner = index < 0 ? count + index : index - 1;
                 if (error != std::errc() || end != word.data() + word.size() || corner < 0 || corner >= count)
-                    lines.fail(
-                        fmt::format("has a corner \"{}\" where there are {} vertices", one_line(words[i], 40), count),
-                        "give indices of vertices above it");
+                    lines.fail(fmt::format("has a corner \"{}\", but {} vertices are defined so far",
+                                           one_line(words[i], 40), count),
+                               "refer to vertices defined on earlier lines");
                 corners.push_back(static_cast<int>(corner));
             }
             for (std::size_t i = 2; i < corners.size(); ++i)
@@ -156,7 +156,7 @@ Mesh parse_text_stl(std::string_view text, const std::string& path) {
         if (!lines.next(words, 0)) lines.fail("ends before \"endsolid\"", remedy);
         if (words.size() < beginning.size() || !std::equal(beginning.begin(), beginning.end(), words.begin()))
             lines.fail(
-                fmt::format("begins with \"{}\" where \"{}\" is due", one_line(words[0], 40), *beginning.begin()),
+                fmt::format("begins with \"{}\" where \"{}\" is expected", one_line(words[0], 40), *beginning.begin()),
                 remedy);
     };
     while (lines.next(words, 0)) {
@@ -169,7 +169,7 @@ Mesh parse_text_stl(std::string_view text, const std::string& path) {
             std::array<Vector3<double>, 3> corners;
             for (Vector3<double>& corner : corners) {
                 expect({"vertex"});
-                if (words.size() != 4) lines.fail("has a vertex without 3 coordinates", remedy);
+                if (words.size() != 4) lines.fail("has a vertex that does not have 3 coordinates", remedy);
                 corner = lines.point(words);
             }
             expect({"endloop"});
@@ -193,12 +193,12 @@ std::uint32_t word_at(std::string_view bytes, std::size_t at) {
 
 Mesh parse_binary_stl(std::string_view bytes, const std::string& path) {
     const auto refuse = [&](const std::string& fault) {
-        throw InputError(path, "", fault, "give a binary STL file of 84 + 50 n bytes, or a text one");
+        throw InputError(path, "", fault, "give a binary STL file of 84 + 50 n bytes, or a text STL file");
     };
-    if (bytes.size() < stl_header) refuse(fmt::format("has {} bytes: the header is cut short", bytes.size()));
+    if (bytes.size() < stl_header) refuse(fmt::format("has {} bytes: the header is truncated", bytes.size()));
     const std::size_t count = word_at(bytes, 80);
     if (bytes.size() != stl_header + stl_triangle * count)
-        refuse(fmt::format("announces {} triangles and has {} bytes in place of {}", count, bytes.size(),
+        refuse(fmt::format("declares {} triangles, but has {} bytes instead of {}", count, bytes.size(),
                            stl_header + stl_triangle * count));
     if (count > most_triangles)
         throw InputError(path, "", fmt::format("has more than {} triangles", most_triangles), "give a coarser surface");
@@ -239,13 +239,13 @@ Mesh parse_mesh(std::string_view bytes, const std::string& path) {
     else if (ends_in(path, ".stl"))
         mesh = parse_stl(bytes, path);
     else
-        throw InputError(path, "", "is neither .obj nor .stl", "give a surface in one of these formats");
+        throw InputError(path, "", "is neither .obj nor .stl", "give a surface in OBJ or STL format");
     if (const std::string fault = mesh_fault(mesh); !fault.empty())
         throw InputError(path, "", fault, "give a closed surface of consistently oriented triangles");
     const double size = enclosed_volume(mesh);
     if (!std::isfinite(size))
-        throw InputError(path, "", "encloses a volume beyond binary64", "give smaller coordinates");
-    if (size == 0) throw InputError(path, "", "encloses no volume", "give a surface around a body");
+        throw InputError(path, "", "encloses a volume that is too large for binary64", "give smaller coordinates");
+    if (size == 0) throw InputError(path, "", "encloses no volume", "give the closed surface of a solid");
     if (size < 0)
         for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
     return mesh;

@@ -29,7 +29,7 @@ void read_sequence(const RobotXml& xml, const XMLElement& at, EulerTurn& euler) 
     const bool turned = letters.find_first_not_of("xyz") == letters.npos;
     if (letters.size() != 3 || (!turned && letters.find_first_not_of("XYZ") != letters.npos))
         xml.fail(at, fmt::format("has the eulerseq \"{}\"", one_line(letters, 40)),
-                 "give three of xyz (turned axes) or of XYZ (fixed axes)");
+                 "give three letters of xyz (rotating axes) or of XYZ (fixed axes)");
     euler.about_turned_axes = turned;
     for (std::size_t i = 0; i < 3; ++i) euler.axes[i] = letters[i] - (turned ? 'x' : 'X');
 }

@@ -71,7 +71,7 @@ class MjcfDefaults {
             const std::string inner = xml_.name(*one, "class", "the class's name");
             if (classes_.contains(inner))
                 xml_.fail(*one, fmt::format("is a second class \"{}\"", one_line(inner, 60)),
-                          "give each class a name of its own");
+                          "give each class a unique name");
             classes_[inner] = values;
             read_class(*one, inner);
         }

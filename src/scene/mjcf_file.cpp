@@ -59,8 +59,8 @@ class MjcfReader {
         for (const XMLElement* world = model_.root->FirstChildElement("worldbody"); world;
              world = world->NextSiblingElement("worldbody")) {
             const MjcfParts parts = collector_.collect(*world, scope);
-            if (parts.inertial) xml_.fail(*parts.inertial->at, "is an <inertial> of the world", "give it to a body");
-            if (!parts.joints.empty()) xml_.fail(*parts.joints[0].at, "is a joint of the world", "give it to a body");
+            if (parts.inertial) xml_.fail(*parts.inertial->at, "is an <inertial> of the world", "move it into a body");
+            if (!parts.joints.empty()) xml_.fail(*parts.joints[0].at, "is a joint of the world", "move it into a body");
             if (parts.can_collide) note_shapes("world");
             read_bodies(parts, RobotJoint::world, false);
         }
@@ -82,7 +82,7 @@ class MjcfReader {
         if (!library_.has_other_files())
             if (const std::optional<ImportedBody> given = masses_.given(body)) return *given;
         const std::optional<MassProperties<Wide>> mass = masses_.of(body);
-        if (!mass) xml_.fail(at, "has no mass", "give it an <inertial>, or geoms with a mass");
+        if (!mass) xml_.fail(at, "has no mass", "give it an <inertial> or geoms with a mass");
         return *mass;
     }
 
@@ -92,7 +92,7 @@ class MjcfReader {
         return {name, &at, scope.model, parts.inertial, parts.geoms};
     }
 
-    void note_shapes(const std::string& name) { robot_.omitted["shapes for contact of bodies"].push_back(name); }
+    void note_shapes(const std::string& name) { robot_.omitted["contact shapes of bodies"].push_back(name); }
 
     void read_bodies(const MjcfParts& parts, std::size_t parent, bool moves) {
         for (const MjcfParts::Part& body : parts.bodies) read_body(*body.at, body.scope, parent, moves);
@@ -103,13 +103,14 @@ class MjcfReader {
         const char* given = at.Attribute("name");
         const std::string name = given && *given ? scope.name(given) : fmt::format("body{}", ++unnamed_);
         if (robot_.links.size() >= most_bodies)
-            xml_.fail(at, fmt::format("is more than the {}th body", most_bodies), "give a smaller robot");
+            xml_.fail(at, fmt::format("is more than the {}th body", most_bodies), "give a robot with fewer bodies");
         MjcfScope inner = scope;
         inner.pose = {}, inner.depth = scope.depth + 1;
         const MjcfParts parts = collector_.collect(at, inner);
         const bool is_mocap = xml_.flag(at, "mocap");
         if (is_mocap && (parent != RobotJoint::world || !parts.joints.empty()))
-            xml_.fail(at, "is a mocap body with joints or inside another body", "put it in the world, without joints");
+            xml_.fail(at, "is a mocap body with joints or inside another body",
+                      "make it a child of the world without joints");
         moves = moves || !parts.joints.empty();
         const RobotPose place = scope.pose * mjcf_pose(xml_, at, scope.model->compiler);
         const std::size_t link = joints_.add_body(at, name, parent, place, parts);
@@ -120,7 +121,7 @@ class MjcfReader {
         }
         robot_.links[link].mass = mass_of(body_of(at, name, parts, scope), moves);
         if (!moves) static_.push_back({link, is_mocap});
-        if (is_mocap) robot_.assumed["mocap bodies, held in place"].push_back(name);
+        if (is_mocap) robot_.assumed["mocap bodies, fixed in place"].push_back(name);
         if (is_mocap) joints_.hold(at, name, link, place);
         if (scope.model->compiler.aligns_free && parts.bodies.empty()) joints_.align(link);
         if (parts.can_collide) note_shapes(name);
@@ -133,7 +134,8 @@ class MjcfReader {
         try {
             return masses_.of(body);
         } catch (const InputError&) {
-            robot_.assumed["bodies that do not move, without mass because it cannot be computed"].push_back(body.name);
+            robot_.assumed["fixed bodies whose mass cannot be computed, treated as bodies without mass"].push_back(
+                body.name);
             return {};
         }
     }
@@ -156,7 +158,7 @@ class MjcfReader {
                 for (int j = 0; j < 3; ++j) link.mass->inertia[i][j] = scale * link.mass->inertia[i][j];
         }
         robot_.assumed["masses scaled to settotalmass"].push_back(
-            fmt::format("{} kg in all, factor {:.9g}", compiler.total_mass, double(scale)));
+            fmt::format("{} kg in total, factor {:.9g}", compiler.total_mass, double(scale)));
     }
 
     // Gives unnamed bodies names that differ from the given ones.

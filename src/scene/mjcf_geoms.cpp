@@ -67,7 +67,7 @@ std::vector<double> given_sizes(const RobotXml& xml, const XMLElement& at) {
 // Half sizes and pose of a primitive given by two end points (fromto).
 std::array<double, 3> spanned(const RobotXml& xml, const XMLElement& at, const std::string& type, RobotPose& place) {
     if (type == "sphere")
-        xml.fail(at, "is a sphere and has fromto", "fromto is for capsule, cylinder, box and ellipsoid");
+        xml.fail(at, "is a sphere and has fromto", "use fromto only for capsule, cylinder, box and ellipsoid");
     if (at.Attribute("pos") && three_of(xml.attribute(at, "pos", 3)) != Vector3<double>())
         xml.fail(at, "has both pos and fromto", "remove one of them");
     const std::vector<double> v = xml.attribute(at, "fromto", 6), size = given_sizes(xml, at);
@@ -99,7 +99,7 @@ Extent<Wide> MjcfMasses::extent(const MjcfPlaced& geom, RobotPose& place, const 
     if (!is_primitive(type))
         xml_.fail(at, fmt::format("has the type \"{}\"", one_line(type, 40)),
                   "give plane, hfield, sphere, capsule, ellipsoid, cylinder, box, mesh or sdf");
-    if (shell && type == "ellipsoid") note("shells of ellipsoids by MuJoCo's approximations", body);
+    if (shell && type == "ellipsoid") note("ellipsoid shells, computed by MuJoCo's approximations", body);
     if (at.Attribute("mesh")) return fitted(geom, type, shell);
     std::array<double, 3> size{};
     if (at.Attribute("fromto")) {
@@ -119,7 +119,7 @@ Extent<Wide> MjcfMasses::extent(const MjcfPlaced& geom, RobotPose& place, const 
 Extent<Wide> MjcfMasses::fitted(const MjcfPlaced& geom, const std::string& type, bool shell) {
     const XMLElement& at = *geom.at;
     if (geom.model->compiler.fits_box)
-        xml_.fail(at, "is fitted to the bounding box of a mesh (fitaabb), which is not computed", inertial_remedy);
+        xml_.fail(at, "is fitted to the bounding box of a mesh (fitaabb), which is not supported", inertial_remedy);
     if (at.Attribute("fromto")) xml_.fail(at, "has both a mesh and fromto", "remove one of them");
     const Extent<Wide>& mesh = meshes_.extent(*geom.model, at, false);
     const InertiaBox box = inertia_box(mesh);
@@ -165,11 +165,11 @@ std::optional<MassProperties<Wide>> MjcfMasses::of_geom(const Body& body, const 
     const MassProperties<Wide> mass = uniform_body(e, by_mass ? Wide(amount) : Wide(amount) * e.size);
     if (!(mass.mass > Wide(no_mass))) return {};
     if (by_mass && !(e.size > Wide(no_volume)))
-        note("shapes below 1e-14 m^3 with the mass given, which MuJoCo 3 ignores", body.name);
+        note("shapes below 1e-14 m^3, included with the given mass (MuJoCo 3 ignores them)", body.name);
     if (!by_mass && !at.Attribute("density")) note("shapes with MuJoCo's default density of 1000 kg/m^3", body.name);
     if (compiler.drops_visual && xml_.attribute_or(at, "contype", 1) == 0 &&
         xml_.attribute_or(at, "conaffinity", 1) == 0)
-        note("bodies with the mass of shapes for display, as in MuJoCo 3 (MuJoCo 2 discards it)", body.name);
+        note("bodies with the mass of visual shapes, as in MuJoCo 3 (MuJoCo 2 discards it)", body.name);
     const RobotPose pose = geom.pose * place;
     return placed(mass, pose.position, pose.turn);
 }

@@ -84,13 +84,15 @@ void MjcfJoints::add_joint(const MjcfParts::Part& part, const std::string& body,
                                           : fmt::format("{}_joint{}", body, ++unnamed_);
     if (motion == RobotMotion::free && (from != RobotJoint::world || count != 1))
         xml_.fail(
-            at, fmt::format("frees the body \"{}\", which is not in the world or has other joints", one_line(body, 60)),
-            "a free joint must be the only joint of a body in the world");
+            at,
+            fmt::format("is a free joint of the body \"{}\", which is not a child of the world or has other joints",
+                        one_line(body, 60)),
+            "a free joint must be the only joint of a child of the world");
     RobotJoint& joint = add(at, name, is_given, motion, from, to, place);
     if (motion == RobotMotion::revolute || motion == RobotMotion::prismatic) {
         Vector3<Wide> axis{Wide(0), Wide(0), Wide(1)};
         if (at.Attribute("axis")) axis = cast<Wide>(three_of(xml_.attribute(at, "axis", 3)));
-        if (axis == Vector3<Wide>()) xml_.fail(at, "has the axis zero", "give a direction");
+        if (axis == Vector3<Wide>()) xml_.fail(at, "has a zero axis", "give a direction");
         joint.axes[0] = rotate(part.scope.pose.turn, axis);
     }
     if (motion != RobotMotion::free) {
@@ -107,7 +109,7 @@ double MjcfJoints::leading(const XMLElement& at, const char* name, const std::st
     if (!text) return 0;
     const std::vector<double> v = xml_.numbers(at, name, text, 1, 3);
     if (std::any_of(v.begin() + 1, v.end(), [](double x) { return x != 0; }))
-        omit("nonlinear terms of springs and dampers of joints", joint);
+        omit("nonlinear terms of joint springs and dampers", joint);
     return v[0];
 }
 

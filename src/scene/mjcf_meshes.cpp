@@ -59,11 +59,11 @@ MeshMap map_of(const RobotXml& xml, const XMLElement& asset) {
 // Replaces the faces by those of the convex hull.
 void take_hull(const RobotXml& xml, const XMLElement& asset, Mesh& mesh) {
     if (asset.Attribute("maxhullvert") && xml.attribute(asset, "maxhullvert", 1)[0] >= 0)
-        xml.fail(asset, "has the mass of a convex hull with limited vertices (maxhullvert), which is not computed",
+        xml.fail(asset, "needs the mass of a convex hull with limited vertices (maxhullvert), which is not supported",
                  remedy);
     mesh.triangles = convex_hull(mesh.vertices);
     if (mesh.triangles.empty())
-        xml.fail(asset, "has the mass of a convex hull that cannot be computed: too many points, or all in one plane",
+        xml.fail(asset, "needs the mass of a convex hull that cannot be computed: too many points, or all in one plane",
                  remedy);
 }
 
@@ -73,13 +73,14 @@ Mesh inline_mesh(const RobotXml& xml, const XMLElement& asset) {
     const std::vector<double> v = xml.numbers(asset, "vertex", asset.Attribute("vertex"), 12, 3 * most_vertices);
     for (std::size_t i = 0; i + 2 < v.size(); i += 3) mesh.vertices.push_back(three_of(v, i));
     if (v.size() % 3 != 0)
-        xml.fail(asset, "has numbers in vertex that are not a multiple of 3", "give three per point");
+        xml.fail(asset, "has a count of numbers in vertex that is not a multiple of 3", "give three per point");
     if (!asset.Attribute("face")) {
         take_hull(xml, asset, mesh);
         return mesh;
     }
     const std::vector<double> f = xml.numbers(asset, "face", asset.Attribute("face"), 12, 3 * most_triangles);
-    if (f.size() % 3 != 0) xml.fail(asset, "has numbers in face that are not a multiple of 3", "give three per face");
+    if (f.size() % 3 != 0)
+        xml.fail(asset, "has a count of numbers in face that is not a multiple of 3", "give three per face");
     for (std::size_t i = 0; i < f.size(); i += 3) {
         std::array<int, 3> triangle{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -98,7 +99,7 @@ Mesh mesh_of(const RobotXml& xml, const MjcfModel& model, const XMLElement& asse
     const std::string name = one_line(mjcf_asset_name(asset), 60);
     const char* file = asset.Attribute("file");
     if (asset.Attribute("builtin") || asset.FirstChildElement("plugin"))
-        xml.fail(asset, fmt::format("makes the mesh \"{}\" by a program (builtin, plugin), which is not read", name),
+        xml.fail(asset, fmt::format("generates the mesh \"{}\" (builtin or plugin), which is not supported", name),
                  remedy);
     if (!file && asset.Attribute("vertex")) return inline_mesh(xml, asset);
     if (!file) xml.fail(asset, "has neither a file nor vertices", "give one of them");
@@ -192,7 +193,7 @@ Extent<Wide> mjcf_mesh_extent(const RobotXml& xml, const MjcfModel& model, const
     if (!shell && rule == "legacy") {
         const double ratio = legacy_ratio(mesh, map, e.size);
         if (std::abs(ratio - 1) > 1e-6)
-            assumed["meshes by their exact volume, where MuJoCo's rule \"legacy\" takes more"].push_back(
+            assumed["meshes computed by their exact volume, where MuJoCo's rule \"legacy\" gives more"].push_back(
                 fmt::format("{} ({:.6g} times the volume)", one_line(name, 60), ratio));
     }
     return e;

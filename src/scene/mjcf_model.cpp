@@ -67,7 +67,7 @@ const MjcfModel& MjcfLibrary::load(const XMLElement& asset, const MjcfModel& of)
     XMLElement& root = *document.RootElement();
     mark(root, path);
     if (std::string_view(root.Name()) != "mujoco")
-        xml_.fail(root, "is the root of an attached model", "attach MJCF files (<mujoco>) only");
+        xml_.fail(root, "is the root of an attached model", "attach only MJCF files (<mujoco>)");
     model->files = of.files.relative_to(file);
     prepare(root, path, *model);
     return *attached_.emplace(path, std::move(model)).first->second;
@@ -99,7 +99,7 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
             const std::string name = mjcf_asset_name(*one);
             if (!list->emplace(name, one).second)
                 xml_.fail(*one, fmt::format("is a second {} \"{}\"", tag, one_line(name, 60)),
-                          "give each asset a name of its own");
+                          "give each asset a unique name");
         }
 }
 
@@ -108,7 +108,7 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
 void MjcfLibrary::expand(XMLElement& at, int depth, const RobotFiles& files, const std::string& folder,
                          std::set<std::string>& included) {
     if (depth > deepest)
-        xml_.fail(at, fmt::format("is nested deeper than {} elements", deepest), "give a flatter file");
+        xml_.fail(at, fmt::format("is nested more than {} elements deep", deepest), "reduce the nesting");
     if (std::string_view(at.Name()) == "include") {
         std::string inner_folder;
         for (XMLElement* one : splice(at, files, folder, included, inner_folder))
@@ -131,7 +131,7 @@ std::vector<XMLElement*> MjcfLibrary::splice(XMLElement& include, const RobotFil
     const std::string path = normal_path(files.path(file));
     if (!included.insert(path).second)
         xml_.fail(include, fmt::format("includes \"{}\" a second time", one_line(given, 60)),
-                  "MuJoCo includes a file once: copy it, or attach it as a model");
+                  "MuJoCo includes a file only once: copy it, or attach it as a model");
     const std::string text = read(include, files, file);
     tinyxml2::XMLDocument document;
     parse_robot_xml(document, text, path);
@@ -160,7 +160,7 @@ std::string MjcfLibrary::read(const XMLElement& at, const RobotFiles& files, con
     }
     bytes_read_ += text.size();
     if (bytes_read_ > largest_total)
-        xml_.fail(at, fmt::format("brings the files of one robot to more than {} bytes", largest_total),
+        xml_.fail(at, fmt::format("makes the files of one robot exceed {} bytes in total", largest_total),
                   "give smaller files");
     return text;
 }

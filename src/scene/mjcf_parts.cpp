@@ -37,10 +37,10 @@ MjcfParts MjcfCollector::collect(const XMLElement& of, const MjcfScope& scope) {
 
 void MjcfCollector::count(const XMLElement& at, const MjcfScope& scope) {
     if (++visited_ > most_elements)
-        xml_.fail(at, fmt::format("makes the robot larger than {} elements", most_elements), "replicate fewer");
+        xml_.fail(at, fmt::format("makes the robot exceed {} elements", most_elements), "replicate fewer");
     if (scope.depth > deepest_tree)
-        xml_.fail(at, fmt::format("is nested deeper than {} bodies and frames", deepest_tree),
-                  "give a flatter file that does not attach itself");
+        xml_.fail(at, fmt::format("is nested more than {} bodies and frames deep", deepest_tree),
+                  "reduce the nesting, and check whether a model attaches itself");
 }
 
 void MjcfCollector::collect(const XMLElement& of, const MjcfScope& scope, MjcfParts& parts) {
@@ -73,8 +73,9 @@ void MjcfCollector::collect_one(const XMLElement& at, const MjcfScope& scope, Mj
     } else if (tag == "composite" || tag == "flexcomp") {
         const char* label = at.Attribute("name") ? at.Attribute("name") : at.Attribute("prefix");
         xml_.fail(at,
-                  fmt::format("makes bodies by <{}> \"{}\", which is not read", tag, one_line(label ? label : "", 60)),
-                  "write the bodies out: save the model with MuJoCo (mj_saveLastXML)");
+                  fmt::format("generates bodies by <{}> \"{}\", which is not supported", tag,
+                              one_line(label ? label : "", 60)),
+                  "write the bodies explicitly: save the model with MuJoCo (mj_saveLastXML)");
     }
 }
 
@@ -102,7 +103,7 @@ void MjcfCollector::replicate(const XMLElement& at, const MjcfScope& scope, Mjcf
 
 void MjcfCollector::attach(const XMLElement& at, const MjcfScope& scope, MjcfParts& parts) {
     const char* prefix = at.Attribute("prefix");
-    if (!prefix) xml_.fail(at, "has no \"prefix\"", "give the prefix of the attached names");
+    if (!prefix) xml_.fail(at, "has no \"prefix\"", "give a prefix for the attached names");
     MjcfScope inner = inside(scope, {});
     inner.prefix = scope.prefix + prefix;
     if (at.Attribute("model")) inner.model = &library_.attached(at, *scope.model, at.Attribute("model"));
@@ -114,7 +115,7 @@ void MjcfCollector::attach(const XMLElement& at, const MjcfScope& scope, MjcfPar
         collect(frame, inside(inner, mjcf_pose(xml_, frame, inner.model->compiler)), parts);
     } else {
         if (!at.Attribute("model"))
-            xml_.fail(at, "has neither a model, nor a body or frame of this one", "give one of them");
+            xml_.fail(at, "has no model, and no body or frame of this model", "give one of them");
         for (const XMLElement* world = root.FirstChildElement("worldbody"); world;
              world = world->NextSiblingElement("worldbody"))
             collect(*world, inner, parts);

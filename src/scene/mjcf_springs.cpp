@@ -171,7 +171,7 @@ void compute_springdampers(const RobotXml& xml, const Robot& robot, const std::v
                     : joint.motion == RobotMotion::fixed     ? 0
                                                              : 1;
     if (freedoms > most_freedoms)
-        xml.fail(*springs.front().at, fmt::format("has a springdamper in a robot of {} degrees of freedom", freedoms),
+        xml.fail(*springs.front().at, fmt::format("has a springdamper in a robot with {} degrees of freedom", freedoms),
                  "give stiffness and damping as numbers");
     const TreeInertia inertia(robot, armature);
     for (MjcfSpringDamper& one : springs) {

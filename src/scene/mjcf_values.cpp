@@ -10,7 +10,8 @@ namespace {
 
 Vector3<Wide> unit_vector(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v) {
     const Wide length = square_root(dot(v, v));
-    if (!(length > Wide(1e-100))) xml.fail(at, fmt::format("has no direction in {}", what), "give a direction");
+    if (!(length > Wide(1e-100)))
+        xml.fail(at, fmt::format("has a vector of length zero in {}", what), "give a direction");
     return (Wide(1) / length) * v;
 }
 

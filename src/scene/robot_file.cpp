@@ -39,7 +39,8 @@ MadeOf parse_robot_body(std::string_view text, const std::string& path, const st
     if (!(properties.mass > 0)) fail("has no mass", "choose a link with a mass > 0");
     const InertiaRepair repair = repair_inertia(properties.inertia);
     if (repair.excess > 0 && !repair.is_small && !balance_inertia)
-        fail(repair.description(), "correct the tensor, or accept the smallest change by \"balance_inertia\": true");
+        fail(repair.description(),
+             "correct the tensor, or permit the smallest correction by \"balance_inertia\": true");
     if (auto* body = std::get_if<ImportedBody>(&inertial); body && repair.excess == 0) {
         body->hash = content_hash(text);
         return *body;

@@ -12,7 +12,8 @@ namespace polhode {
 
 void RobotFiles::require_files(const std::string& name) const {
     if (file_.empty())
-        throw InputError(name, "", "is named in a robot description given as text", "read the description from a file");
+        throw InputError(name, "", "is referenced by a robot description given as text",
+                         "read the description from a file");
 }
 
 std::string RobotFiles::path(const std::string& name) const {

@@ -33,7 +33,7 @@ void parse_start(const JsonNode& node, Scene& scene) {
     NamedBody* body = free_body(scene, node.key());
     for (Joint& joint : scene.joints) {
         if (joint.name != node.key()) continue;
-        if (body) node.fail("is both a joint and a free body", "give one of them another name in the robot's file");
+        if (body) node.fail("is both a joint and a free body", "rename one of them in the robot's file");
         return parse_joint_start(node, joint);
     }
     if (body) {

@@ -50,14 +50,14 @@ const XMLElement& named_element(const RobotXml& xml, const XMLElement& root, con
     }
     if (found.size() > 1)
         xml.fail(*found[1], fmt::format("is a second {} \"{}\"", tag, one_line(name, 60)),
-                 "give \"model::link\", or a different name to each");
+                 "give \"model::link\", or rename one of them");
     return *found.front();
 }
 
 void RobotNames::add(const XMLElement& at, const std::string& name, std::size_t index) {
     if (!index_.emplace(name, index).second)
         xml_.fail(at, fmt::format("is a second {} \"{}\"", what_, one_line(name, 60)),
-                  fmt::format("give each {} a name of its own", what_));
+                  fmt::format("give each {} a unique name", what_));
 }
 
 std::size_t RobotNames::find(const XMLElement& at, const std::string& name) const {
@@ -66,7 +66,7 @@ std::size_t RobotNames::find(const XMLElement& at, const std::string& name) cons
     std::vector<std::string> known;
     for (const auto& [one, index] : index_) known.push_back(one);
     const std::string meant = did_you_mean(name, known);
-    xml_.fail(at, fmt::format("names \"{}\", which is no {}", one_line(name, 60), what_),
+    xml_.fail(at, fmt::format("refers to \"{}\", which is not a {}", one_line(name, 60), what_),
               !meant.empty() ? meant : "give one of " + listed(known));
 }
 
@@ -75,12 +75,13 @@ namespace {
 // Refuses files that still contain xacro macros.
 void refuse_xacro(const RobotXml& xml, const XMLElement& at) {
     const char* remedy = "expand the file with xacro first: xacro FILE > robot.urdf";
-    if (std::string_view(at.Name()).starts_with("xacro:")) xml.fail(at, "is a macro of xacro", remedy);
+    if (std::string_view(at.Name()).starts_with("xacro:")) xml.fail(at, "is an xacro macro", remedy);
     for (const tinyxml2::XMLAttribute* a = at.FirstAttribute(); a; a = a->Next())
         if (const std::string_view value = a->Value(); value.find("${") != value.npos || value.find("$(") != value.npos)
-            xml.fail(at,
-                     fmt::format("has the expression \"{}\" in {}", one_line(a->Value(), 40), one_line(a->Name(), 40)),
-                     remedy);
+            xml.fail(
+                at,
+                fmt::format("has the xacro expression \"{}\" in {}", one_line(a->Value(), 40), one_line(a->Name(), 40)),
+                remedy);
     for (const XMLElement* one = at.FirstChildElement(); one; one = one->NextSiblingElement()) refuse_xacro(xml, *one);
 }
 
@@ -94,7 +95,7 @@ Robot parse_robot(std::string_view text, const std::string& path, const RobotOpt
     XMLElement& root = *document.RootElement();
     const std::string_view kind = root.Name();
     if (!options.model.empty() && kind != "sdf")
-        throw InputError(path, "", "is not an SDFormat file, which alone has models to choose from",
+        throw InputError(path, "", "is not an SDFormat file: only SDFormat files have a choice of models",
                          "remove \"model\" from the import");
     if (kind == "robot") {
         refuse_xacro(xml, root);

@@ -48,8 +48,8 @@ class RobotMerger {
         for (std::size_t k = 0; k < order.size(); ++k)
             for (const std::size_t j : children_[order[k]]) order.push_back(robot_.joints[j].child);
         if (order.size() < robot_.links.size())
-            throw InputError(path_, "", "has joints that form a circle",
-                             "a robot is a tree: close chains by \"loops\" in the scene");
+            throw InputError(path_, "", "has joints that form a cycle",
+                             "joints must form a tree: close chains by \"loops\" in the scene");
         for (std::size_t k = order.size(); k-- > 0;) pass_on_tensor(order[k]);
         for (std::size_t k = order.size(); k-- > 0;)
             if (!robot_.links[order[k]].mass) merge_link(order[k]);
@@ -64,7 +64,7 @@ class RobotMerger {
         for (std::size_t i = 0; i < robot_.links.size(); ++i)
             if (!gone_[i]) build_link(i, scene);
         if (scene.bodies.empty())
-            throw InputError(path_, "", "has no link with a mass", "give a robot whose links have an <inertial>");
+            throw InputError(path_, "", "has no link with a mass", "give at least one link an <inertial>");
         require_motion();
         for (const Robot::FreeDamping& damping : robot_.free_damping) add_drag(damping, scene);
         if (robot_.gravity_W && !options_.scene_has_gravity) {
@@ -73,9 +73,9 @@ class RobotMerger {
             scene.assumed.push_back(fmt::format("gravity ({}, {}, {}) m/s^2: {}", shortest_decimal(g[0]),
                                                 shortest_decimal(g[1]), shortest_decimal(g[2]), robot_.gravity_source));
         } else if (robot_.gravity_W) {
-            scene.assumed.push_back(fmt::format("gravity: the scene's load, in place of {}", robot_.gravity_source));
+            scene.assumed.push_back(fmt::format("gravity: the scene's load, instead of {}", robot_.gravity_source));
         } else if (!options_.scene_has_gravity) {
-            scene.assumed.push_back("gravity: none; the file does not state it, and the scene has no such load");
+            scene.assumed.push_back("gravity: none; neither the file nor the scene defines it");
         }
         for (const auto& [what, names] : robot_.assumed) scene.assumed.push_back(phrase(what, names));
         for (const auto& [what, names] : robot_.omitted) scene.omitted.push_back(phrase(what, names));
@@ -211,7 +211,7 @@ class RobotMerger {
         joint.stiffness[1] = second.stiffness[0], joint.rest[1] = second.rest[0], joint.damping[1] = second.damping[0];
         joint.child = c, carrier_[c] = carrier_[i];
         children_[i].clear();
-        note_assumed("hinges that are one universal joint", joint.name);
+        note_assumed("pairs of hinges converted to one universal joint", joint.name);
     }
 
     // Adds the tensor of a link with mass 0 to a link that is fixed to it.
@@ -232,7 +232,7 @@ class RobotMerger {
         } else {
             return note("inertia tensors of links with mass 0", link.name);
         }
-        note_assumed("inertia tensors of links with mass 0, added to the links that they are fixed to", link.name);
+        note_assumed("inertia tensors of links with mass 0, added to the links they are fixed to", link.name);
     }
 
     bool has_impossible_tensor(std::size_t i) const {
@@ -248,18 +248,17 @@ class RobotMerger {
             gone_[i] = true;
             if (joint.parent == RobotJoint::world) {
                 link.mass.reset();
-                merge_up(i, joint, "links fixed to the world whose tensor is not possible, without effect");
+                merge_up(i, joint, "links fixed to the world with an impossible inertia tensor, which has no effect");
                 return;
             }
             add_mass(joint.parent, *link.mass, joint.placement);
-            return merge_up(i, joint, "links merged with their parents, because their own tensor is not possible");
+            return merge_up(i, joint, "links with an impossible inertia tensor, merged with their parents");
         }
         for (const std::size_t j : children_[i]) {
             if (robot_.joints[j].motion != RobotMotion::fixed) continue;
             gone_[i] = true;
             add_mass(robot_.joints[j].child, *link.mass, inverse(robot_.joints[j].placement));
-            return merge_down(i, joint_of(i), j,
-                              "links merged with their children, because their own tensor is not possible");
+            return merge_down(i, joint_of(i), j, "links with an impossible inertia tensor, merged with their children");
         }
     }
 
@@ -277,9 +276,9 @@ class RobotMerger {
         if (repair.excess == 0) return;
         if (!repair.is_small && !options_.balance_inertia)
             fail(link.place, fmt::format("link \"{}\" {}", one_line(link.name, 60), repair.description()),
-                 "correct the tensor, or accept the smallest change by \"balance_inertia\": true");
+                 "correct the tensor, or permit the smallest correction by \"balance_inertia\": true");
         link.mass->inertia = repair.inertia;
-        robot_.assumed["inertia tensors repaired by the smallest change of the principal moments"].push_back(
+        robot_.assumed["inertia tensors corrected by the smallest change of the principal moments"].push_back(
             fmt::format("{} (excess {:.3g} of the largest moment {:.6g} kg m^2, largest change {:.3g} kg m^2)",
                         one_line(link.name, 60), repair.excess, repair.largest, repair.change));
     }
@@ -293,8 +292,8 @@ class RobotMerger {
             if (!first) first = &robot_.links[i];
         }
         const std::string name = one_line(first->name, 60);
-        fail(first->place, fmt::format("nothing moves: \"{}\" and all other links are fixed to the world", name),
-             "free the robot by \"base\": \"free\" in the import, or give it a joint that moves");
+        fail(first->place, fmt::format("cannot move: \"{}\" and all other links are fixed to the world", name),
+             "free the robot by \"base\": \"free\" in the import, or add a movable joint");
     }
 
     // A drag load acts at the centre of mass; damping of a free joint acts at the origin of its link.
@@ -344,8 +343,8 @@ class RobotMerger {
             const std::optional<RobotPose> place = free_place(joint);
             if (!place)
                 fail(joint.place,
-                     fmt::format("joint \"{}\" frees a link from one that moves", one_line(joint.name, 60)),
-                     "make the world its parent, or a link that is fixed to the world");
+                     fmt::format("joint \"{}\" is a free joint below a moving link", one_line(joint.name, 60)),
+                     "make its parent the world or a link that is fixed to the world");
             one.initial.orientation = round_to_double(place->turn);
             one.initial.position_W = round_to_double(*place * link.mass->center);
         } else {
@@ -388,7 +387,7 @@ class RobotMerger {
             if (!name.empty() && listed_names.size() < most &&
                 std::find(listed_names.begin(), listed_names.end(), name) == listed_names.end())
                 listed_names.push_back(one_line(name, 200));
-        if (names.size() > most) listed_names.push_back(fmt::format("{} in all", names.size()));
+        if (names.size() > most) listed_names.push_back(fmt::format("{} in total", names.size()));
         return listed_names.empty() ? what : what + ": " + listed(listed_names);
     }
 

@@ -33,8 +33,8 @@ std::string RobotXml::place_of(const XMLElement& at) const {
 
 const XMLElement& RobotXml::child(const XMLElement& of, const char* name) const {
     const XMLElement* one = of.FirstChildElement(name);
-    if (!one) fail(of, fmt::format("has no <{}>", name), "give it: there is no default");
-    if (const XMLElement* second = one->NextSiblingElement(name)) fail(*second, "stands there twice", "give one");
+    if (!one) fail(of, fmt::format("has no <{}>", name), "add it: it has no default");
+    if (const XMLElement* second = one->NextSiblingElement(name)) fail(*second, "is given twice", "give it once");
     return *one;
 }
 
@@ -74,7 +74,7 @@ std::vector<double> RobotXml::numbers(const XMLElement& at, const char* what, st
 
 std::vector<double> RobotXml::attribute(const XMLElement& at, const char* name, std::size_t n) const {
     const char* text = at.Attribute(name);
-    if (!text) fail(at, fmt::format("has no \"{}\"", name), "give it: there is no default");
+    if (!text) fail(at, fmt::format("has no \"{}\"", name), "add it: it has no default");
     return numbers(at, name, text, n, n);
 }
 
@@ -110,7 +110,8 @@ Matrix3<double> RobotXml::tensor(const std::vector<double>& v) {
 
 RobotTurn RobotXml::turn_by(const XMLElement& at, const Quaternion<double>& q) const {
     const double length = norm(q);
-    if (!(length > 1e-100 && length < 1e100)) fail(at, "has a quaternion without direction", "give one of length 1");
+    if (!(length > 1e-100 && length < 1e100))
+        fail(at, "has a quaternion of length zero or beyond 1e100", "give a unit quaternion");
     return q;
 }
 
@@ -138,7 +139,7 @@ const XMLElement& parse_robot_xml(tinyxml2::XMLDocument& document, std::string_v
                          fmt::format("is not XML: {}", tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID())),
                          "give a URDF, MJCF or SDFormat file");
     const XMLElement* root = document.RootElement();
-    if (!root) throw InputError(path, "", "has no element", "give a URDF, MJCF or SDFormat file");
+    if (!root) throw InputError(path, "", "has no root element", "give a URDF, MJCF or SDFormat file");
     return *root;
 }
 

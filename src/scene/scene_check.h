@@ -33,7 +33,7 @@ class SceneCheck {
         finite(place, value);
         if (!(value > 0)) fail(place, "is " + shortest_decimal(value), fmt::format("{} must be > 0", what));
         if (!std::isfinite(1 / value))
-            fail(place, "is " + shortest_decimal(value), fmt::format("{} needs a finite inverse: >= 1e-307", what));
+            fail(place, "is " + shortest_decimal(value), fmt::format("{} must have a finite inverse: >= 1e-307", what));
     }
     void not_negative(const std::string& place, double value, const char* what) const {
         finite(place, value);
@@ -49,32 +49,32 @@ class SceneCheck {
     void direction(const std::string& place, const Vector3<double>& v) const {
         finite(place, v);
         const Wide length = square_root(dot(cast<Wide>(v), cast<Wide>(v)));
-        if (!(length > 0)) fail(place, "is zero", "give a direction: a vector of any length but zero");
+        if (!(length > 0)) fail(place, "is zero", "give a direction: a vector of nonzero length");
         if (!std::isfinite(double(1 / length)))
-            fail(place, "is too short", "a direction needs a length with a finite inverse: >= 1e-307");
+            fail(place, "is too short", "the length of a direction must have a finite inverse: >= 1e-307");
     }
     void count(const std::string& place, std::size_t count, std::size_t most, const char* what) const {
-        if (count > most) fail(place, fmt::format("has {} {}", count, what), fmt::format("give {} at the most", most));
+        if (count > most) fail(place, fmt::format("has {} {}", count, what), fmt::format("give at most {}", most));
     }
     /// Checks a name that appears in tables. A spreadsheet interprets text with these first characters as a formula.
     void name(const std::string& place, const std::string& value) const {
         if (value.size() > longest_scene_name)
-            fail(place, fmt::format("is a name of {} bytes", value.size()),
-                 fmt::format("give {} at the most", longest_scene_name));
+            fail(place, fmt::format("has {} bytes", value.size()),
+                 fmt::format("a name has at most {} bytes", longest_scene_name));
         if (value.find_first_of("=+-@") == 0)
             fail(place, fmt::format("begins with \"{}\"", value[0]),
-                 "give a name that no spreadsheet takes for a formula");
+                 "use a name that a spreadsheet does not interpret as a formula");
     }
     /// Checks a text that is shown to readers.
     void shown(const std::string& place, const std::string& value) const {
         text(place, value);
         if (value.size() > longest_about)
-            fail(place, fmt::format("has {} bytes", value.size()), fmt::format("give {} at the most", longest_about));
+            fail(place, fmt::format("has {} bytes", value.size()), fmt::format("give at most {} bytes", longest_about));
         if (first_unprintable(value) != std::string::npos)
-            fail(place, "holds control characters", "give printable characters and ends of lines");
+            fail(place, "contains control characters", "use printable characters and line breaks");
     }
     void text(const std::string& place, const std::string& value) const {
-        if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "give UTF-8");
+        if (first_invalid_utf8(value) != std::string::npos) fail(place, "is not UTF-8", "encode it as UTF-8");
     }
 
   private:

@@ -24,7 +24,7 @@ Plane plane(const JsonNode& node) {
     Plane p;
     p.normal_W = vector3(node.required("normal", "[x, y, z], world axes, towards the body"));
     if (const JsonNode* offset = node.find("offset")) p.offset = offset->number();
-    p.restitution = node.required("restitution", "how much of the normal speed an impact gives back, 0 to 1").number();
+    p.restitution = node.required("restitution", "the coefficient of restitution, 0 to 1").number();
     if (const JsonNode* friction = node.find("friction")) p.friction = friction->number();
     return p;
 }
@@ -36,13 +36,14 @@ bool has_several(const JsonNode& root) {
         if (const JsonNode* one = root.find(key); one && !several) several = one;
     for (const char* key : {"body", "initial", "pivot"})
         if (const JsonNode* one = root.find(key); one && several)
-            one->fail(fmt::format("stands beside \"{}\"", several->key()),
-                      "give \"body\", \"initial\" and \"pivot\" of one body, or \"bodies\", \"joints\" and \"loops\" "
-                      "of several");
+            one->fail(fmt::format("is given together with \"{}\"", several->key()),
+                      "give \"body\", \"initial\" and \"pivot\" for one body, or \"bodies\", \"joints\" and \"loops\" "
+                      "for several");
     if (root.find("import"))
         for (const char* key : {"bodies", "joints"})
             if (const JsonNode* one = root.find(key))
-                one->fail("stands beside \"import\"", "leave it out: the robot's file says what it is made of");
+                one->fail("is given together with \"import\"",
+                          "remove it: the robot's file defines the bodies and joints");
     return several;
 }
 
@@ -69,7 +70,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* tolerated = root.find("tolerated")) {
         tolerated->only(keys_of(scene_keys(), "tolerated"));
         for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();
-        if (s.tolerated.empty()) tolerated->fail("is empty", "{\"attitude\": 1e-3}, or no tolerated at all");
+        if (s.tolerated.empty())
+            tolerated->fail("is empty", "give limits such as {\"attitude\": 1e-3}, or remove \"tolerated\"");
     }
     return s;
 }

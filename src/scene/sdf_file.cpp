@@ -106,7 +106,7 @@ class SdfReader {
         }
         if (prefix_.empty() && moving.size() == 1) prefix_ = tree_.entities()[*moving.begin()].name + "::";
         for (const std::string& name : still_)
-            robot_.assumed["static models, which are part of the world"].push_back(name);
+            robot_.assumed["static models, treated as part of the world"].push_back(name);
     }
 
     std::string written(const std::string& name) const {
@@ -117,13 +117,13 @@ class SdfReader {
         const SdfEntity& entity = tree_.entities()[index];
         if (entity.kind != SdfKind::link) return;
         if (entity.at->FirstChildElement("collision"))
-            robot_.omitted["shapes for contact of links"].push_back(written(entity.name));
+            robot_.omitted["contact shapes of links"].push_back(written(entity.name));
         if (is_static(entity) || !tree_.is_within(index, chosen_)) return;
         RobotLink link;
         link.name = written(entity.name), link.place = xml_.place_of(*entity.at);
         link.mass = mass_of(inertial_of(xml_, tree_, index, link.name, robot_.assumed));
         if (link.mass->mass == 0) {
-            robot_.assumed["links of mass 0, read as links without <inertia>"].push_back(link.name);
+            robot_.assumed["links of mass 0, whose inertia tensors are ignored"].push_back(link.name);
             link.mass.reset();
         }
         link_index_[index] = robot_.links.size();
@@ -133,8 +133,8 @@ class SdfReader {
 
     [[noreturn]] void fail_without_links() const {
         const bool has_static = !still_.empty();
-        xml_.fail(tree_.top(), has_static ? "has no <model> that moves: all are static" : "has no <model> with a link",
-                  has_static ? "remove <static> from one" : "give a model with a link");
+        xml_.fail(tree_.top(), has_static ? "has no movable <model>: all are static" : "has no <model> with a link",
+                  has_static ? "remove <static> from one of them" : "give a model with a link");
     }
 
     // The link that a joint's <parent> or <child> names, directly or by a frame or a model; or the world.
@@ -144,7 +144,7 @@ class SdfReader {
         if (name == "world") {
             if (std::string_view(tag) == "child")
                 xml_.fail(at, fmt::format("of joint \"{}\" is the world", name_or(*joint.at, "")),
-                          "exchange parent and child");
+                          "swap parent and child");
             return SdfTree::world;
         }
         return tree_.link_of(tree_.find(at, name, joint.scope), at);
@@ -157,12 +157,12 @@ class SdfReader {
         const std::string name = unique_name(written(entity.name));
         if (parent == child && parent == SdfTree::world) return;  // inside a static model
         if (parent == child)
-            xml_.fail(*entity.at, fmt::format("joint \"{}\" has one link as parent and child", one_line(name, 60)),
-                      "give two links");
+            xml_.fail(*entity.at, fmt::format("joint \"{}\" has the same link as parent and child", one_line(name, 60)),
+                      "give two different links");
         if (!is_taken(parent) || !is_taken(child)) {
             const bool touches =
                 (parent != SdfTree::world && is_taken(parent)) || (child != SdfTree::world && is_taken(child));
-            if (touches) robot_.omitted["joints to models that are not taken"].push_back(name);
+            if (touches) robot_.omitted["joints to models that are not imported"].push_back(name);
             return;
         }
         SdfJoint one{entity.at, read_sdf_joint(xml_, tree_, entity, name, parent, child, robot_)};
@@ -234,7 +234,7 @@ LinkInertial inertial_in(const RobotXml& xml, SdfTree& tree, const std::string& 
     }
     if (found.size() > 1)
         xml.fail(*tree.entities()[found[1]].at, fmt::format("is a second link \"{}\"", one_line(link, 60)),
-                 "give \"model::link\", or a different name to each");
+                 "give \"model::link\", or rename one of them");
     RobotNotes assumed;
     LinkInertial inertial = inertial_of(xml, tree, found[0], link, assumed);
     // the link is from an included file, so its numbers are not those of the file that the scene names

@@ -72,16 +72,16 @@ std::string find_sdf_include(const RobotXml& xml, const XMLElement& at, const st
         std::string found = is_folder(one) ? model_in(one, files) : files.has(one) ? one : "";
         if (!found.empty()) return found;
     }
-    xml.fail(at, fmt::format("is \"{}\", and there is no such model", one_line(uri, 80)),
+    xml.fail(at, fmt::format("is \"{}\", but no such model was found", one_line(uri, 80)),
              is_folder(name)
-                 ? "give a folder with a model.config or model.sdf, inside the scene's folder unless outside "
-                   "files are allowed"
+                 ? "give a folder with a model.config or model.sdf inside the scene's folder, or allow outside "
+                   "files"
                  : "give a file inside the scene's folder, or allow outside files");
 }
 
 std::optional<SdfTree::Included> SdfTree::read_include(const XMLElement& at, std::size_t scope) {
     if (documents_.size() >= most_includes)
-        xml_.fail(at, fmt::format("is beyond {} included files", most_includes), "include fewer models");
+        xml_.fail(at, fmt::format("exceeds the limit of {} included files", most_includes), "include fewer models");
     const XMLElement& uri = xml_.child(at, "uri");
     const RobotFiles& files = scopes_[scope].files;
     const std::string wanted = sdf_child_text(xml_, at, "uri", "the path of a model");
@@ -94,13 +94,13 @@ std::optional<SdfTree::Included> SdfTree::read_include(const XMLElement& at, std
         const XMLElement* first = around.FirstChildElement("include");
         const bool is_alone = !around.FirstChildElement("model") && first == &at && !at.NextSiblingElement("include");
         if (std::string_view(around.Name()) != "world" || is_alone) throw;
-        omitted_["included models of the world that are not there"].push_back(one_line(wanted, 80));
+        omitted_["included models of the world that were not found"].push_back(one_line(wanted, 80));
         return {};
     }
     const std::string text = files.text(name), path = files.path(name);
     included_bytes_ += text.size();
     if (included_bytes_ > most_included_bytes)
-        xml_.fail(at, fmt::format("brings the included files to more than {} bytes", most_included_bytes),
+        xml_.fail(at, fmt::format("makes the included files exceed {} bytes in total", most_included_bytes),
                   "include fewer models");
     documents_.emplace_back();
     tinyxml2::XMLDocument& document = documents_.back();
@@ -108,16 +108,16 @@ std::optional<SdfTree::Included> SdfTree::read_include(const XMLElement& at, std
     XMLElement& root = *document.RootElement();
     set_origin(root, path, origins_);
     if (std::string_view(root.Name()) != "sdf")
-        xml_.fail(root, "is included and is not SDFormat", "convert it to SDFormat, for example by gz sdf -p");
+        xml_.fail(root, "is included, but is not SDFormat", "convert it to SDFormat, for example by gz sdf -p");
     Included included;
     included.version = sdf_version(xml_, root, assumed_), included.files = files.relative_to(name);
     included.model = root.FirstChildElement("model");
     if (!included.model) {
         if (root.FirstChildElement("light") || root.FirstChildElement("actor")) return {};
-        xml_.fail(root, "is included and has no <model>", "include a file with one model");
+        xml_.fail(root, "is included, but has no <model>", "include a file with one model");
     }
     if (const XMLElement* second = included.model->NextSiblingElement("model"))
-        xml_.fail(*second, "is a second model of an included file", "include a file with one model");
+        xml_.fail(*second, "is a second model in an included file", "include a file with one model");
     survey_robot(xml_, root, sdf_constructs(), omitted_);
     return included;
 }

@@ -41,8 +41,8 @@ Extent<Wide> scaled(const Extent<Wide>& e, const Vector3<double>& by) {
 
 Extent<Wide> mesh_solid(const RobotXml& xml, const XMLElement& mesh, const RobotFiles& files) {
     if (const XMLElement* submesh = mesh.FirstChildElement("submesh"))
-        xml.fail(*submesh, "takes a part of a mesh, whose inertia is not computed",
-                 "give the part as a file of its own, or the numbers in <inertial>");
+        xml.fail(*submesh, "selects a part of a mesh, whose inertia is not computed",
+                 "give the part as a separate file, or the numbers in <inertial>");
     Vector3<double> scale(1, 1, 1);
     if (const XMLElement* at = xml.optional_child(mesh, "scale")) {
         scale = three_of(xml.content(*at, 3));
@@ -62,8 +62,8 @@ Extent<Wide> mesh_solid(const RobotXml& xml, const XMLElement& mesh, const Robot
     try {
         return scaled(mesh_extent<Wide>(files.mesh(uri)), scale);
     } catch (const InputError& error) {
-        xml.fail(mesh, fmt::format("has a mesh that cannot be read: {}", error.what()),
-                 "give a mesh that can be read, or the numbers in <inertial>");
+        xml.fail(mesh, fmt::format("refers to a mesh that cannot be read: {}", error.what()),
+                 "correct the mesh, or give the numbers in <inertial>");
     }
 }
 
@@ -123,7 +123,7 @@ MassProperties<Wide> sdf_computed_inertial(const RobotXml& xml, const XMLElement
                                            const std::vector<SdfSolid>& solids, RobotNotes& assumed) {
     const XMLElement& inertial = xml.child(link, "inertial");
     if (solids.empty())
-        xml.fail(inertial, fmt::format("is automatic, and link \"{}\" has no <collision>", one_line(name, 60)),
+        xml.fail(inertial, fmt::format("has auto=\"true\", but link \"{}\" has no <collision>", one_line(name, 60)),
                  "give the link a collision, or the numbers in <inertial>");
     const XMLElement* mass = xml.optional_child(inertial, "mass");
     const bool has_density = inertial.FirstChildElement("density");

@@ -36,12 +36,11 @@ const SdfJointType& type_of(const RobotXml& xml, const XMLElement& at, const std
     const std::string fault = fmt::format("joint \"{}\" has the type \"{}\"", one_line(name, 60), one_line(type, 40));
     if (type == "revolute2")
         xml.fail(at, fault + ", which is not supported",
-                 "give a universal joint if its axes are perpendicular, else two revolute joints with a link of some "
+                 "give a universal joint if its axes are perpendicular, else two revolute joints with a link with "
                  "mass between");
     if (type == "screw" || type == "gearbox")
         xml.fail(at, fault + ", which is not supported",
-                 type == "screw" ? "lock it (fixed), or give a revolute or a prismatic joint"
-                                 : "give revolute joints without the gear");
+                 type == "screw" ? "use a fixed, revolute or prismatic joint" : "use revolute joints without the gear");
     xml.fail(at, fault, fmt::format("give {}", known_types));
 }
 
@@ -163,8 +162,8 @@ class SdfForest {
                 const bool is_reversed = node(joint.parent) != open.front();
                 if (is_reversed) {
                     joint = reversed(joint);
-                    robot_.assumed["joints with parent and child exchanged, so that each link has one parent"]
-                        .push_back(joint.name);
+                    robot_.assumed["joints with parent and child swapped, so that each link has one parent"].push_back(
+                        joint.name);
                 }
                 const std::size_t child = node(joint.child);
                 if (visited_[child]) fail_at_loop(j, open.front(), child);
@@ -180,7 +179,7 @@ class SdfForest {
             *joints_[j].at,
             fmt::format("joint \"{}\" closes a loop: joint \"{}\" already connects {}",
                         one_line(joints_[j].joint.name, 60), one_line(joints_[other].joint.name, 60), name_of(held)),
-            "a robot is a tree: remove one of the joints, and close the chain by \"loops\" in the scene");
+            "joints must form a tree: remove one of the joints, and close the chain by \"loops\" in the scene");
     }
 
     const RobotXml& xml_;

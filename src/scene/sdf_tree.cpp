@@ -41,12 +41,13 @@ SdfTree::SdfTree(const RobotXml& xml, const XMLElement& root, bool read_includes
     add_contents(*top_, world);
     if (top_ == &root) return;
     for (const XMLElement* at = root.FirstChildElement("model"); at; at = at->NextSiblingElement("model"))
-        omitted_["models beside the world"].push_back(name_or(*at, ""));
+        omitted_["models outside the world"].push_back(name_or(*at, ""));
 }
 
 std::size_t SdfTree::add_entity(SdfKind kind, const XMLElement& at, std::size_t scope, bool has_key) {
     if (entities_.size() >= most_entities)
-        xml_.fail(at, fmt::format("is beyond {} links, joints and frames", most_entities), "give a smaller file");
+        xml_.fail(at, fmt::format("exceeds the limit of {} links, joints and frames", most_entities),
+                  "give a smaller file");
     SdfEntity entity;
     entity.kind = kind, entity.at = &at, entity.scope = scope;
     const std::string name = xml_.name(at, "name", "its name");
@@ -57,7 +58,7 @@ std::size_t SdfTree::add_entity(SdfKind kind, const XMLElement& at, std::size_t 
         const SdfEntity& other = entities_[names_.at(entity.name)];
         if (scopes_[scope].version >= 7 || other.kind == kind)
             xml_.fail(at, fmt::format("is a second \"{}\"", one_line(entity.name, 60)),
-                      fmt::format("the first is at {}; give links, joints, frames and models each a name of their own",
+                      fmt::format("the first is at {}; give links, joints, frames and models unique names",
                                   xml_.place_of(*other.at)));
     }
     entities_.push_back(entity);
@@ -71,8 +72,8 @@ void SdfTree::add_contents(const XMLElement& of, std::size_t scope) {
     };
     for (const XMLElement* at = of.FirstChildElement(); at; at = at->NextSiblingElement()) {
         if (is_joint_of_another_format(at->Name()))
-            xml_.fail(*at, fmt::format("\"{}\" is a joint of an extension of SDFormat", name_or(*at, "")),
-                      "give a joint of SDFormat, or delete it and add it to the scene");
+            xml_.fail(*at, fmt::format("\"{}\" is a joint type that is not part of SDFormat", name_or(*at, "")),
+                      "use a joint type of SDFormat, or remove it and add the joint to the scene");
         const std::string_view tag = at->Name();
         if (tag == "link" && scope == world) continue;  // not allowed in a world; the table of constructs reports it
         if (tag == "link") scopes_[scope].links.push_back(add_entity(SdfKind::link, *at, scope));
@@ -99,7 +100,7 @@ void SdfTree::add_model(const XMLElement& at, std::size_t scope, SdfKind kind, c
         entity.name = scopes_[scope].prefix + new_name;
         if (kind == SdfKind::model && !names_.emplace(entity.name, index).second)
             xml_.fail(*name_at, fmt::format("is a second \"{}\"", one_line(entity.name, 60)),
-                      "give each included model a name of its own");
+                      "give each included model a unique name");
         entities_.push_back(entity);
     }
     SdfScope own;
@@ -125,10 +126,11 @@ void SdfTree::add_model(const XMLElement& at, std::size_t scope, SdfKind kind, c
 void SdfTree::add_include(const XMLElement& at, std::size_t scope, bool is_merged) {
     if (!read_includes_) throw SdfNeedsInclude();
     if (is_merged && scope == world)
-        xml_.fail(at, "merges a file into the world", "include its models one by one, without \"merge\"");
+        xml_.fail(at, "merges an included file into the world", "include its models one by one, without \"merge\"");
     constexpr int deepest = 16;
     if (include_depth_ >= deepest)
-        xml_.fail(at, fmt::format("is nested more than {} files deep", deepest), "does a file include itself?");
+        xml_.fail(at, fmt::format("is nested more than {} files deep", deepest),
+                  "check whether a file includes itself");
     ++include_depth_;
     if (const std::optional<Included> from = read_include(at, scope))
         add_model(*from->model, scope, is_merged ? SdfKind::merged : SdfKind::model, &*from, &at);
@@ -155,7 +157,7 @@ std::size_t SdfTree::find(const XMLElement& at, const std::string& name, std::si
     const std::string meant = did_you_mean(name, known);
     const std::string where =
         scope == world ? "the world" : fmt::format("the model \"{}\"", name_or(*entities_[here.frame].at, ""));
-    xml_.fail(at, fmt::format("names \"{}\", which is nothing in {}", one_line(name, 60), one_line(where, 80)),
+    xml_.fail(at, fmt::format("refers to \"{}\", which does not exist in {}", one_line(name, 60), one_line(where, 80)),
               meant.empty() ? "give a link, a joint, a frame or a model" : meant);
 }
 
@@ -174,7 +176,7 @@ void SdfTree::place(SdfEntity& entity) {
     if (entity.state == SdfEntity::State::known) return;
     if (entity.state == SdfEntity::State::sought || ++placing_depth_ > deepest_frames)
         xml_.fail(*entity.at, fmt::format("\"{}\" is placed relative to itself", one_line(entity.name, 60)),
-                  "give a pose relative to a frame that is placed");
+                  "give a pose relative to a frame that does not depend on it");
     entity.state = SdfEntity::State::sought;
     const int version = scopes_[entity.scope].version;
     if (entity.kind == SdfKind::model || entity.kind == SdfKind::merged) {
@@ -205,7 +207,7 @@ RobotPose SdfTree::place_model(const SdfEntity& entity) {
         const XMLElement* other = xml_.optional_child(*entity.include, "pose");
         if (const XMLElement* placed = xml_.optional_child(*entity.include, "placement_frame")) {
             if (!other)
-                xml_.fail(*placed, "stands in an <include> without a <pose>", "give the pose of the placement frame");
+                xml_.fail(*placed, "is given in an <include> without a <pose>", "give the pose of the placement frame");
             frame = sdf_text(*placed);
         }
         if (other) {
@@ -248,7 +250,7 @@ std::size_t SdfTree::link_of(std::size_t index, const XMLElement& at, int depth)
     }
     if (!own.links.empty()) return own.links.front();
     if (!own.models.empty()) return link_of(own.models.front(), at, depth + 1);
-    xml_.fail(at, fmt::format("names the model \"{}\", which has no link", one_line(entity.name, 60)),
+    xml_.fail(at, fmt::format("refers to the model \"{}\", which has no link", one_line(entity.name, 60)),
               "give a model with a link");
 }
 

@@ -23,7 +23,7 @@ bool is_flag(const RobotXml& xml, const XMLElement& at, std::string text, const 
 int sdf_version(const RobotXml& xml, const XMLElement& root, RobotNotes& assumed) {
     const char* given = root.Attribute("version");
     if (!given || !*given) {
-        assumed["SDFormat version, which a file does not state"].push_back(fmt::format("1.{}", newest_sdf_version));
+        assumed["SDFormat version, missing in the file"].push_back(fmt::format("1.{}", newest_sdf_version));
         return newest_sdf_version;
     }
     for (int minor = oldest_sdf_version; minor <= newest_sdf_version; ++minor)

@@ -24,7 +24,7 @@ RobotMotion urdf_motion(const RobotXml& xml, const XMLElement& joint) {
         if (type == one.name) return one.motion;
     if (type == "planar")
         xml.fail(joint, fmt::format("joint \"{}\" is a planar joint", name_or(joint, "")),
-                 "give two prismatic joints and a revolute joint, with links between them that may have no mass");
+                 "use two prismatic joints and a revolute joint; the links between them may have no mass");
     xml.fail(joint, fmt::format("has the type \"{}\"", one_line(type, 40)),
              "give revolute, continuous, prismatic, fixed or floating");
 }
@@ -79,8 +79,8 @@ class UrdfReader {
             if (tag == "gazebo") note_gazebo(*at, robot_.omitted);
             // without this joint its child would be fixed to the world, or free
             if (tag.ends_with(":joint"))
-                xml_.fail(*at, fmt::format("\"{}\" is a joint outside the format", name_or(*at, "")),
-                          "give a joint of a type that URDF has, or write the scene with \"bodies\" and \"joints\"");
+                xml_.fail(*at, fmt::format("\"{}\" is a joint type that is not part of URDF", name_or(*at, "")),
+                          "use a joint type of URDF, or write the scene with \"bodies\" and \"joints\"");
         }
         survey_robot(xml_, root, urdf_constructs(), robot_.omitted);
         return std::move(robot_);
@@ -99,7 +99,8 @@ class UrdfReader {
         const XMLElement& parent = xml_.child(at, "parent");
         const std::string name = xml_.name(parent, "link", "a link's name");
         if (name == "world" && !links_.has(name)) {
-            robot_.assumed["parent \"world\" without a link of that name: the world, of joints"].push_back(joint);
+            robot_.assumed["joints with parent \"world\" but no link of that name, connected to the world"].push_back(
+                joint);
             return RobotJoint::world;
         }
         return links_.find(parent, name);
@@ -115,10 +116,10 @@ class UrdfReader {
         joint.child = links_.find(child, xml_.name(child, "link", "a link's name"));
         if (!carrier_[joint.child].empty())
             xml_.fail(child,
-                      fmt::format("makes \"{}\" the child of joint \"{}\", and it is the child of \"{}\"",
+                      fmt::format("makes \"{}\" the child of joint \"{}\", but it is already the child of \"{}\"",
                                   one_line(robot_.links[joint.child].name, 60), one_line(joint.name, 60),
                                   one_line(carrier_[joint.child], 60)),
-                      "give each link one joint that carries it, and close chains by \"loops\" in the scene");
+                      "make each link the child of one joint, and close chains by \"loops\" in the scene");
         carrier_[joint.child] = joint.name;
         joint.placement = urdf_origin(xml_, at);
         const bool has_axis = joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic;

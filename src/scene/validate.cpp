@@ -42,7 +42,7 @@ void check_moments(const SceneCheck& check, const Vector3<double>& I, const std:
                        fmt::format("{} {} is more than the sum {} of the other two",
                                    single_places ? "moment" : "principal moment", shortest_decimal(I[i]),
                                    shortest_decimal(others)),
-                       "moments of inertia keep the triangle inequality within 1e-12 of the largest");
+                       "moments of inertia must satisfy the triangle inequality within 1e-12 of the largest");
     }
 }
 
@@ -59,12 +59,13 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
                 if (!std::isfinite(J[i][j]))
-                    check.fail(place, "has moments of inertia beyond binary64", "give smaller sizes or masses");
+                    check.fail(place, "has moments of inertia that are too large for binary64",
+                               "give smaller sizes or masses");
     const bool may_vanish = role == BodyRole::mechanism;
     if (may_vanish && body.mass == 0) {
         if (!(J == Matrix3<double>()))
             check.fail(place, "is not zero, but the mass is 0",
-                       "a body without mass has no moments: give mass, or zeros");
+                       "a body without mass must have zero moments of inertia");
         return;
     }
     if (axes_are_principal && given) {
@@ -82,9 +83,9 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
         for (int j = 0; j < i; ++j)
             if (!(std::abs(J[i][j] - J[j][i]) <= shape_tolerance * largest))
                 check.fail(fmt::format("{}/{}/{}", place, i, j),
-                           fmt::format("is {} where the entry across is {}", shortest_decimal(J[i][j]),
+                           fmt::format("is {}, but the transposed entry is {}", shortest_decimal(J[i][j]),
                                        shortest_decimal(J[j][i])),
-                           "an inertia tensor is symmetric within 1e-12 of its largest moment");
+                           "the inertia tensor must be symmetric within 1e-12 of its largest moment");
     for (int i = 0; i < 3; ++i) {
         check.finite(place, I[i]);
         if (may_vanish) {
@@ -109,8 +110,8 @@ void check_pivot(const SceneCheck& check, const Scene& scene) {
         cast<Wide>(scene.body.inertia_B) + parallel_axis(Wide(scene.body.mass), cast<Wide>(arm));
     const Vector3<double> I = principal_frame(about_pivot).moments;
     if (!std::isfinite(I[0] + I[1] + I[2]))
-        check.fail("/pivot", "makes the inertia about it infinite as binary64",
-                   "give a nearer pivot or a lighter body");
+        check.fail("/pivot", "makes the inertia about the pivot too large for binary64",
+                   "give a closer pivot or a lighter body");
     // The tensor is lost if it vanishes in 113 bits next to mass times squared distance. A single small moment is
     // lost only if the axes must be computed.
     const double largest = std::max({I[0], I[1], I[2]}), least = std::min({I[0], I[1], I[2]});
@@ -118,13 +119,15 @@ void check_pivot(const SceneCheck& check, const Scene& scene) {
     const double size = own[0][0] + own[1][1] + own[2][2];
     if (!(size > least_moment * largest) || (!is_diagonal(about_pivot) && !(least > least_moment * largest)))
         check.fail("/pivot",
-                   fmt::format("makes a principal moment about it less than 1e-30 of the largest, {}",
+                   fmt::format("makes a principal moment about the pivot less than 1e-30 of the largest, {}",
                                shortest_decimal(largest)),
-                   "give a tensor that is larger beside the mass times the pivot's distance squared");
+                   "give a tensor that is larger relative to the mass times the squared distance of the pivot");
     const Initial& initial = scene.initial;
-    const char* remedy = "leave it out: the pivot and the attitude say where the centre of mass is";
-    if (!(initial.position_W == Vector3<double>())) check.fail("/initial/position", "stands beside a pivot", remedy);
-    if (!(initial.velocity_W == Vector3<double>())) check.fail("/initial/velocity", "stands beside a pivot", remedy);
+    const char* remedy = "remove it: the pivot and the attitude determine the centre of mass";
+    if (!(initial.position_W == Vector3<double>()))
+        check.fail("/initial/position", "is given, but the scene has a pivot", remedy);
+    if (!(initial.velocity_W == Vector3<double>()))
+        check.fail("/initial/velocity", "is given, but the scene has a pivot", remedy);
 }
 
 void check_window(const SceneCheck& check, const std::string& place, const Window& window) {
@@ -154,7 +157,7 @@ struct LoadCheck {
         check.finite(place + "/point", load.point);
         check.finite(place + "/at", load.at);
         if (load.at < 0)
-            check.fail(place + "/at", "is " + shortest_decimal(load.at), "an impulse acts at a time >= 0 s");
+            check.fail(place + "/at", "is " + shortest_decimal(load.at), "the time of an impulse must be >= 0 s");
     }
     void operator()(const Drag& load) const {
         check.finite(place + "/rotational", load.rotational);
@@ -165,7 +168,7 @@ struct LoadCheck {
         check.unit(place + "/rest_orientation", load.rest_orientation);
     }
     void operator()(const UserTorque& load) const {
-        if (!load.torque_B) check.fail(place, "is a torque without a function", "give a callable");
+        if (!load.torque_B) check.fail(place, "is a user-defined torque without a function", "give a callable");
     }
     void operator()(const Motor&) const {}  // checked with its joint
     void operator()(const PointSpring& load) const {
@@ -174,7 +177,8 @@ struct LoadCheck {
         check.finite(place + "/stiffness", load.stiffness);
         check.finite(place + "/rest_length", load.rest_length);
         if (!(load.rest_length >= 0))
-            check.fail(place + "/rest_length", "is " + shortest_decimal(load.rest_length), "a length in m is >= 0");
+            check.fail(place + "/rest_length", "is " + shortest_decimal(load.rest_length),
+                       "a length in m must be >= 0");
     }
 };
 
@@ -190,19 +194,23 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
         const Wide length = square_root(dot(cast<Wide>(plane.normal_W), cast<Wide>(plane.normal_W)));
         if (!(length > 0)) check.fail(place + "/normal", "is zero", "give the direction from the plane to the body");
         if (!std::isfinite(double(1 / length)))
-            check.fail(place + "/normal", "is too short", "a normal needs a length with a finite inverse: >= 1e-307");
+            check.fail(place + "/normal", "is too short",
+                       "the length of a normal must have a finite inverse: >= 1e-307");
         if (!(plane.restitution >= 0 && plane.restitution <= 1))
             check.fail(place + "/restitution", "is " + shortest_decimal(plane.restitution),
-                       "the restitution is from 0 (nothing given back) to 1 (no loss)");
+                       "the coefficient of restitution must be from 0 (perfectly inelastic) to 1 (elastic)");
         if (!(plane.friction >= 0))
-            check.fail(place + "/friction", "is " + shortest_decimal(plane.friction), "Coulomb's coefficient is >= 0");
+            check.fail(place + "/friction", "is " + shortest_decimal(plane.friction),
+                       "the coefficient of Coulomb friction must be >= 0");
         if (scene.pivot)
-            check.fail(place, "stands beside a pivot", "leave one of them out: a held body meets no planes");
+            check.fail(place, "is given, but the scene has a pivot",
+                       "remove one of them: a body with a pivot does not support planes");
         if (!scene.body.source || !has_shape(*scene.body.source))
-            check.fail(place, "stands beside a body without a shape",
+            check.fail(place, "is given, but the body has no shape",
                        "give the body by \"shape\", \"parts\" with shapes, or \"mesh\"");
         const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*scene.body.source);
-        if (pieces.empty()) check.fail(place, "stands beside a body that is all holes", "give it a part of its own");
+        if (pieces.empty())
+            check.fail(place, "is given, but the body consists of holes only", "give the body a solid part");
         // the lowest point of the body along the plane's normal
         const Quaternion<Wide> q = normalized(cast<Wide>(scene.initial.orientation));
         const Vector3<Wide> normal_W = (1 / length) * cast<Wide>(plane.normal_W), n = rotate_back(q, normal_W);
@@ -212,7 +220,8 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
         const Wide gap = dot(normal_W, cast<Wide>(scene.initial.position_W)) - dot(n, scene.body.source->wide.center) +
                          lowest - Wide(plane.offset) / length;
         if (!(gap >= -start_tolerance * reach))
-            check.fail(place, fmt::format("has the body {} m deep in it at the start", shortest_decimal(-double(gap))),
+            check.fail(place,
+                       fmt::format("is penetrated {} m deep by the body at the start", shortest_decimal(-double(gap))),
                        "start where normal . x > offset: raise /initial/position");
     }
 }
@@ -222,9 +231,9 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
 void check_body(const SceneCheck& check, const std::string& place, const Body& body, BodyRole role) {
     if (body.source) {
         if (!(body.mass > 0))
-            check.fail(place, fmt::format("has the mass {} in all", shortest_decimal(body.mass)),
-                       "the whole must have a mass > 0: make the holes smaller");
-        check.positive(place, body.mass, "the mass of the whole");
+            check.fail(place, fmt::format("has the total mass {}", shortest_decimal(body.mass)),
+                       "the total mass must be > 0: make the holes smaller");
+        check.positive(place, body.mass, "the total mass");
     } else if (role == BodyRole::mechanism) {
         check.not_negative(place + "/mass", body.mass, "the mass");
     } else {
@@ -247,7 +256,7 @@ void validate(const Scene& scene, const std::string& file) {
     check.shown("/about", scene.about), check.shown("/source", scene.source);
     if (scene.name.empty()) check.fail("/name", "is empty", "give the scene a name");
     if (one_line(scene.name, scene.name.size()) != scene.name)
-        check.fail("/name", "holds control characters", "give a name of printable characters");
+        check.fail("/name", "contains control characters", "use printable characters");
     check.name("/name", scene.name);
     check.count("/bodies", scene.bodies.size(), most_bodies, "bodies");
     check.count("/joints", scene.joints.size(), most_bodies, "joints");
@@ -271,9 +280,9 @@ void validate(const Scene& scene, const std::string& file) {
     check_planes(check, scene);
     for (const auto& [block, error] : scene.tolerated) {
         if (is_of_joints(block) && !is_mechanism(scene))
-            throw InputError(file, "/tolerated/" + block, "is of joints, and the scene is of one body", "leave it out");
+            throw InputError(file, "/tolerated/" + block, "applies to joints, but the scene has one body", "remove it");
         if (std::ranges::find(tolerated_blocks, block) == tolerated_blocks.end())
-            throw InputError(file, "/tolerated/" + one_line(block, 60), "is nothing that an error is tolerated of",
+            throw InputError(file, "/tolerated/" + one_line(block, 60), "is not the name of an error block",
                              fmt::format("give one of {}", fmt::join(tolerated_blocks, ", ")));
         check.positive("/tolerated/" + block, error, "the tolerated error");
     }

@@ -70,7 +70,7 @@ class CsvReader {
         do {
             fields.push_back(!at_end() && text_[place_] == '"' ? quoted_field() : plain_field());
         } while (take(","));
-        if (!at_end() && !take("\n") && !take("\r\n")) fault(line_, "there is text behind a closing quote");
+        if (!at_end() && !take("\n") && !take("\r\n")) fault(line_, "text after a closing quote");
         ++line_;
         return fields;
     }
@@ -110,7 +110,7 @@ class CsvReader {
             if (c == '\n') ++line_;
             field += c;
         }
-        fault(opened, "a quote is opened and never closed");
+        fault(opened, "an opening quote has no closing quote");
     }
 
     std::string_view text_;
@@ -167,7 +167,7 @@ std::string csv(const Table& table) {
 
 void read_csv(std::string_view text, const std::function<void(std::vector<std::string>&)>& take) {
     CsvReader reader(text);
-    if (reader.at_end()) CsvReader::fault(1, "there is no header");
+    if (reader.at_end()) CsvReader::fault(1, "the header is missing");
     std::vector<std::string> fields = reader.record();
     const std::size_t columns = fields.size();
     if (const auto name = repeated_name(fields)) {
@@ -251,7 +251,7 @@ std::size_t column_index(const Table& table, std::string_view name) {
     const auto found = std::find(table.columns.begin(), table.columns.end(), name);
     if (found == table.columns.end()) {
         throw std::invalid_argument(
-            fmt::format("there is no column '{}' among '{}'", name, fmt::join(table.columns, "', '")));
+            fmt::format("no column '{}'; the columns are '{}'", name, fmt::join(table.columns, "', '")));
     }
     return static_cast<std::size_t>(found - table.columns.begin());
 }

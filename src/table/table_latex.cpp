@@ -270,9 +270,13 @@ std::string latex(const Table& table, const std::string& caption, const std::str
     while (too_wide()) drop(columns.size() - 1);
 
     std::string title = latex_text(caption);
-    if (!same.empty()) title += fmt::format("{}In every row {}.", title.empty() ? "" : ". ", same);
+    if (!same.empty()) title += fmt::format("{}Constant in all rows: {}.", title.empty() ? "" : ". ", same);
     if (!left_out.empty())
-        title += fmt::format("{}In the CSV also: {}.", title.empty() ? "" : same.empty() ? ". " : " ", left_out);
+        title += fmt::format("{}Further columns in the CSV file: {}.",
+                             title.empty()  ? ""
+                             : same.empty() ? ". "
+                                            : " ",
+                             left_out);
 
     std::string out = fmt::format(
         "% \\usepackage{{booktabs,longtable,siunitx}}\n\\begingroup\\{}\\setlength{{\\tabcolsep}}{{3pt}}\n"

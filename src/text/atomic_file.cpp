@@ -174,7 +174,7 @@ void write_atomically(const std::string& path, std::string_view text) {
     if (directory < 0) return;
     error = sync_folder(directory);
     ::close(directory);
-    if (error != 0) fail_of_file(path, "is written, but its folder cannot be synced", error);
+    if (error != 0) fail_of_file(path, "was written, but its folder cannot be synced", error);
 }
 
 void remove_abandoned(const std::string& directory) {

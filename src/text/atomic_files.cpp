@@ -33,7 +33,7 @@ void AtomicFiles::add(const std::string& name, std::string_view text) {
     struct stat old {};
     const bool exists = ::lstat(path.c_str(), &old) == 0;
     if (exists && !S_ISREG(old.st_mode))
-        fail_of_file(path, "is no regular file", S_ISDIR(old.st_mode) ? EISDIR : EEXIST);
+        fail_of_file(path, "is not a regular file", S_ISDIR(old.st_mode) ? EISDIR : EEXIST);
     if (batch_.size() >= most_at_once) commit();
     Written written{path, ""};
     const int file = create_temporary(path, written.temporary);
@@ -62,7 +62,7 @@ void AtomicFiles::commit() {
             ++renamed;
     }
     batch_.erase(batch_.begin(), batch_.begin() + static_cast<std::ptrdiff_t>(renamed));
-    if (error == 0 && (error = sync_folder(directory)) != 0) what = "is written to, but cannot be synced";
+    if (error == 0 && (error = sync_folder(directory)) != 0) what = "was written, but cannot be synced";
     ::close(directory);
     if (error != 0) fail_of_file(folder_, what, error);
 }

@@ -76,7 +76,8 @@ void AtomicStream::write(std::string_view bytes) {
 }
 
 void AtomicStream::write_over_beginning(std::string_view bytes) {
-    if (!is_regular() || bytes.size() > written_) throw std::logic_error(path_ + ": nothing to write over");
+    if (!is_regular() || bytes.size() > written_)
+        throw std::logic_error(path_ + ": cannot overwrite more bytes than were written");
     std::size_t offset = 0;
     write_at(bytes, &offset);
 }
@@ -93,7 +94,7 @@ void AtomicStream::commit() {
     if (directory < 0) return;  // a directory may be writable but not readable
     error = sync_folder(directory);
     ::close(directory);
-    if (error != 0) fail("is written, but its folder cannot be synced", error);
+    if (error != 0) fail("was written, but its folder cannot be synced", error);
 }
 
 }  // namespace polhode

@@ -97,14 +97,14 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
     ChildRun run;
     const std::string name = arguments.empty() ? "" : one_line(arguments.front(), 200);
     if (name.empty()) {
-        run.fault = "no program is named", run.was_not_found = true;
+        run.fault = "no program is given", run.was_not_found = true;
         return run;
     }
     const File streams[] = {temporary_file(), temporary_file(), temporary_file()};
     const auto& [in, out, errors] = streams;
     if (!in || !out || !errors || std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() ||
         std::fflush(in.get()) != 0) {
-        run.fault = fmt::format("no temporary file for {}: {}", name, std::strerror(errno));
+        run.fault = fmt::format("cannot create a temporary file for {}: {}", name, std::strerror(errno));
         return run;
     }
     std::rewind(in.get());
@@ -145,9 +145,9 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
         return run;
     }
     if (WIFSIGNALED(status))
-        run.fault = fmt::format("{} was ended by signal {}", running, WTERMSIG(status));
+        run.fault = fmt::format("{} was terminated by signal {}", running, WTERMSIG(status));
     else if (WEXITSTATUS(status) != 0)
-        run.fault = fmt::format("{} failed ({})", running, WEXITSTATUS(status));
+        run.fault = fmt::format("{} exited with code {}", running, WEXITSTATUS(status));
     if (const std::string said = last_line_of(errors.get()); !run.fault.empty() && !said.empty())
         run.fault += ": " + said;
     return run;

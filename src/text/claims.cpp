@@ -65,7 +65,7 @@ void tell_unlocked(const std::string& path, int error) {
     const std::lock_guard lock(mutex);
     if (!told.insert(path).second) return;
     const std::string line = "polhode: " + one_line(path, 500) + ": cannot be locked: " + std::strerror(error) +
-                             "; goes on as if no other run were at work here\n";
+                             "; continues as if no other run used this folder\n";
     static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere
 }
 

@@ -72,7 +72,7 @@ bool CsvLines::next() {
             returns_ = true;
         }
         if (line_.size() > longest_line)
-            throw InputError(file_, place(), "has more than 64 KiB", "give lines of a few hundred characters");
+            throw InputError(file_, place(), "is longer than 64 KiB", "check the line breaks of the file");
         if (const std::size_t zero = line_.find('\0'); zero != line_.npos)
             throw InputError(file_, fmt::format("line {}, character {}", number_, zero + 1), "is a zero byte",
                              "give a text file");
@@ -80,7 +80,7 @@ bool CsvLines::next() {
         if (!trimmed(line_).empty()) break;
         // blank lines are allowed only at the end
         if (nothing_is_left()) return false;
-        throw InputError(file_, place(), "is blank", "leave the line out");
+        throw InputError(file_, place(), "is blank", "remove the line");
     }
     split();
     return true;
@@ -109,7 +109,7 @@ std::vector<std::size_t> CsvLines::header(const std::vector<std::string>& names)
         }
         const std::size_t index = static_cast<std::size_t>(found - names.begin());
         if (std::find(places.begin(), places.end(), index) != places.end())
-            throw InputError(file_, place, fmt::format("is a second column {}", names[index]), "give each column once");
+            throw InputError(file_, place, fmt::format("repeats the column {}", names[index]), "give each column once");
         places.push_back(index);
     }
     return places;

@@ -21,10 +21,10 @@ std::string unfit(const struct stat& status, const std::string& path, FileKinds 
     const bool handed = kinds == FileKinds::streamed && (path.starts_with("/dev/") || path.starts_with("/proc/"));
     if (S_ISREG(status.st_mode)) return "";
     if (S_ISDIR(status.st_mode)) return std::string("cannot be read: ") + std::strerror(EISDIR);
-    if (S_ISFIFO(status.st_mode)) return handed ? "" : "is a FIFO and no regular file";
-    if (S_ISSOCK(status.st_mode)) return handed ? "" : "is a socket and no regular file";
+    if (S_ISFIFO(status.st_mode)) return handed ? "" : "is a FIFO, not a regular file";
+    if (S_ISSOCK(status.st_mode)) return handed ? "" : "is a socket, not a regular file";
     const bool ends = S_ISCHR(status.st_mode) && (::isatty(descriptor) == 1 || status.st_rdev == makedev(1, 3));
-    return handed && ends ? "" : "is a device and no regular file";
+    return handed && ends ? "" : "is a device, not a regular file";
 }
 
 }  // namespace
@@ -33,12 +33,12 @@ InputFile::InputFile(const std::string& path, std::string called, std::string ex
     : called_(std::move(called)), expected_(std::move(expected)) {
     // opening a device may have side effects: check the path first, and the opened file again below
     struct stat status {};
-    if (::stat(path.c_str(), &status) == 0 && S_ISBLK(status.st_mode)) refuse("is a device and no regular file");
+    if (::stat(path.c_str(), &status) == 0 && S_ISBLK(status.st_mode)) refuse("is a device, not a regular file");
     // O_NONBLOCK: do not wait for the writer of a FIFO or the carrier of a serial line
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor_ < 0) {
         const int reason = errno;
-        refuse(reason == ENXIO ? "is a socket and no regular file"
+        refuse(reason == ENXIO ? "is a socket, not a regular file"
                                : fmt::format("cannot be opened: {}", std::strerror(reason)));
     }
     std::string fault = ::fstat(descriptor_, &status) != 0 ? fmt::format("cannot be read: {}", std::strerror(errno))

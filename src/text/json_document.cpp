@@ -102,16 +102,17 @@ class JsonBuilder {
     bool key(std::string& value) {
         if (!keys_.back().insert(value).second)
             throw InputError(file_, open_.back()->pointer() + "/" + pointer_token(value),
-                             "is a duplicate: the key stands in this object twice", "give it once");
+                             "is a duplicate key of this object", "give it once");
         key_ = std::move(value), has_key_ = true;
         return true;
     }
     bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) {
         if (error.id == 406)  // nlohmann::json out_of_range.406: a number beyond binary64
-            throw InputError(file_, place(), "is infinite as binary64", "give a finite number");
+            throw InputError(file_, place(), "is too large for binary64", "give a finite number");
         const std::size_t offset = position > 0 ? position - 1 : 0;
         if (const std::string_view word = word_at(text_, offset); names_no_number(word))
-            throw InputError(file_, place(), fmt::format("is {}, which is no number", word), "give a finite number");
+            throw InputError(file_, place(), fmt::format("is {}, which is not a number in JSON", word),
+                             "give a finite number");
         std::string fault = error.what();
         if (const std::size_t column = fault.find("column "); column != fault.npos)
             if (const std::size_t colon = fault.find(": ", column); colon != fault.npos) fault.erase(0, colon + 2);
@@ -123,7 +124,8 @@ class JsonBuilder {
   private:
     JsonNode& add(JsonKind kind) {
         if (nodes_.size() == most_json_values)
-            throw InputError(file_, place(), fmt::format("more than {} values", most_json_values), "give fewer");
+            throw InputError(file_, place(), fmt::format("the file has more than {} values", most_json_values),
+                             "give fewer values");
         JsonNode& node = nodes_.emplace_back();
         node.file_ = &file_, node.kind_ = kind;
         if (!open_.empty()) {
@@ -137,8 +139,8 @@ class JsonBuilder {
     bool number(double value) { return add(JsonKind::number).number_ = value, true; }
     void open(JsonKind kind) {
         if (open_.size() == deepest_json)
-            throw InputError(file_, place(), fmt::format("is nested deeper than {} levels", deepest_json),
-                             "nest less deeply");
+            throw InputError(file_, place(), fmt::format("is nested more than {} levels deep", deepest_json),
+                             "reduce the nesting");
         open_.push_back(&add(kind));
     }
     // JSON pointer of the value that comes next
@@ -161,7 +163,7 @@ class JsonBuilder {
 JsonDocument::JsonDocument(std::string_view text, const std::string& file)
     : file_(std::make_unique<const std::string>(file)), nodes_(std::make_unique<std::deque<JsonNode>>()) {
     if (text.size() > largest_json)
-        throw InputError(file, "", fmt::format("has more than {} MiB", largest_json >> 20), "give a smaller file");
+        throw InputError(file, "", fmt::format("is larger than {} MiB", largest_json >> 20), "give a smaller file");
     if (const std::size_t bad = first_invalid_utf8(text); bad != text.npos)
         throw InputError(file, line_and_column(text, bad), "is not UTF-8", "save the file as UTF-8");
     if (const std::size_t zero = text.find('\0'); zero != text.npos)
@@ -192,7 +194,7 @@ std::string JsonNode::described() const {
         case JsonKind::string:
             return "is the string " + json_string(one_line(string_, 60));
         case JsonKind::array:
-            return fmt::format("is an array of {}", children_.size());
+            return fmt::format("is an array of length {}", children_.size());
         case JsonKind::null:
         case JsonKind::object:
             break;
@@ -258,7 +260,7 @@ void JsonNode::only(const std::vector<std::string_view>& known) const {
         const std::vector<std::string> keys(known.begin(), known.end());
         const std::string meant = did_you_mean(member->key_, keys);
         member->fail("is an unknown key",
-                     fmt::format("{}{}known here: {}", meant, meant.empty() ? "" : " ", listed(keys)));
+                     fmt::format("{}{}known keys: {}", meant, meant.empty() ? "" : " ", listed(keys)));
     }
 }
 

@@ -47,7 +47,7 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
     int input[2], output[2];
     connect(input), connect(output);
     if (name_.empty() || !chatter_ || input[0] < 0 || output[0] < 0) {
-        fault_.fault = name_.empty() ? "no program is named"
+        fault_.fault = name_.empty() ? "no program is given"
                                      : fmt::format("{} could not be started: {}", name_, std::strerror(errno));
     } else {
         std::vector<char*> pointers;
@@ -86,7 +86,7 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
 }
 
 LineProcess::~LineProcess() {
-    if (process_ > 0) die("it is no longer needed");
+    if (process_ > 0) die("was stopped: it is no longer needed");
     for (const int end : {input_, output_})
         if (end >= 0) close(end);
 }
@@ -116,7 +116,7 @@ bool LineProcess::write_all(std::string_view text, Clock::time_point until) {
                 poll(&waiting, 1, milliseconds_until(until));
                 continue;
             }
-            die("did not read what it was asked in time", true);
+            die("was stopped: it did not read its input within the time limit", true);
             return false;
         }
         die("");
@@ -144,7 +144,7 @@ LineAnswer LineProcess::read_line(Clock::time_point until, std::chrono::duration
         }
         if (got == 0 || (errno != EAGAIN && errno != EINTR)) return die("");
         if (Clock::now() >= until)
-            return die(fmt::format("was stopped: it gave no answer within {:.3g} s", time.count()), true);
+            return die(fmt::format("was stopped: it did not answer within {:.3g} s", time.count()), true);
         pollfd waiting{output_, POLLIN, 0};
         poll(&waiting, 1, milliseconds_until(until));
     }
@@ -165,9 +165,9 @@ LineAnswer LineProcess::die(std::string what, bool out_of_time) {
         }
     process_ = 0;
     if (what.empty())
-        what = WIFSIGNALED(status)        ? fmt::format("was ended by signal {}", WTERMSIG(status))
-               : WEXITSTATUS(status) != 0 ? fmt::format("failed ({})", WEXITSTATUS(status))
-                                          : "ended without an answer";
+        what = WIFSIGNALED(status)        ? fmt::format("was terminated by signal {}", WTERMSIG(status))
+               : WEXITSTATUS(status) != 0 ? fmt::format("exited with code {}", WEXITSTATUS(status))
+                                          : "exited without an answer";
     fault_.fault = fmt::format("{} {}", program_name(name_), what), fault_.was_out_of_time = out_of_time;
     if (const std::string said = last_line_of(chatter_.get()); !said.empty()) fault_.fault += ": " + said;
     return fault_;

@@ -24,8 +24,8 @@ std::string real_path(const std::string& path) {
 }
 
 [[noreturn]] void refuse_outside(const std::string& path) {
-    throw InputError(path, "", "leads out of the folder of the file that names it",
-                     "put it there, or allow it: --allow-outside (in C++ and Python allow_outside_files)");
+    throw InputError(path, "", "is outside the folder of the file that refers to it",
+                     "move it there, or permit it by --allow-outside (in C++ and Python allow_outside_files)");
 }
 
 }  // namespace
@@ -47,11 +47,11 @@ std::string path_inside(const std::string& folder, const std::string& name) {
 
 void require_inside(const std::string& folder, const std::string& path) {
     if (path.find('\0') != std::string::npos)
-        throw InputError(path, "", "holds a zero byte", "give the path of a file");
+        throw InputError(path, "", "contains a zero byte", "give the path of a file");
     const std::string real = real_path(path);
     if (real.empty())
         throw InputError(path, "", fmt::format("cannot be opened: {}", std::strerror(errno)),
-                         "give the path of a file that is there");
+                         "give the path of an existing file");
     std::string within = real_path(folder.empty() ? "." : folder);
     if (!within.ends_with('/')) within += '/';
     if (!outside_is_allowed && !real.starts_with(within)) refuse_outside(path);
@@ -66,8 +66,8 @@ std::string read_whole_file(const std::string& path, const std::string& called, 
                             const char* expected, FileKinds kinds) {
     InputFile file(path, called, expected, kinds);
     const auto refuse_size = [&] {
-        file.refuse(largest >> 20 > 0 ? fmt::format("has more than {} MiB", largest >> 20)
-                                      : fmt::format("has more than {} bytes", largest));
+        file.refuse(largest >> 20 > 0 ? fmt::format("is larger than {} MiB", largest >> 20)
+                                      : fmt::format("is larger than {} bytes", largest));
     };
     std::string text;
     // reserve memory if the size is known; the file may still grow, but not beyond the limit

@@ -42,9 +42,8 @@ void tell_damaged(const std::string& path) {
     static std::set<std::string> told;
     const std::lock_guard lock(mutex);
     if (!told.insert(path).second) return;
-    const std::string line =
-        "polhode: " + one_line(path, 500) +
-        ": damaged (its checksum does not fit); counts as missing, and is computed again where it is asked for\n";
+    const std::string line = "polhode: " + one_line(path, 500) +
+                             ": corrupted (wrong checksum); it is treated as missing and recomputed when needed\n";
     static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere
 }
 

@@ -82,8 +82,8 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
         return std::string();
     };
     for (std::size_t i = 0; i < 3; ++i)
-        EXPECT_EQ(message("killed:default", "t_handle", i), "failed: sh was ended by signal 9");
-    EXPECT_EQ(message("hung:default", "t_handle", 0).find("failed: sh was stopped: it gave no answer within "), 0u);
+        EXPECT_EQ(message("killed:default", "t_handle", i), "failed: sh was terminated by signal 9");
+    EXPECT_EQ(message("hung:default", "t_handle", 0).find("failed: sh was stopped: it did not answer within "), 0u);
     EXPECT_NE(message("hung:default", "t_handle", 1).find("the curve was cut"), std::string::npos);
     EXPECT_EQ(message("absent:default", "t_handle", 0),
               "unsupported: absent is not available: it needs Debian's libnone-dev");
@@ -119,7 +119,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     for (const char* part :
          {"Six engines.", "no single scene decides it", "### plain", "The gyroscopic term does not act",
           "the motion is that of `gyroscopic_implicit` to ", "smaller steps help with order 4",
-          "0.001 rad from 1/60 s on", "### killed 7\n\nIt takes no part: sh was ended by signal 9.",
+          "0.001 rad from 1/60 s on", "### killed 7\n\nIt takes no part: sh was terminated by signal 9.",
           "It takes no part: it needs Debian's libnone-dev.", "(few_default.svg)", "(few_scenes.md)"})
         EXPECT_NE(page.find(part), std::string::npos) << part;
     EXPECT_TRUE(fs::exists(directory / "one" / "few_default.svg"));

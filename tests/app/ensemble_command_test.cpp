@@ -185,8 +185,8 @@ TEST_F(EnsembleCommand, AFaultFarBehindLeavesNothing) {
     const std::string table = write("t.csv", many_rows() + "\nb1,0,0,1,1,1,1\n");
     for (const char* rows : {"100", "100000"})
         expect_refused({"ensemble", scene(), "--initial", table, "--output", "out.csv", "--rows-at-once", rows},
-                       "t.csv: line 1202: is blank; leave the line out");
-    expect_refused({"ensemble", scene(), "--initial", table}, "t.csv: line 1202: is blank; leave the line out");
+                       "t.csv: line 1202: is blank; remove the line");
+    expect_refused({"ensemble", scene(), "--initial", table}, "t.csv: line 1202: is blank; remove the line");
     expect_refused({"ensemble", scene(), "--initial", table, "--rows-at-once", "0"}, "--rows-at-once");
     // a disk that is full
     const Outcome full = run({"ensemble", scene(), "--initial", write("good.csv", many_rows()), "--output", "out.csv",

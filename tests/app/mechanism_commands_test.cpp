@@ -277,7 +277,7 @@ TEST_F(Mechanisms, EveryCommandTakesPointMassesAndMasslessBodies) {
     }
     const Outcome engine = run({"solve", scene, "--method", "soft_step_4", "--samples", "4"});
     EXPECT_EQ(engine.exit_code, 1);
-    EXPECT_NE(engine.err.find("body \"upper\" has a moment of inertia of zero, by which the method divides"),
+    EXPECT_NE(engine.err.find("body \"upper\" has a moment of inertia of zero, and the method divides by it"),
               std::string::npos)
         << engine.err;
     ASSERT_EQ(run({"export", scene, "--samples", "4", "--output", "golden.csv"}).exit_code, 0);
@@ -465,7 +465,7 @@ TEST_F(Mechanisms, EnsembleTakesTablesOfAnyLength) {
 TEST_F(Mechanisms, EnsembleRefusesOtherColumns) {
     expect_refused({"ensemble", swinging, "--initial", write("t.csv", "wx,wy,wz\n1,2,3\n")}, "t.csv");
     expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.speed\n1\n")}, "shoulder.speed");
-    expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.angle\n")}, "has a header and no row");
+    expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.angle\n")}, "has a header but no rows");
 }
 
 TEST_F(Mechanisms, EnsembleTellsWhichLoopsDoNotClose) {

@@ -124,7 +124,8 @@ TEST_F(SeveralRuns, GoOnWhereThereAreNoLocks) {
     EXPECT_EQ(code_of(second), 0) << log("log2");
     EXPECT_EQ(rows("results"), rows("alone"));
     for (const char* name : {"log1", "log2"}) {
-        const std::string told = "results/.cases/claims: cannot be locked: No locks available; goes on as if no other";
+        const std::string told =
+            "results/.cases/claims: cannot be locked: No locks available; continues as if no other";
         const std::size_t at = log(name).find(told);
         EXPECT_NE(at, std::string::npos) << log(name);
         EXPECT_EQ(log(name).find(told, at + 1), std::string::npos) << "told twice:\n" << log(name);

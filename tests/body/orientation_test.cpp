@@ -128,14 +128,14 @@ RC_GTEST_PROP(RotationMatrix, RefusesEveryReflection, ()) {
         mirror[i] = -1;
         const Matrix3<double> A = rotation_matrix(any_orientation()) * diagonal(mirror);
         RC_ASSERT(orthogonality_defect(A) < angle_roundings);
-        RC_ASSERT(refusal(A).find("a reflection, not a rotation: the determinant is -1") == 0);
+        RC_ASSERT(refusal(A).find("not a rotation matrix but a reflection: the determinant is -1") == 0);
     }
 }
 
 TEST(RotationMatrix, RefusesWhatIsNotOrthogonalAndSaysByHowMuch) {
     EXPECT_EQ(refusal(diagonal(Vector3<double>(1, 1, 2))),
-              "not a rotation matrix: |A^T A - 1| is 3, not within 1e-09 of 0");
-    EXPECT_EQ(refusal(Matrix3<double>()), "not a rotation matrix: |A^T A - 1| is 1.73, not within 1e-09 of 0");
+              "not a rotation matrix: |A^T A - 1| is 3, must be within 1e-09 of 0");
+    EXPECT_EQ(refusal(Matrix3<double>()), "not a rotation matrix: |A^T A - 1| is 1.73, must be within 1e-09 of 0");
     EXPECT_EQ(refusal(diagonal(Vector3<double>(1, NAN, 1))), "not a rotation matrix: an entry is not finite");
     EXPECT_EQ(refusal(diagonal(Vector3<double>(1, 1, 1 + 1e-10))), "");
     EXPECT_NO_THROW(require_rotation(diagonal(Vector3<double>(1, 1, 1.1)), 0.5));

@@ -186,7 +186,7 @@ TEST(Mesh, SaysWhyItBoundsNoBody) {
         return mesh_fault(changed);
     };
     EXPECT_EQ(mesh_fault(mesh), "");
-    EXPECT_NE(fault([](Mesh& m) { m.triangles.pop_back(); }).find("3 edges are run through"), std::string::npos);
+    EXPECT_NE(fault([](Mesh& m) { m.triangles.pop_back(); }).find("3 edges are not traversed"), std::string::npos);
     EXPECT_NE(fault([](Mesh& m) { std::swap(m.triangles[3][0], m.triangles[3][1]); }).find("not a closed surface"),
               std::string::npos);
     EXPECT_NE(fault([](Mesh& m) { m.triangles[2] = {1, 8, 2}; }).find("does not exist"), std::string::npos);

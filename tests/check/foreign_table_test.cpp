@@ -120,19 +120,19 @@ TEST(ForeignTable, MessagesNameTheLinesOfTheFile) {
         EXPECT_TRUE(fault.starts_with("f: " + place)) << fault;
     };
     EXPECT_EQ(fault_of(good, {}), "");
-    begins(fault_of(good + "2,1,0,x,0\n", {}), "line 7, column rot_y: x is no number");
+    begins(fault_of(good + "2,1,0,x,0\n", {}), "line 7, column rot_y: x is not a number");
     begins(fault_of(good + "# more\n2,1,0\n", {}), "line 8: has 3 cells under 5 columns");
-    begins(fault_of(good + "1" + row, {}), "line 7, column time: 1 s does not come after");
+    begins(fault_of(good + "1" + row, {}), "line 7, column time: 1 s is not after");
     begins(fault_of(good + "2,0,0,0,0\n", {}), "line 7, columns qw,qx,qy,qz: have length 0");
     begins(fault_of(good, parse_columns("time=clock")), "line 3: has no column clock");
     begins(fault_of(good, parse_columns("time=time")), "line 3: column qw is missing");
     // rows that are skipped count as well
     std::vector<std::size_t> gaps;
-    begins(fault_of(good + "2,nan,0,0,0\n3" + row + "x" + row, {}, &gaps), "line 9, column time: x is no number");
+    begins(fault_of(good + "2,nan,0,0,0\n3" + row + "x" + row, {}, &gaps), "line 9, column time: x is not a number");
     const ColumnNames matrix = parse_columns("time=t,rotation=a:b:c:d:e:f:g:h:i");
     begins(fault_of("#\nt,a,b,c,d,e,f,g,h,i\n#\n0,1,0,0,0,1,0,0,0,1\n#\n1,0,-1,0,1,0,0,0,0,-1\n", matrix), "line 6: ");
     begins(fault_of("#\nt,a,b,c\n#\n0,1,1,1\n#\n1,1,?,1\n", parse_columns("time=t,euler_xyz=a:b:c")),
-           "line 6, column b: ? is no number");
+           "line 6, column b: ? is not a number");
 }
 
 }  // namespace

@@ -84,9 +84,9 @@ TEST(CharacterPlot, DrawsWhatCanBeDrawn) {
     const double infinity = std::numeric_limits<double>::infinity();
     Figure figure = straight();
     figure.panels[0].curves = {line_of("bad", {0, 1, 2, 3}, {-1, infinity, std::nan(""), 0})};
-    EXPECT_NE(character_plot(figure, {}).find("no point to draw"), std::string::npos);
+    EXPECT_NE(character_plot(figure, {}).find("no data to plot"), std::string::npos);
     figure.panels[0].curves[0].y[1] = 1;
-    EXPECT_EQ(character_plot(figure, {}).find("no point to draw"), std::string::npos);
+    EXPECT_EQ(character_plot(figure, {}).find("no data to plot"), std::string::npos);
     figure.panels[0].log_y = false;
     figure.panels[0].curves = {line_of("huge", {0, 1}, {-1e300, 1e300}), line_of("still", {1, 1}, {0, 0})};
     EXPECT_FALSE(character_plot(figure, {}).empty());

@@ -103,7 +103,7 @@ TEST(GnuplotScript, HasNoNumberThatIsNotFinite) {
     for (const char* terminal : {"svg", "pdf"}) {
         const std::string script = gnuplot_script(figure, terminal, "out");
         EXPECT_FALSE(std::regex_search(script, std::regex("[^a-z](nan|inf)[^a-z]", std::regex::icase))) << script;
-        EXPECT_EQ(count(script, "no point to draw"), 1u);
+        EXPECT_EQ(count(script, "no data to plot"), 1u);
         EXPECT_EQ(count(script, "\n0.001 0.001\n"), 1u);  // the one good point of the bad curve
     }
 }
@@ -112,7 +112,7 @@ TEST(GnuplotScript, HasOneLegendEntryALabel) {
     const std::string script = gnuplot_script(small_figure(), "svg", "");
     EXPECT_EQ(count(script, "\"odeint_rk4\""), 1u);
     EXPECT_EQ(count(script, "\"cvode_adams\""), 1u);
-    EXPECT_EQ(count(script, "\"curve cut short\""), 1u);
+    EXPECT_EQ(count(script, "\"truncated curve\""), 1u);
     EXPECT_EQ(script.find("set output \""), std::string::npos);
     EXPECT_THROW(gnuplot_script(small_figure(), "png", ""), std::invalid_argument);
 }
@@ -342,7 +342,7 @@ TEST_F(Draw, DrawsPanelsWithoutAnyPoint) {
     zero.curves = {{.label = "exact", .cut = true, .x = {1, 2}, .y = {0, 0}}};
     for (const Figure& figure : {Figure{"none", 1, {}, ""}, Figure{"", 2, {empty, zero}, ""}}) {
         ASSERT_EQ(draw(figure, path("a")), "");
-        EXPECT_EQ(count(shown_text(content(path("a.svg"))), "no point to draw"), figure.panels.size());
+        EXPECT_EQ(count(shown_text(content(path("a.svg"))), "no data to plot"), figure.panels.size());
     }
 }
 
@@ -371,11 +371,11 @@ TEST_F(Draw, ReportsAMissingGnuplot) {
 
 TEST_F(Draw, ReportsWhatGnuplotSays) {
     install_gnuplot("echo 'no such terminal' >&2; exit 3\n");
-    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot failed (3): no such terminal");
+    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot exited with code 3: no such terminal");
     install_gnuplot("kill -11 $$\n");
-    EXPECT_EQ(draw(small_figure(), path("a")).substr(0, 30), "gnuplot was ended by signal 11");
+    EXPECT_EQ(draw(small_figure(), path("a")).substr(0, 35), "gnuplot was terminated by signal 11");
     install_gnuplot("exit 0\n");
-    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot wrote no complete SVG");
+    EXPECT_EQ(draw(small_figure(), path("a")), "gnuplot wrote an incomplete SVG");
     EXPECT_EQ(entries(), 1u);  // the false gnuplot alone
 }
 

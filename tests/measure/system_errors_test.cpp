@@ -281,9 +281,10 @@ TEST(SystemErrors, SayWhichNumberOfBodiesIsAnother) {
     Trajectory trajectory = turning_bodies();
     Reference truth = truth_of(trajectory);
     truth.bodies = 1;
-    EXPECT_EQ(fault(trajectory, truth), "the truth is of another number of bodies");
+    EXPECT_EQ(fault(trajectory, truth), "the truth has a different number of bodies than the scene");
     trajectory.bodies = 5;
-    EXPECT_EQ(fault(trajectory, truth_of(turning_bodies())), "the trajectory is of another number of bodies");
+    EXPECT_EQ(fault(trajectory, truth_of(turning_bodies())),
+              "the trajectory has a different number of bodies than the scene");
 }
 
 // A body of its own, told as one of several and as a scene's only one.

@@ -140,7 +140,7 @@ void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
 
 const Gravity falling{{0, 0, -9.81}, {}};
 const std::string keeps_energy = "energy", keeps_L = "angular momentum", keeps_p = "linear momentum",
-                  keeps_L_across = keeps_L + " across u", keeps_p_across = keeps_p + " across u",
+                  keeps_L_across = keeps_L + " perpendicular to u", keeps_p_across = keeps_p + " perpendicular to u",
                   keeps_L_along = keeps_L + " along u";
 
 TEST(ConservedByMechanism, InFlight) {

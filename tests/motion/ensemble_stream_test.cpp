@@ -121,8 +121,8 @@ TEST(EnsembleStream, WithoutABody) {
         }
         return "none";
     };
-    EXPECT_EQ(message_of("mass\n"), "t.csv: has a header and no row; give a line for each body");
-    EXPECT_EQ(message_of("mass\n-1\nx\n").find("t.csv: has no row that is a body; the first: t.csv: line 2"), 0u);
+    EXPECT_EQ(message_of("mass\n"), "t.csv: has a header but no rows; give one line per body");
+    EXPECT_EQ(message_of("mass\n-1\nx\n").find("t.csv: has no valid row; first error: t.csv: line 2"), 0u);
     EXPECT_EQ(message_of("mass\n-1\n1\n"), "none");
 }
 
@@ -150,12 +150,12 @@ TEST(EnsembleStream, NpyIsAsStrictAsCsv) {
     const char a[4] = {'a', 0, 0, 0}, comma[4] = {'a', ',', 'b', 0}, bell[4] = {'a', 7, 0, 0},
                inner[4] = {'a', 0, 'b', 0}, space[4] = {' ', 'a', 0, 0}, latin[4] = {'a', '\xe4', 0, 0};
     expect(one_record("id", "|S4", a), "none");
-    expect(one_record("id", "|S4", comma), "t.npy: row 1, column id: holds a comma");
-    expect(one_record("id", "|S4", space), "a space at an end");
+    expect(one_record("id", "|S4", comma), "t.npy: row 1, column id: contains a comma");
+    expect(one_record("id", "|S4", space), "starts or ends with a space");
     expect(one_record("id", "|S4", bell), "control characters");
     expect(one_record("id", "|S4", inner), "control characters");
     expect(one_record("id", "|S4", latin), "is not UTF-8");
-    expect(one_record("id", "<f8", 1.0), "header: has id of type <f8; give S1 to S200");
+    expect(one_record("id", "<f8", 1.0), "header: declares id with type <f8; give a type from S1 to S200");
     expect(one_record("wx", "<f8", 1.0), "column wy is missing; give all of wx,wy,wz, or none");
     expect(one_record("wx", "|S4", a), "has wx of type |S4; give <f8");
     expect(one_record("Mass", "<f8", 1.0), "has a field Mass; did you mean mass?");

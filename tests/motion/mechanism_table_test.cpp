@@ -111,8 +111,8 @@ TEST(MechanismTable, ARowThatIsNoStartStopsNoOther) {
     EXPECT_EQ(table.row_numbers(1), (std::vector<std::size_t>{1, 8}));
     EXPECT_EQ(table.mechanisms.numbers, (std::vector<double>{1, 2, 3, 4}));
     ASSERT_EQ(table.refused.size(), 6u);
-    const char* const faults[] = {"mass",  "x is no number", "has 2 cells under 3 columns",
-                                  "1e999", "is empty",       "quotes"};
+    const char* const faults[] = {"mass",  "x is not a number", "has 2 cells under 3 columns",
+                                  "1e999", "is empty",          "quotes"};
     for (std::size_t i = 0; i < 6; ++i) {
         EXPECT_EQ(table.refused[i].row, i + 2);
         EXPECT_NE(table.refused[i].fault.find(faults[i]), std::string::npos) << table.refused[i].fault;
@@ -125,8 +125,9 @@ TEST(MechanismTable, RefusesWhatIsNoTableOfStarts) {
     for (const auto& [text, fault] :
          {std::pair{"", "is empty"}, std::pair{"id\na\n", "has no column but id"},
           std::pair{"socket.qw,socket.qx\n1,0\n", "column socket.qy is missing"},
-          std::pair{"base.px\n1\n", "column base.py is missing"}, std::pair{"hinge.angle\n", "has a header and no row"},
-          std::pair{"arm.mass\n-1\n", "has no row that is a start"}, std::pair{"hinge.angles\n1\n", "hinge.angles"},
+          std::pair{"base.px\n1\n", "column base.py is missing"},
+          std::pair{"hinge.angle\n", "has a header but no rows"}, std::pair{"arm.mass\n-1\n", "has no valid row"},
+          std::pair{"hinge.angles\n1\n", "hinge.angles"},
           // a body that a joint carries has no start of its own, a weld no coordinate
           std::pair{"arm.px,arm.py,arm.pz\n1,2,3\n", "arm.px"}, std::pair{"weld.angle\n1\n", "weld.angle"}}) {
         const std::string said = refusal_of(text);

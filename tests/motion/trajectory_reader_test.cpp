@@ -104,22 +104,19 @@ TEST(TrajectoryFile, AColumnIsNotNeededWhereThereIsOneBody) {
 
 TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
     const std::string arm = ",arm,1,0,0,0\n", leg = ",leg,1,0,0,0\n", header = "t,body,qw,qx,qy,qz\n";
-    EXPECT_EQ(
-        fault_of(header + "0" + arm + "0" + leg + "1" + leg + "2" + leg + "2" + arm),
-        "run.csv: line 4, column body: the body \"arm\" is missing at 1 s; give a line for each body at each time");
-    EXPECT_EQ(
-        fault_of(header + "0" + arm + "0" + leg + "1" + leg),
-        "run.csv: line 4, column body: the body \"arm\" is missing at 1 s; give a line for each body at each time");
+    EXPECT_EQ(fault_of(header + "0" + arm + "0" + leg + "1" + leg + "2" + leg + "2" + arm),
+              "run.csv: line 4, column body: body \"arm\" has no line at 1 s; give one line per body at each time");
+    EXPECT_EQ(fault_of(header + "0" + arm + "0" + leg + "1" + leg),
+              "run.csv: line 4, column body: body \"arm\" has no line at 1 s; give one line per body at each time");
     EXPECT_EQ(fault_of(header + "0" + arm + "0" + leg + "0" + arm),
-              "run.csv: line 4, column body: the body \"arm\" is there twice at 0 s; give a line for each body at each "
+              "run.csv: line 4, column body: body \"arm\" has two lines at 0 s; give one line per body at each "
               "time");
     EXPECT_EQ(fault_of(header + "0" + arm + "1" + leg),
-              "run.csv: line 3, column body: there is no body \"leg\" at the first time; give a line for each body at "
+              "run.csv: line 3, column body: body \"leg\" has no line at the first time; give one line per body at "
               "each time");
-    EXPECT_EQ(
-        fault_of(header + "1" + arm + "0" + arm),
-        "run.csv: line 3, column t: 0 s does not come after the 1 s of the sample before; give each time once, in "
-        "order");
+    EXPECT_EQ(fault_of(header + "1" + arm + "0" + arm),
+              "run.csv: line 3, column t: 0 s is not after the 1 s of the previous sample; give each time once, in "
+              "ascending order");
     EXPECT_EQ(fault_of(header + "0,,1,0,0,0\n"), "run.csv: line 2, column body: is empty; give the body's name");
     const std::vector<std::string> names{"arm", "leg"};
     const auto fault_of_scene = [&](const std::string& text) -> std::string {
@@ -131,19 +128,20 @@ TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
         return "";
     };
     EXPECT_EQ(fault_of_scene(header + "0" + arm + "0,lag,1,0,0,0\n"),
-              "run.csv: line 3, column body: \"lag\" is no body of the scene; did you mean leg?");
-    EXPECT_EQ(fault_of_scene("t,qw,qx,qy,qz\n0,1,0,0,0\n"),
-              "run.csv: line 1: column body is missing; give t,body,qw,.. with a line for each of arm, leg, or some of "
-              "them, at "
-              "each time");
+              "run.csv: line 3, column body: \"lag\" is not a body of the scene; did you mean leg?");
+    EXPECT_EQ(
+        fault_of_scene("t,qw,qx,qy,qz\n0,1,0,0,0\n"),
+        "run.csv: line 1: column body is missing; give t,body,qw,.. with one line at each time for each of arm, leg, "
+        "or for some of "
+        "them");
     EXPECT_EQ(fault_of_scene(header + "0" + arm + "0" + leg), "");
     // some of the scene's bodies, the same at each time
     EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg), "");
     EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg + "1" + arm),
-              "run.csv: line 4, column body: there is no body \"arm\" at the first time; give a line for each of the "
-              "file's bodies at each time");
+              "run.csv: line 4, column body: body \"arm\" has no line at the first time; give one line per "
+              "body at each time");
     EXPECT_EQ(fault_of_scene(header + "0" + leg + "0" + arm + "1" + arm),
-              "run.csv: line 4, column body: the body \"leg\" is missing at 1 s; give a line for each body at each "
+              "run.csv: line 4, column body: body \"leg\" has no line at 1 s; give one line per body at each "
               "time");
 }
 
@@ -207,9 +205,9 @@ TEST(TrajectoryFile, MessagesTellWhereAndWhat) {
               "run.csv: line 1, column 5: is named qs; known columns: t, qw, qx, qy, qz, "
               "wx, wy, wz, px, py, pz, ox, oy, oz, vx, vy, vz, bound, body");
     EXPECT_EQ(fault_of("t,qw,qx,qy,qz\n# c\n0.5,1,0,0,0\n0.5,1,0,0,0\n"),
-              "run.csv: line 4, column t: 0.5 s does not come after the 0.5 s of the sample before; give each time "
-              "once, in order");
-    EXPECT_EQ(fault_of("t,qw,qx,qy,qz,wx\n"), "run.csv: line 1: column wy is missing; give all of wx,wy,wz, or none");
+              "run.csv: line 4, column t: 0.5 s is not after the 0.5 s of the previous sample; give each time "
+              "once, in ascending order");
+    EXPECT_EQ(fault_of("t,qw,qx,qy,qz,wx\n"), "run.csv: line 1: column wy is missing; give all of wx,wy,wz or none");
 }
 
 TEST(BadTrajectories, EachIsRefusedInOneLineThatNamesFilePlaceAndRemedy) {

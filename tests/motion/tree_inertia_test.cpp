@@ -47,16 +47,17 @@ TEST(TreeInertia, NamesTheBodyAndTheMotionWithoutInertia) {
     const NamedBody rod = body_of("tip", 2, {0.5, 0.5, 0}, {0, 0, -0.25});
     const std::pair<Scene, const char*> refused[] = {
         {arm_and_tip(no_mass, wrist(JointType::revolute)),
-         "arm: /bodies/1: \"tip\" has no inertia about joint \"wrist\"; give it mass, or fix it"},
+         "arm: /bodies/1: \"tip\" has no inertia about joint \"wrist\"; give it mass, or use a fixed joint"},
         {arm_and_tip(no_mass, wrist(JointType::prismatic)),
-         "arm: /bodies/1: \"tip\" has no mass along joint \"wrist\"; give it mass, or fix it"},
+         "arm: /bodies/1: \"tip\" has no mass along joint \"wrist\"; give it mass, or use a fixed joint"},
         {arm_and_tip(no_mass, wrist(JointType::universal)),
-         "arm: /bodies/1: \"tip\" has no inertia about axis 1 of joint \"wrist\"; give it mass, or fix it"},
+         "arm: /bodies/1: \"tip\" has no inertia about axis 1 of joint \"wrist\"; give it mass, or use a fixed joint"},
         {arm_and_tip(no_mass, wrist(JointType::spherical)),
-         "arm: /bodies/1: \"tip\" has no inertia about some axis through joint \"wrist\"; give it mass, or fix it"},
+         "arm: /bodies/1: \"tip\" has no inertia about some axis through joint \"wrist\"; give it mass, or use a fixed "
+         "joint"},
         // a point mass on the axis, and a ball joint that lets it turn about the line to it
         {arm_and_tip(point, wrist(JointType::revolute, {0, 0, 1})),
-         "\"tip\" has no inertia about joint \"wrist\"; give it mass away from the axis, or fix it"},
+         "\"tip\" has no inertia about joint \"wrist\"; give it mass away from the axis, or use a fixed joint"},
         {arm_and_tip(point, wrist(JointType::spherical)), "use a universal joint"},
         {arm_and_tip(rod, wrist(JointType::revolute, {0, 0, 1})), "\"tip\" has no inertia about joint \"wrist\""},
         {arm_and_tip(rod, wrist(JointType::spherical)),
@@ -103,7 +104,7 @@ TEST(TreeInertia, NamesTheLineOfAnImportedRobot) {
                     "<axis xyz='0 0 1'/></joint>\n<joint name='k' type='continuous'>"
                     "<parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>"),
               "x: /import: r.urdf: line 5: \"a\" has no inertia about joint \"j\"; give it mass away from the axis, or "
-              "fix it");
+              "use a fixed joint");
     std::filesystem::remove_all(folder);
 }
 
@@ -115,11 +116,13 @@ TEST(TreeInertia, AFreeBaseNeedsInertia) {
     scene.bodies[0].initial.velocity_W = {1, 2, 3}, scene.bodies[0].initial.angular_velocity = {0.5, 0.25, -1};
     EXPECT_EQ(fault_of(scene), "");
     scene.joints[0].type = JointType::revolute;
-    EXPECT_NE(fault_of(scene).find("/bodies/0: \"frame\" has no mass, and no joint carries it"), std::string::npos)
+    EXPECT_NE(fault_of(scene).find("/bodies/0: \"frame\" has no mass and is not the child of a joint"),
+              std::string::npos)
         << fault_of(scene);
     scene.bodies[0].body.mass = 1;
-    EXPECT_NE(fault_of(scene).find("\"frame\" has no moment of inertia about some axis, and no joint carries it"),
-              std::string::npos)
+    EXPECT_NE(
+        fault_of(scene).find("\"frame\" has no moment of inertia about some axis and is not the child of a joint"),
+        std::string::npos)
         << fault_of(scene);
 }
 

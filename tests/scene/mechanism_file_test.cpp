@@ -214,21 +214,24 @@ TEST(MechanismFile, EveryKeyOfTheReferenceIsRead) {
 
 TEST(MechanismFile, MessagesTellWhatWasMeant) {
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "world", "child": "uper"})"),
-              "file.json: /joints/0/child: is \"uper\", the name of no body; did you mean upper?");
+              "file.json: /joints/0/child: is \"uper\", which is not the name of a body; did you mean upper?");
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "revolut", "parent": "world", "child": "upper"})"),
               "file.json: /joints/0/type: is the string \"revolut\"; did you mean revolute? give one of revolute, "
               "prismatic, spherical, universal, fixed");
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "world", "child": "upper"},
                                  {"name": "b", "type": "fixed", "parent": "lower", "child": "upper"})"),
-              "file.json: /joints/1/child: is \"upper\", which joint \"a\" carries already; each body is the child of "
-              "one joint at most: close the chain by one of \"loops\"");
-    EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "upper", "child": "lower"},
+              "file.json: /joints/1/child: is \"upper\", which is already the child of joint \"a\"; a body can be the "
+              "child of "
+              "only one joint: close the chain by one of \"loops\"");
+    EXPECT_EQ(
+        mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "upper", "child": "lower"},
                                  {"name": "b", "type": "fixed", "parent": "lower", "child": "upper"})"),
-              "file.json: /joints/0: closes a circle of joints at body \"upper\"; joints form trees: close the chain "
-              "by one of \"loops\"");
+        "file.json: /joints/0: closes a cycle of joints at body \"upper\"; joints must form trees: close the chain "
+        "by one of \"loops\"");
     EXPECT_EQ(mechanism_fault("", R"(, "body": {"mass": 1, "inertia": [1, 1, 1]})"),
-              "file.json: /body: stands beside \"bodies\"; give \"body\", \"initial\" and \"pivot\" of one body, or "
-              "\"bodies\", \"joints\" and \"loops\" of several");
+              "file.json: /body: is given together with \"bodies\"; give \"body\", \"initial\" and \"pivot\" for one "
+              "body, or "
+              "\"bodies\", \"joints\" and \"loops\" for several");
 }
 
 // What a mechanism made in C++ can hold and a file cannot.

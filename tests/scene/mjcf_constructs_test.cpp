@@ -280,7 +280,7 @@ TEST(MjcfConstructs, ElementsActAsTheTableSays) {
         // the parent alone, or the body's element
         const Outcome without = outcome(document_with(parent, ""));
         ASSERT_EQ(without.text.find("refused"), std::string::npos) << place << without.text;
-        const std::string refused = element == "composite" || element == "flexcomp" ? "which is not read" : "";
+        const std::string refused = element == "composite" || element == "flexcomp" ? "which is not supported" : "";
         const std::string xml = "<" + element + " name='n' stiffness='1'><x y='z'/></" + element + ">";
         const Outcome with = outcome(document_with(parent, xml));
         if (!refused.empty()) {

@@ -119,7 +119,7 @@ TEST(MjcfImport, FreeJointsAreDampedByDefault) {
     EXPECT_EQ(robot.links[robot.free_damping[0].link].name, "a");
     EXPECT_EQ(robot.free_damping[0].rotational, 0.7);
     EXPECT_EQ(robot.free_damping[0].translational, 0.7);
-    EXPECT_EQ(robot.omitted, (RobotNotes{{"armature of joints", {"fa"}}, {"friction of joints", {"fa"}}}));
+    EXPECT_EQ(robot.omitted, (RobotNotes{{"joint armature", {"fa"}}, {"joint friction", {"fa"}}}));
     EXPECT_EQ(joint_named(robot, "fa").motion, RobotMotion::free);
 }
 
@@ -197,7 +197,7 @@ TEST(MjcfImport, IncludedFilesTakeThePlaceOfTheElement) {
     }
     EXPECT_EQ(
         fault("<mujoco><include file='a.xml'/></mujoco>"),
-        "robot.xml: line 1, <include>: a.xml: is named in a robot description given as text; read the description "
+        "robot.xml: line 1, <include>: a.xml: is referenced by a robot description given as text; read the description "
         "from a file");
 }
 
@@ -236,10 +236,10 @@ TEST(MjcfImport, AttachesModelsWithTheirOwnSettings) {
         "<mujoco model='kid'><asset><model name='me' file='child.xml'/></asset><worldbody><body name='b'><joint "
         "/>" +
             one_kg + "<attach model='me' prefix='_'/></body></worldbody></mujoco>");
-    EXPECT_NE(folder.fault("main.xml").find("is nested deeper than 300 bodies and frames"), std::string::npos)
+    EXPECT_NE(folder.fault("main.xml").find("is nested more than 300 bodies and frames deep"), std::string::npos)
         << folder.fault("main.xml");
     folder.write("child.xml", "<robot name='r'/>");
-    EXPECT_NE(folder.fault("main.xml").find("attach MJCF files (<mujoco>) only"), std::string::npos);
+    EXPECT_NE(folder.fault("main.xml").find("attach only MJCF files (<mujoco>)"), std::string::npos);
     EXPECT_NE(fault(model("<attach model='q' prefix=''/>"))
                   .find("attaches the model \"q\", which no <asset><model> "
                         "defines"),
@@ -291,7 +291,7 @@ TEST(MjcfImport, ReplicatesBodies) {
     const std::string bomb =
         "<replicate count='1000'><replicate count='1000'><replicate count='1000'><body/></replicate>"
         "</replicate></replicate>";
-    EXPECT_NE(fault(model(bomb)).find("makes the robot larger than"), std::string::npos);
+    EXPECT_NE(fault(model(bomb)).find("makes the robot exceed"), std::string::npos);
 }
 
 // --- masses ------------------------------------------------------------------------------------------------------
@@ -418,7 +418,7 @@ TEST(MjcfImport, ShellsOfPrimitives) {
                 10 * (side * (r * r / 2 + h * h / 3) + balls * (2 * r * r / 3 + h * h + h * r)), 1e-14);
     const Robot egg = shell("type='ellipsoid' size='0.1 0.1 0.1' mass='3'");
     EXPECT_NEAR(tensor_of(egg, "a")[0][0], 2. / 3 * 3 * 0.01, 1e-6);
-    EXPECT_TRUE(is_noted(egg.assumed, "shells of ellipsoids by MuJoCo's approximations", "a"));
+    EXPECT_TRUE(is_noted(egg.assumed, "ellipsoid shells, computed by MuJoCo's approximations", "a"));
 }
 
 // A tetrahedron with the corners 0, a e1, b e2, c e3: V = abc/6, its centre at a quarter, <x^2> = 3 a^2 / 80.
@@ -453,9 +453,10 @@ TEST(MjcfImport, MeshesByExactIntegrals) {
         "vertex='0 0 0 2 0 0 0 2 0 0 0 2 0.1 0.1 0.1' face='0 2 1 0 1 3 0 3 2 1 2 4 2 3 4 3 1 4'";
     const Robot dent = body(dented, "density='1'");
     EXPECT_NEAR(mass_of(dent, "a"), 8 / 6. * 0.15, 1e-14);
-    EXPECT_EQ(dent.assumed.count("meshes by their exact volume, where MuJoCo's rule \"legacy\" takes more"), 1u);
+    EXPECT_EQ(dent.assumed.count("meshes computed by their exact volume, where MuJoCo's rule \"legacy\" gives more"),
+              1u);
     EXPECT_EQ(body(dented + " inertia='exact'", "density='1'")
-                  .assumed.count("meshes by their exact volume, where MuJoCo's rule \"legacy\" takes more"),
+                  .assumed.count("meshes computed by their exact volume, where MuJoCo's rule \"legacy\" gives more"),
               0u);
     EXPECT_NEAR(mass_of(body(dented + " inertia='convex'", "density='1'"), "a"), 8 / 6., 1e-14);
 }
@@ -500,7 +501,8 @@ TEST(MjcfImport, MeshesFromFiles) {
                                    missing));
     const Robot robot = folder.read("main.xml");
     EXPECT_EQ(mass_of(robot, "a"), 1);
-    EXPECT_TRUE(is_noted(robot.assumed, "bodies that do not move, without mass because it cannot be computed", "s"));
+    EXPECT_TRUE(
+        is_noted(robot.assumed, "fixed bodies whose mass cannot be computed, treated as bodies without mass", "s"));
 }
 
 // --- joints ------------------------------------------------------------------------------------------------------
@@ -527,7 +529,7 @@ TEST(MjcfImport, SpringsRestAtSpringrefLessRef) {
     EXPECT_EQ(forces("passive"), std::pair(0.0, 0.0));
     EXPECT_EQ(forces("limit"), std::pair(2.0, 3.0));
     const Robot cubic = read(model("<body><joint name='c' stiffness='2 1' damping='3 0 1'/>" + one_kg + "</body>"));
-    EXPECT_TRUE(is_noted(cubic.omitted, "nonlinear terms of springs and dampers of joints", "c"));
+    EXPECT_TRUE(is_noted(cubic.omitted, "nonlinear terms of joint springs and dampers", "c"));
 }
 
 // stiffness = I / (T z)^2, damping = 2 I / T with the inverse inertia 1 / I at the joint, armature included.
@@ -562,7 +564,7 @@ TEST(MjcfImport, SpringdamperByTheInertiaAtTheJoint) {
 TEST(MjcfImport, LimitsByLimitedAndAutolimits) {
     const auto limits = [](const std::string& joint, const std::string& sections = "") {
         return read(model("<body name='b'><joint name='j' " + joint + "/>" + one_kg + "</body>", sections))
-                   .omitted.count("limits of joints") > 0;
+                   .omitted.count("joint limits") > 0;
     };
     EXPECT_TRUE(limits("range='-1 1'"));
     EXPECT_TRUE(limits("range='-1 1' limited='true'"));
@@ -598,7 +600,7 @@ TEST(MjcfImport, BodiesWithoutJointsAndMocapBodies) {
     EXPECT_EQ(joint_of(robot, "m").parent, RobotJoint::world);
     expect_near(cast<double>(joint_of(robot, "m").placement.position), {1, 2, 3}, 0);
     EXPECT_EQ(joint_of(robot, "w").motion, RobotMotion::fixed);
-    EXPECT_TRUE(is_noted(robot.assumed, "mocap bodies, held in place", "m"));
+    EXPECT_TRUE(is_noted(robot.assumed, "mocap bodies, fixed in place", "m"));
     EXPECT_NE(fault(model("<body mocap='true'><joint/></body>")).find("is a mocap body with joints"),
               std::string::npos);
     EXPECT_NE(fault(model("<body><body mocap='true'/></body>")).find("inside another body"), std::string::npos);
@@ -683,10 +685,11 @@ TEST(MjcfImport, RefusalsNameThePlaceAndTheRemedy) {
         {model("<joint/>"), "is a joint of the world"},
         {model(one_kg), "is an <inertial> of the world"},
         {model(hinged("a", one_kg + one_kg)), "is a second <inertial> of one body"},
-        {model("<body><composite prefix='p'/></body>"), "makes bodies by <composite> \"p\", which is not read"},
-        {model("<flexcomp name='f'/>"), "makes bodies by <flexcomp> \"f\", which is not read"},
+        {model("<body><composite prefix='p'/></body>"),
+         "generates bodies by <composite> \"p\", which is not supported"},
+        {model("<flexcomp name='f'/>"), "generates bodies by <flexcomp> \"f\", which is not supported"},
         {model(geom("type='cone' size='1 1'")), "has the type \"cone\""},
-        {model(geom("type='capsule' fromto='0 0 0 0 0 0' size='1'")), "has no direction in fromto"},
+        {model(geom("type='capsule' fromto='0 0 0 0 0 0' size='1'")), "has a vector of length zero in fromto"},
         {model(geom("type='sphere' fromto='0 0 0 0 0 1' size='1'")), "is a sphere and has fromto"},
         {model(geom("type='box' fromto='0 0 0 0 0 1' size='1' pos='1 0 0'")), "has both pos and fromto"},
         {model(geom("size='-1'")), "has no volume"},
@@ -694,7 +697,7 @@ TEST(MjcfImport, RefusalsNameThePlaceAndTheRemedy) {
         {model(geom("type='mesh' mesh='q'")), "has the mesh \"q\", which no <asset> defines"},
         {model(geom("type='cylinder' mesh='m'"), mesh + "<compiler fitaabb='true'/>"), "bounding box of a mesh"},
         {model(geom("type='mesh' mesh='m'"), "<asset><mesh name='m' builtin='cone' params='1 1'/></asset>"),
-         "makes the mesh \"m\" by a program"},
+         "generates the mesh \"m\""},
         {model(geom("type='mesh' mesh='m'"), "<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 1 1 0'/></asset>"),
          "convex hull that cannot be computed"},
         {model(geom("type='mesh' mesh='m'"),
@@ -703,11 +706,11 @@ TEST(MjcfImport, RefusalsNameThePlaceAndTheRemedy) {
         {model("", "<asset><mesh name='m'/><mesh name='m'/></asset>"), "is a second mesh \"m\""},
         {model("", "<default><default/></default>"), "has no \"class\""},
         {model("", "<default><default class='a'/><default class='a'/></default>"), "is a second class \"a\""},
-        {model("<body><joint type='free'/><joint/></body>"), "frees the body \"body1\""},
-        {model(hinged("a", "<body name='b'><freejoint/>" + one_kg + "</body>")), "frees the body \"b\""},
+        {model("<body><joint type='free'/><joint/></body>"), "is a free joint of the body \"body1\""},
+        {model(hinged("a", "<body name='b'><freejoint/>" + one_kg + "</body>")), "is a free joint of the body \"b\""},
         {model("<body name='a'/><body name='a'/>"), "is a second body \"a\""},
         {model("", "<option><flag gravity='off'/></option>"), "give enable or disable"},
-        {model("<attach prefix='a'/>"), "has neither a model, nor a body or frame of this one"},
+        {model("<attach prefix='a'/>"), "has no model, and no body or frame of this model"},
         {model("<include file='a.xml'><body/></include>"), "has elements inside"},
     };
     for (const auto& [text, expected] : faults) {

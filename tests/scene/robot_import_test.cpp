@@ -115,11 +115,9 @@ TEST(RobotImport, UrdfJointsMoveAsItsMatricesSay) {
     expect_same(by_contract(joint_named(s, "j3"), z), rpy(3, 0, 0) * turned({1, 0, 0}, z), 1e-15);
     EXPECT_EQ(s.bodies[1].body.mass, 2);
     EXPECT_EQ(s.bodies[1].body.center_of_mass, Vector3<double>(0.1, 0.2, 0.3));
-    EXPECT_EQ(s.omitted,
-              (std::vector<std::string>{"friction of joints: j1", "limits of joints: j1", "transmissions: t1"}));
-    EXPECT_EQ(s.assumed,
-              (std::vector<std::string>{"gravity: none; the file does not state it, and the scene has no such load",
-                                        "links without mass, merged: world_link"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"joint friction: j1", "joint limits: j1", "transmissions: t1"}));
+    EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity: none; neither the file nor the scene defines it",
+                                                   "links without mass, merged: world_link"}));
 }
 
 // A frame between two links by fixed joints changes no motion, wherever it stands.
@@ -136,7 +134,7 @@ TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
     expect_same(by_contract(joint_named(before, "j"), 0.9), step * other * turned({0, 0.6, 0.8}, 0.9), 1e-15);
     EXPECT_TRUE(before.omitted.empty());
     EXPECT_EQ(before.assumed,
-              (std::vector<std::string>{"gravity: none; the file does not state it, and the scene has no such load",
+              (std::vector<std::string>{"gravity: none; neither the file nor the scene defines it",
                                         "links without mass, dropped: tip", "links without mass, merged: m"}));
     // behind it, with a second link on the frame
     const Scene behind =
@@ -261,17 +259,18 @@ TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     EXPECT_NEAR(I[2][2], 0.006002, 1e-17);
     ASSERT_EQ(rounded.assumed.size(), 3u);
     EXPECT_EQ(rounded.assumed[1],
-              "inertia tensors repaired by the smallest change of the principal moments: plate (excess 0.0005 of the "
+              "inertia tensors corrected by the smallest change of the principal moments: plate (excess 0.0005 of the "
               "largest moment 0.006003 kg m^2, largest change 1e-06 kg m^2)");
     validate(rounded, "robot.urdf");
     try {
         plate(0.007, false);
         FAIL() << "an excess of a seventh was accepted";
     } catch (const InputError& error) {
-        EXPECT_STREQ(error.what(),
-                     "robot.urdf: line 1: link \"plate\" breaks the triangle inequality: its largest principal moment "
-                     "0.007 kg m^2 exceeds the sum of the other two by 0.143 of itself; correct the tensor, or accept "
-                     "the smallest change by \"balance_inertia\": true");
+        EXPECT_STREQ(
+            error.what(),
+            "robot.urdf: line 1: link \"plate\" violates the triangle inequality: its largest principal moment "
+            "0.007 kg m^2 exceeds the sum of the other two by 0.143 of its value; correct the tensor, or permit "
+            "the smallest correction by \"balance_inertia\": true");
     }
     const Scene balanced = plate(0.007, true);
     EXPECT_NEAR(balanced.bodies[0].body.inertia_B[2][2], 0.007 - 0.001 / 3, 1e-17);
@@ -304,7 +303,7 @@ TEST(RobotImport, WorldIsAnImpliedParentAndFloatingLinksHangOnFixedOnes) {
     const Scene s = robot_scene(urdf(link("a") + joint("j", "revolute", "world", "a", "<origin xyz='1 2 3'/>")));
     EXPECT_EQ(s.joints[0].parent, "world");
     EXPECT_EQ(s.joints[0].parent_point, Vector3<double>(1, 2, 3));
-    EXPECT_EQ(s.assumed[1], "parent \"world\" without a link of that name: the world, of joints: j");
+    EXPECT_EQ(s.assumed[1], "joints with parent \"world\" but no link of that name, connected to the world: j");
     const Scene floating = robot_scene(
         urdf(link("a") + link("b") +
              joint("j", "floating", "a", "b", "<origin xyz='1 2 3'/><dynamics damping='1' friction='0'/>")));
@@ -326,11 +325,12 @@ TEST(RobotImport, ConstructsOfUrdfThatAreNotModelledAreNamed) {
     EXPECT_EQ(
         message(
             "<robot name='p' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:property name='m' value='1'/></robot>"),
-        "robot.xml: line 1, <xacro:property>: is a macro of xacro; expand the file with xacro first: xacro FILE > "
+        "robot.xml: line 1, <xacro:property>: is an xacro macro; expand the file with xacro first: xacro FILE > "
         "robot.urdf");
-    EXPECT_NE(message(urdf("<link name='${n}'/>")).find("has the expression \"${n}\" in name"), std::string::npos);
+    EXPECT_NE(message(urdf("<link name='${n}'/>")).find("has the xacro expression \"${n}\" in name"),
+              std::string::npos);
     EXPECT_NE(message(urdf(link("a") + link("b") + "<drake:joint name='j' type='ball'/>"))
-                  .find("is a joint outside the format"),
+                  .find("is a joint type that is not part of URDF"),
               std::string::npos);
 }
 
@@ -464,10 +464,10 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "armature of joints: h", "friction of joints: h",
-                                                   "limits of joints: h", "springs of ball joints: ball"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint armature: h", "joint friction: h",
+                                                   "joint limits: h", "springs of ball joints: ball"}));
     EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity (0, 0, -1) m/s^2: <option gravity>",
-                                                   "hinges that are one universal joint: x+y"}));
+                                                   "pairs of hinges converted to one universal joint: x+y"}));
     // orientations: a quarter turn about z by each of the ways
     for (const char* way : {"quat='1 0 0 1'", "euler='0 0 90'", "axisangle='0 0 1 90'", "xyaxes='0 1 0 -1 0.25 0'"}) {
         const Scene q =
@@ -502,7 +502,7 @@ TEST(RobotImport, FramesOfSdf) {
     // a model that nothing ties to the world is free, and where it is
     EXPECT_NEAR(s.bodies[0].initial.position_W[0], 10 + std::cos(1.0), 1e-15);
     EXPECT_NEAR(s.bodies[0].initial.position_W[1], std::sin(1.0), 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"limits of joints: j"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"joint limits: j"}));
 }
 
 TEST(RobotImport, RefusesWhatItCannotMake) {
@@ -520,31 +520,31 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
         {urdf(bare("a")), "has no link with a mass"},
         {urdf(two + joint("j", "planar", "a", "b")), "joint \"j\" is a planar joint"},
         {urdf(two + joint("j", "screw", "a", "b")), "has the type \"screw\""},
-        {urdf(two + joint("j", "fixed", "a", "bb")), "names \"bb\", which is no link"},
+        {urdf(two + joint("j", "fixed", "a", "bb")), "refers to \"bb\", which is not a link"},
         {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "a", "b")),
-         "makes \"b\" the child of joint \"k\", and it is the child of \"j\""},
-        {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "b", "a")), "has joints that form a circle"},
+         "makes \"b\" the child of joint \"k\", but it is already the child of \"j\""},
+        {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "b", "a")), "has joints that form a cycle"},
         {urdf(link("a") + link("a")), "is a second link \"a\""},
         {urdf(two + joint("j", "fixed", "a", "b") + joint("j", "fixed", "b", "a")), "is a second joint \"j\""},
         {urdf(two + joint("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>")), "<axis>: is zero"},
         {urdf(two + link("c") + joint("j", "revolute", "a", "b") + joint("k", "floating", "b", "c")),
-         "joint \"k\" frees a link from one that moves"},
-        {urdf(link("a")), "nothing moves: \"a\" and all other links are fixed to the world"},
+         "joint \"k\" is a free joint below a moving link"},
+        {urdf(link("a")), "cannot move: \"a\" and all other links are fixed to the world"},
         {mjcf("<body><joint type='screw'/>" + mjcf_inertial + "</body>"), "has the type \"screw\""},
         {mjcf("<body><joint/><freejoint/>" + mjcf_inertial + "</body>"),
-         "frees the body \"body1\", which is not in the world or has other joints"},
+         "is a free joint of the body \"body1\", which is not a child of the world or has other joints"},
         {mjcf("<body class='x'><joint class='x'/>" + mjcf_inertial + "</body>"), "has the class \"x\""},
         {mjcf("<body><composite type='cable' prefix='c'/>" + mjcf_inertial + "</body>"),
-         "makes bodies by <composite> \"c\", which is not read"},
+         "generates bodies by <composite> \"c\", which is not supported"},
         {mjcf("<body quat='1 0 0 0' euler='0 0 0'>" + mjcf_inertial + "</body>"), "has two orientations"},
-        {mjcf("", "<include file='other.xml'/>"), "is named in a robot description given as text"},
+        {mjcf("", "<include file='other.xml'/>"), "is referenced by a robot description given as text"},
         {mjcf("<body name='a'>" + mjcf_inertial + "</body><body name='a'>" + mjcf_inertial + "</body>"),
          "is a second body \"a\""},
         {mjcf("<body><joint/><geom type='capsule' size='1'/></body>"), "has 1 numbers in size"},
         {"<sdf/>", "has no <model> with a link"},
         {sdf("<joint name='j' type='screw'><parent>a</parent><child>b</child></joint>"), "has the type \"screw\""},
         {sdf("<joint name='j' type='revolute'><parent>a</parent><child>b</child></joint>"), "has no <axis>"},
-        {sdf("<joint name='j' type='fixed'><parent>a</parent><child>c</child></joint>"), "names \"c\""},
+        {sdf("<joint name='j' type='fixed'><parent>a</parent><child>c</child></joint>"), "refers to \"c\""},
         {sdf("<frame name='f'><pose relative_to='g'/></frame><frame name='g' attached_to='f'/>"
              "<joint name='j' type='fixed'><pose relative_to='f'>0 0 0 0 0 "
              "0</pose><parent>a</parent><child>b</child></joint>"),
@@ -568,7 +568,7 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     ASSERT_EQ(built_in.joints.size(), 6u);
     EXPECT_EQ(joint_named(built_in, "waist").coordinate[0], 0.25);
     EXPECT_EQ(joint_named(built_in, "flange_roll").rate[0], 4);
-    EXPECT_EQ(built_in.omitted, (std::vector<std::string>{"limits of joints: waist, shoulder, elbow, wrist_bend"}));
+    EXPECT_EQ(built_in.omitted, (std::vector<std::string>{"joint limits: waist, shoulder, elbow, wrist_bend"}));
     EXPECT_EQ(built_in.assumed,
               (std::vector<std::string>{"links without mass, dropped: tool", "links without mass, merged: base"}));
     // what is written stands alone
@@ -615,14 +615,15 @@ TEST(RobotImport, TheMemberImport) {
     EXPECT_EQ(fault(file + R"(, "initial": {"elbo": {}}})"),
               "file.json: /import/initial/elbo: is neither a joint nor a free body of the robot; did you mean elbow?");
     EXPECT_EQ(fault(file + R"(, "initial": {"elbow": {"speed": 1}}})"),
-              "file.json: /import/initial/elbow/speed: is an unknown key; known here: angle, rate, dependent");
+              "file.json: /import/initial/elbow/speed: is an unknown key; known keys: angle, rate, dependent");
     EXPECT_NE(fault(file + R"(, "base": "loose"})").find("/import/base: is the string \"loose\""), std::string::npos);
     EXPECT_NE(fault(file + R"(, "link": "forearm"})").find("/import/link: is an unknown key"), std::string::npos);
     EXPECT_NE(fault(R"("import": {"file": "arm6.urdf"})").find("/import: mechanisms/arm6.urdf: is not a built-in file"),
               std::string::npos);
-    EXPECT_NE(fault(file + R"(}, "bodies": [])").find("/bodies: stands beside \"import\""), std::string::npos);
-    EXPECT_NE(fault(file + R"(}, "joints": [])").find("/joints: stands beside \"import\""), std::string::npos);
-    EXPECT_NE(fault(file + R"(}, "pivot": [0, 0, 0])").find("/pivot: stands beside \"import\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "bodies": [])").find("/bodies: is given together with \"import\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "joints": [])").find("/joints: is given together with \"import\""), std::string::npos);
+    EXPECT_NE(fault(file + R"(}, "pivot": [0, 0, 0])").find("/pivot: is given together with \"import\""),
+              std::string::npos);
     EXPECT_EQ(fault(file + R"(, "initial": {"elbow": {"dependent": true}}},
         "loops": [{"name": "l", "type": "spherical", "first": "flange", "second": "world"}])"),
               "");

@@ -141,21 +141,21 @@ TEST(SceneFile, NumbersAreTheNearestBinary64) {
 TEST(SceneFile, MessagesTellWhatWasMeant) {
     EXPECT_EQ(
         fault_of(scene_with(R"("load": [])")),
-        "file.json: /load: is an unknown key; did you mean loads? known here: name, about, source, duration, body, "
+        "file.json: /load: is an unknown key; did you mean loads? known keys: name, about, source, duration, body, "
         "initial, pivot, bodies, joints, import, loops, loads, planes, tolerated");
     EXPECT_EQ(fault_of(scene_with(R"("pivot": [0, "1", 0])")),
               "file.json: /pivot/1: is the string \"1\"; give a number");
     EXPECT_EQ(fault_of(R"({"name": "s", "duration": 1, "body": {"mass": 1, "inertia": [1, -1, 3]}})"),
               "file.json: /body/inertia/1: is -1; a moment of inertia must be > 0");
     EXPECT_EQ(fault_of(R"({"name": "s", "duration": 1, "body": {"mass": 1e999, "inertia": [1, 1, 3]}})"),
-              "file.json: /body/mass: is infinite as binary64; give a finite number");
+              "file.json: /body/mass: is too large for binary64; give a finite number");
 }
 
 TEST(SceneFile, FilesThatCannotBeReadAreNamed) {
     EXPECT_NE(message_of("/nowhere/scene.json").find("/nowhere/scene.json: cannot be opened: No such file"),
               std::string::npos);
     EXPECT_NE(message_of(source_dir()).find("Is a directory"), std::string::npos);
-    EXPECT_NE(message_of("/dev/zero").find("is a device and no regular file"), std::string::npos);
+    EXPECT_NE(message_of("/dev/zero").find("is a device, not a regular file"), std::string::npos);
     const std::string message = message_of("no\nsuch\x1b[31m file \xff.json");
     EXPECT_NE(message.find("no\\nsuch\\x1b[31m file \\xff.json"), std::string::npos) << message;
 }

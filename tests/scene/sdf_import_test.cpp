@@ -116,8 +116,7 @@ TEST(SdfImport, VersionsThatAreNotSupportedAreRefusedByNumber) {
             << sdf_fault(sdf(version, inside));
     EXPECT_NE(sdf_fault("<gazebo version='1.2'/>").find("is SDFormat 1.0 to 1.2; versions 1.3 to 1.12 are supported"),
               std::string::npos);
-    EXPECT_EQ(read_sdf("<sdf>" + inside + "</sdf>").assumed["SDFormat version, which a file does not state"],
-              Names{"1.12"});
+    EXPECT_EQ(read_sdf("<sdf>" + inside + "</sdf>").assumed["SDFormat version, missing in the file"], Names{"1.12"});
 }
 
 TEST(SdfImport, PosesAreRelativeToTheirFrames) {
@@ -307,7 +306,7 @@ TEST(SdfImport, ModelsAreTakenByNameOrAllTogether) {
     EXPECT_EQ(names_of(read_sdf(text)), (Names{"m::a", "m::b", "m::k::c", "m::k::d", "n::a", "m::k::j", "m::j", "j"}));
     const Robot m = read_sdf(text, "m");
     EXPECT_EQ(names_of(m), (Names{"a", "b", "k::c", "k::d", "k::j", "j"}));
-    EXPECT_EQ(m.omitted.at("joints to models that are not taken").size(), 1u);
+    EXPECT_EQ(m.omitted.at("joints to models that are not imported").size(), 1u);
     EXPECT_EQ(names_of(read_sdf(text, "m::k")), (Names{"c", "d", "j"}));
     EXPECT_NE(sdf_fault(text, "m::l").find("has no model \"m::l\""), std::string::npos);
 }
@@ -318,7 +317,7 @@ TEST(SdfImport, StaticModelsArePartOfTheWorld) {
         sdf("1.11", "<world name='w'>" + post + model("m", link("a")) + joint("j", "post::beam", "m::a") + "</world>"));
     EXPECT_EQ(names_of(robot), (Names{"a", "j"}));
     EXPECT_EQ(robot.joints[0].parent, RobotJoint::world);
-    EXPECT_EQ(robot.assumed["static models, which are part of the world"], Names{"post"});
+    EXPECT_EQ(robot.assumed["static models, treated as part of the world"], Names{"post"});
     // as the child: the joint is read from the world to the model, with the same coordinate
     robot = read_sdf(
         sdf("1.11", "<world name='w'>" + post + model("m", link("a")) + joint("j", "m::a", "post::beam") + "</world>"));
@@ -345,7 +344,7 @@ TEST(SdfImport, JointsAreDirectedFromTheRoot) {
     expect_vector(narrow(k.point), {0, 0, -2});
     expect_vector(narrow(k.placement.position), {0, 0, 2});
     EXPECT_EQ(double(k.damping[1]), 1);
-    EXPECT_EQ(robot.assumed["joints with parent and child exchanged, so that each link has one parent"], Names{"k"});
+    EXPECT_EQ(robot.assumed["joints with parent and child swapped, so that each link has one parent"], Names{"k"});
     const std::string fault = sdf_fault(sdf("1.9", model("m", link("a") + link("b") + link("c") + joint("j", "a", "b") +
                                                                   joint("k", "a", "c") + joint("l", "c", "b"))));
     EXPECT_NE(fault.find("joint \"l\" closes a loop: joint \"k\" already connects link \"c\""), std::string::npos)
@@ -419,8 +418,8 @@ TEST(SdfImport, IncludedModelsAreReadFromTheFolder) {
     EXPECT_NE(fault(include("bad")).find("bad/model.sdf: line 2, <pose>: has 2 numbers"), std::string::npos)
         << fault(include("bad"));
     EXPECT_NE(fault(include("https://fuel.gazebosim.org/x")).find("which is not a file"), std::string::npos);
-    EXPECT_NE(fault(include("model://none")).find("there is no such model"), std::string::npos);
-    EXPECT_NE(fault(include("../../etc/passwd.sdf")).find("there is no such model"), std::string::npos);
+    EXPECT_NE(fault(include("model://none")).find("no such model was found"), std::string::npos);
+    EXPECT_NE(fault(include("../../etc/passwd.sdf")).find("no such model was found"), std::string::npos);
     EXPECT_NE(fault(include("crank", "<placement_frame>rod</placement_frame>")).find("without a <pose>"),
               std::string::npos);
     folder.write("self/model.sdf", sdf("1.6", model("self", link("p") + include("model://self", "<name>t</name>"))));
@@ -461,10 +460,11 @@ TEST(SdfImport, RefusesWhatItCannotMake) {
         {typed("magic"), "joint \"j\" has the type \"magic\"; give revolute, continuous"},
         {typed("revolute"), "has no <axis>"},
         {typed("universal"), "has no <axis>"},
-        {two("<drake:joint name='j' type='planar'/>"), "<drake:joint>: \"j\" is a joint of an extension"},
-        {two(joint("j", "a", "world")), "<child>: of joint \"j\" is the world; exchange parent and child"},
-        {two(joint("j", "a", "c")), "<child>: names \"c\", which is nothing in the model \"m\""},
-        {two(joint("j", "a", "a")), "joint \"j\" has one link as parent and child"},
+        {two("<drake:joint name='j' type='planar'/>"),
+         "<drake:joint>: \"j\" is a joint type that is not part of SDFormat"},
+        {two(joint("j", "a", "world")), "<child>: of joint \"j\" is the world; swap parent and child"},
+        {two(joint("j", "a", "c")), "<child>: refers to \"c\", which does not exist in the model \"m\""},
+        {two(joint("j", "a", "a")), "joint \"j\" has the same link as parent and child"},
         {two(joint("j", "a", "b", "<axis><xyz>0 0 0</xyz></axis>")), "<xyz>: is zero"},
         {two(joint("j", "a", "b") + joint("j", "b", "a")), "is a second \"m::j\""},
         {two("<frame name='f'><pose relative_to='g'/></frame><frame name='g' attached_to='f'/>" +
@@ -473,8 +473,8 @@ TEST(SdfImport, RefusesWhatItCannotMake) {
         {two("<frame name='f' attached_to='g'/><frame name='g' attached_to='f'/>" + joint("j", "a", "f")),
          "is attached to itself"},
         {two("<frame name='world'/>"), "has the reserved name \"world\""},
-        {two("<model name='n'/>" + joint("j", "a", "n")), "names the model \"m::n\", which has no link"},
-        {two("<include><uri>x</uri></include>"), "there is no such model"},
+        {two("<model name='n'/>" + joint("j", "a", "n")), "refers to the model \"m::n\", which has no link"},
+        {two("<include><uri>x</uri></include>"), "no such model was found"},
         {sdf("1.9", model("m", link("a", "<pose rotation_format='matrix'/>"))), "has the rotation_format \"matrix\""},
         {sdf("1.9", model("m", link("a", "<pose degrees='maybe'/>"))), "has \"maybe\" in degrees"},
         {sdf("1.9", model("m", "<static>perhaps</static>" + link("a"))), "has \"perhaps\" in it"},
@@ -525,7 +525,7 @@ TEST(SdfImport, MissingModelsOfAWorldAreNamed) {
         "name='a'/></model></world></sdf>";
     const Scene scene = sdf_scene(world);
     EXPECT_EQ(scene.bodies.size(), 1u);
-    EXPECT_EQ(scene.omitted, std::vector<std::string>{"included models of the world that are not there: model://sun"});
+    EXPECT_EQ(scene.omitted, std::vector<std::string>{"included models of the world that were not found: model://sun"});
 }
 
 // Each modelled element that has a text or an attribute, in values that act.

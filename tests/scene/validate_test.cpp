@@ -116,7 +116,7 @@ TEST(Validate, RefusesWhatCannotBe) {
     EXPECT_NE(fault_with([](Scene& s) {
                   s.pivot = Vector3<double>();
                   s.initial.velocity_W[0] = 1;
-              }).find("/initial/velocity: stands beside a pivot"),
+              }).find("/initial/velocity: is given, but the scene has a pivot"),
               std::string::npos);
     // finite numbers whose inverses or products are not
     EXPECT_NE(fault_with([](Scene& s) { s.body.mass = 5e-324; }).find("/body/mass"), std::string::npos);
@@ -132,7 +132,7 @@ TEST(Validate, RefusesWhatCannotBe) {
                       s.body.inertia_B = diagonal(Vector3<double>(1e-55, 1.2e-55, 1.5e-55));
                       s.body.center_of_mass = arm;
                       s.pivot = Vector3<double>();
-                  }).find("/pivot: makes a principal moment about it less than 1e-30 of the largest, "),
+                  }).find("/pivot: makes a principal moment about the pivot less than 1e-30 of the largest, "),
                   std::string::npos);
     // but not a needle held at a point of its own axis
     EXPECT_EQ(fault_with([](Scene& s) {

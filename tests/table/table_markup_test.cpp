@@ -99,8 +99,8 @@ TEST(Latex, LeavesOutWhatDoesNotFit) {
         table.rows.push_back(cells);
     }
     const std::string text = latex(table, "Wide", "");
-    EXPECT_NE(text.find("In every row status: ok; scene: a scene."), std::string::npos) << text;
-    EXPECT_NE(text.find("In the CSV also: message, error number 11"), std::string::npos) << text;
+    EXPECT_NE(text.find("Constant in all rows: status: ok; scene: a scene."), std::string::npos) << text;
+    EXPECT_NE(text.find("Further columns in the CSV file: message, error number 11"), std::string::npos) << text;
     EXPECT_NE(text.find("\\num{1.23e-5}"), std::string::npos) << text;
 }
 

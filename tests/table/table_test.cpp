@@ -107,13 +107,13 @@ TEST(Csv, TakesOtherLineEndings) {
 }
 
 TEST(Csv, NamesLineAndFault) {
-    EXPECT_EQ(fault_of(""), "line 1: there is no header");
+    EXPECT_EQ(fault_of(""), "line 1: the header is missing");
     EXPECT_EQ(fault_of("a,b,a\n"), "line 1: two columns are named 'a'");
     EXPECT_EQ(fault_of("a,b\n1,2\n1\n"), "line 3: 1 field under 2 columns");
     EXPECT_EQ(fault_of("a,b\n\"x\ny\",2\n1,2,3\n"), "line 4: 3 fields under 2 columns");
     EXPECT_EQ(fault_of("a\nb\"c\n"), "line 2: a quote inside the unquoted field 'b\"c'");
-    EXPECT_EQ(fault_of("a\n\"b\"c\n"), "line 2: there is text behind a closing quote");
-    EXPECT_EQ(fault_of("a\nb\n\"c\nd\n"), "line 3: a quote is opened and never closed");
+    EXPECT_EQ(fault_of("a\n\"b\"c\n"), "line 2: text after a closing quote");
+    EXPECT_EQ(fault_of("a\nb\n\"c\nd\n"), "line 3: an opening quote has no closing quote");
     EXPECT_EQ(fault_of("a,b\n1,2\n"), "none");
 }
 

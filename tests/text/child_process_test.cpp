@@ -27,7 +27,7 @@ TEST(ChildProcess, NeedNotReadItsInput) { EXPECT_EQ(run_child({"true"}, std::str
 
 TEST(ChildProcess, QuotesTheLastLineOfWhatItSays) {
     EXPECT_EQ(run_child({"sh", "-c", "echo one >&2; printf 'two\\033\\n\\n' >&2; exit 7"}, "").fault,
-              "sh failed (7): two\\x1b");
+              "sh exited with code 7: two\\x1b");
     EXPECT_EQ(run_child({"sh", "-c", "echo all is well >&2"}, "").fault, "");
 }
 
@@ -69,7 +69,7 @@ TEST(ProgramName, HasNoFolders) {
     EXPECT_EQ(program_name("./engine"), "engine");
     EXPECT_EQ(program_name("engine"), "engine");
     EXPECT_EQ(program_name("folder/"), "folder/");
-    EXPECT_EQ(run_child({"/bin/sh", "-c", "exit 3"}, "").fault, "sh failed (3)");
+    EXPECT_EQ(run_child({"/bin/sh", "-c", "exit 3"}, "").fault, "sh exited with code 3");
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(JsonDocument, StaysWhereItIsWhenMoved) {
     const JsonNode* node = first.root().find("a");
     const JsonDocument second(std::move(first));
     EXPECT_EQ(second.root().find("a"), node);
-    EXPECT_EQ(thrown([&] { node->number(); }), "f: /a: is an array of 1; give a number");
+    EXPECT_EQ(thrown([&] { node->number(); }), "f: /a: is an array of length 1; give a number");
 }
 
 TEST(JsonDocument, GettersSayWhatIsThere) {
@@ -66,22 +66,22 @@ TEST(JsonDocument, GettersSayWhatIsThere) {
     EXPECT_EQ(thrown([&] {
                   document.root().only({"n", "s", "t", "o"});
               }),
-              "f: /z: is an unknown key; known here: n, s, t, o");
+              "f: /z: is an unknown key; known keys: n, s, t, o");
 }
 
 TEST(JsonDocument, DepthOf64IsAllowedAnd65IsNot) {
     const auto nested = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
     EXPECT_EQ(fault_of(nested(64)), "");
-    EXPECT_NE(fault_of(nested(65)).find("deeper than 64"), std::string::npos);
-    EXPECT_NE(fault_of(std::string(10'000'000, '[')).find("deeper than 64"), std::string::npos);
+    EXPECT_NE(fault_of(nested(65)).find("more than 64 levels deep"), std::string::npos);
+    EXPECT_NE(fault_of(std::string(10'000'000, '[')).find("more than 64 levels deep"), std::string::npos);
 }
 
 TEST(JsonDocument, SyntaxErrorsGiveLineColumnAndPointer) {
     EXPECT_EQ(fault_of("{\n  \"a\": [1,\n    oops]}").find("f: line 3, column 5, in /a/1: "), 0u)
         << fault_of("{\n  \"a\": [1,\n    oops]}");
     EXPECT_EQ(fault_of("{\"a\": {\"b\": -Infinity}}"),
-              "f: /a/b: is -Infinity, which is no number; give a finite number");
-    EXPECT_EQ(fault_of("[1, 2, 1e400]"), "f: /2: is infinite as binary64; give a finite number");
+              "f: /a/b: is -Infinity, which is not a number in JSON; give a finite number");
+    EXPECT_EQ(fault_of("[1, 2, 1e400]"), "f: /2: is too large for binary64; give a finite number");
 }
 
 TEST(JsonDocument, RefusesGuards) {
@@ -97,7 +97,7 @@ TEST(ReadText, AFifoIsRefusedAtOnce) {
     ASSERT_NE(::mkdtemp(directory.data()), nullptr);
     const std::string path = directory + "/pipe";
     ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
-    EXPECT_NE(thrown([&] { read_text(path); }).find("is a FIFO and no regular file"), std::string::npos);
+    EXPECT_NE(thrown([&] { read_text(path); }).find("is a FIFO, not a regular file"), std::string::npos);
     std::filesystem::remove_all(directory);
 }
 

@@ -40,9 +40,9 @@ TEST(LineProcess, TellsHowItEnded) {
         EXPECT_EQ(process.ask("again", 10s).fault, answer.fault);
         return answer.fault;
     };
-    EXPECT_EQ(fault("read -r line; echo out of order >&2; exit 3"), "sh failed (3): out of order");
-    EXPECT_EQ(fault("read -r line; kill -9 $$"), "sh was ended by signal 9");
-    EXPECT_EQ(fault("read -r line; exit 0"), "sh ended without an answer");
+    EXPECT_EQ(fault("read -r line; echo out of order >&2; exit 3"), "sh exited with code 3: out of order");
+    EXPECT_EQ(fault("read -r line; kill -9 $$"), "sh was terminated by signal 9");
+    EXPECT_EQ(fault("read -r line; exit 0"), "sh exited without an answer");
 }
 
 TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
@@ -50,7 +50,7 @@ TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
     LineProcess hanging(script("read -r line; sleep 600"));
     const LineAnswer answer = hanging.ask("question", 200ms);
     EXPECT_TRUE(answer.was_out_of_time);
-    EXPECT_EQ(answer.fault, "sh was stopped: it gave no answer within 0.2 s");
+    EXPECT_EQ(answer.fault, "sh was stopped: it did not answer within 0.2 s");
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
 
@@ -59,7 +59,7 @@ TEST(LineProcess, WhatIsNotThereIsSaid) {
     const LineAnswer answer = none.next(1s);
     EXPECT_TRUE(answer.was_not_found);
     EXPECT_EQ(answer.fault, "/no/such/program was not found");
-    EXPECT_EQ(LineProcess({}).next(1s).fault, "no program is named");
+    EXPECT_EQ(LineProcess({}).next(1s).fault, "no program is given");
 }
 
 // Descriptors are given back, of processes that failed too.

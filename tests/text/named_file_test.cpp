@@ -54,7 +54,7 @@ TEST_F(NamedFile, IsRefusedWhereItLeadsOut) {
     const std::string absolute = (top / "mine_too/b").string(), own = (top / "mine/sub/a").string();
     for (const std::string& name : {std::string("../mine_too/b"), std::string("sub/../../mine_too/b"),
                                     std::string("out"), absolute, own, std::string("/etc/passwd")})
-        EXPECT_NE(fault(name).find("leads out of the folder"), std::string::npos) << name << ": " << fault(name);
+        EXPECT_NE(fault(name).find("is outside the folder"), std::string::npos) << name << ": " << fault(name);
     allow_outside_files(true);
     for (const std::string& name : {std::string("../mine_too/b"), std::string("out"), absolute})
         EXPECT_EQ(text(name), "outside") << name;
@@ -72,7 +72,7 @@ TEST_F(NamedFile, IsARegularFileOfBoundedSize) {
     std::ofstream(top / "mine/ten") << "0123456789";
     EXPECT_EQ(text("ten"), "0123456789");
     std::ofstream(top / "mine/ten", std::ios::app) << "x";
-    EXPECT_NE(fault("ten").find("more than 10 bytes"), std::string::npos);
+    EXPECT_NE(fault("ten").find("larger than 10 bytes"), std::string::npos);
 }
 
 TEST(Printable, IsWhatDoesNothingToATerminal) {

@@ -54,8 +54,7 @@ TEST(Sealed, TellsOnceOfADamagedFileAndNeverOfAMissingOne) {
     EXPECT_FALSE(read_sealed(path));
     EXPECT_EQ(
         ::testing::internal::GetCapturedStderr(),
-        "polhode: " + path +
-            ": damaged (its checksum does not fit); counts as missing, and is computed again where it is asked for\n");
+        "polhode: " + path + ": corrupted (wrong checksum); it is treated as missing and recomputed when needed\n");
     std::filesystem::remove(path);
 }
 

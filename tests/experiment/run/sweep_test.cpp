@@ -120,8 +120,8 @@ TEST_F(Sweep, FindsAFlippedBitTellsOfItOnceAndRunsTheCaseAgain) {
         EXPECT_EQ(finished_results(p, options_.directory).size(), static_cast<std::size_t>(cases));
         EXPECT_EQ(::testing::internal::GetCapturedStderr(),
                   "polhode: " + damaged +
-                      ": damaged (its checksum does not fit); counts as missing, and is computed again where it is "
-                      "asked for\n");
+                      ": corrupted (wrong checksum); it is treated as missing and recomputed when "
+                      "needed\n");
     }
 }
 

@@ -108,9 +108,9 @@ TEST(EngineMethods, WhateverGoesWrongIsTold) {
               "scripted: the answer cannot be read: ");
     EXPECT_EQ(message(answering(R"({"status": "ok", "seconds": 1, "steps": 1, "samples": []})"), Status::failed),
               "scripted: the answer cannot be read: 0 samples instead of 3");
-    EXPECT_EQ(message(std::string(hello) + "read -r request; kill -9 $$", Status::failed), "sh was ended by signal 9");
+    EXPECT_EQ(message(std::string(hello) + "read -r request; kill -9 $$", Status::failed), "sh was terminated by signal 9");
     EXPECT_EQ(message(std::string(hello) + "read -r request; sleep 600", Status::failed),
-              "sh was stopped: it gave no answer within 0.5 s");
+              "sh was stopped: it did not answer within 0.5 s");
     EXPECT_EQ(message("echo nonsense >&3", Status::failed), "sh did not send a JSON object as its first line");
     EXPECT_EQ(message(R"(echo '{"missing": "the package is not installed"}' >&3)", Status::unsupported),
               "scripted is not available: the package is not installed");
@@ -156,7 +156,7 @@ TEST(EngineMethods, AHangCostsTwoTimeOuts) {
         const Trajectory failed = hung.solved(simple_scene(), 0.2);
         EXPECT_EQ(failed.status, Status::failed);
         EXPECT_TRUE(failed.limit_reached);
-        EXPECT_EQ(failed.message, run < 2 ? "sh was stopped: it gave no answer within 0.2 s"
+        EXPECT_EQ(failed.message, run < 2 ? "sh was stopped: it did not answer within 0.2 s"
                                           : "sh received no request: its last requests timed out");
     }
     const ScriptedEngine slow(std::string(hello) + "read -r a; echo '" + sound + "' >&3; read -r b; exec sleep 600");

@@ -91,8 +91,8 @@ TEST(ExternalMethod, OwnsItsTexts) {
 TEST(ExternalMethod, PassesOnTheFailureOfItsCommand) {
     const Trajectory failed = solve(find_scene("every_load"), *polhode_itself("exact"));
     EXPECT_EQ(failed.status, Status::failed);
-    EXPECT_EQ(failed.message.substr(failed.message.find("failed")),
-              "failed (2): polhode: exact takes no tolerance; leave out --tolerance");
+    EXPECT_EQ(failed.message.substr(failed.message.find("exited")),
+              "exited with code 2: polhode: exact takes no tolerance; leave out --tolerance");
 }
 
 TEST(ExternalMethod, NamesWhatWentWrong) {
@@ -101,8 +101,8 @@ TEST(ExternalMethod, NamesWhatWentWrong) {
     struct {
         std::string script, message;
     } cases[] = {
-        {"kill -SEGV $$", "sh was ended by signal 11"},
-        {"echo first >&2; echo 'no licence' >&2; exit 3", "sh failed (3): no licence"},
+        {"kill -SEGV $$", "sh was terminated by signal 11"},
+        {"echo first >&2; echo 'no licence' >&2; exit 3", "sh exited with code 3: no licence"},
         {"true", "its output is not a trajectory: sh"},
         {"echo hello", "its output is not a trajectory: sh"},
         {"head -c 100000 /dev/zero", "its output is not a trajectory: sh"},

@@ -37,7 +37,7 @@ class AtomicFilesTest : public ::testing::Test {
 };
 
 TEST_F(AtomicFilesTest, AreAllThereAfterwardsAndNothingElse) {
-    // more files than are synced to disk at once; one of them exists already with a mode other than the default
+    // more than the 1024 files synced at once; one of them exists already with a mode other than the default
     std::ofstream(folder_ / "7") << "old";
     fs::permissions(folder_ / "7", fs::perms::owner_read | fs::perms::owner_write);
     AtomicFiles files(folder_);

@@ -1,6 +1,6 @@
-// What holds for any bytes that a reader is given: they are refused by one error of one line, or what they say survives
-// being written and read. Each throws std::logic_error where that is not so. The fuzz targets try them on millions of
-// inputs, findings_test.cpp on what was found.
+// Requirements on every reader for arbitrary bytes: it refuses them with a one-line error, or what it reads survives
+// writing and reading again. Each oracle throws std::logic_error on a violation. The fuzz targets run them on
+// millions of inputs, findings_test.cpp on seeds and earlier findings.
 #pragma once
 
 #include <algorithm>
@@ -51,7 +51,7 @@ inline void require(bool holds, const char* what) {
     if (!holds) throw std::logic_error(what);
 }
 
-/// True for one input in `n`, always the same ones: what is too slow for all of them.
+/// True for one input in `n`, always the same ones; for checks that are too slow for every input.
 inline bool one_in(std::uint32_t n, std::string_view input) {
     std::uint32_t hash = 2166136261u;
     for (const char c : input) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
@@ -64,7 +64,7 @@ inline void require_one_line(std::string_view message) {
     require(message.size() < 1300, "the message is too long");
 }
 
-/// parse(), or nothing where it throws InputError: "fuzz: PLACE: FAULT; REMEDY".
+/// Returns parse(), or nothing if it throws InputError. The message must be "fuzz: PLACE: FAULT; REMEDY".
 template <class Parse>
 auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
     try {
@@ -79,7 +79,7 @@ auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
 }
 
 inline void scene(std::string_view text) {
-    // among the built-in scenes, so that a robot can be imported
+    // read as if among the built-in scenes, so that robot files can be imported
     static const std::string directory = std::string(builtin_directory) + "mechanisms";
     const std::optional<Scene> scene = parsed([&] { return parse_scene(text, "fuzz", directory); });
     if (!scene) return;
@@ -88,7 +88,7 @@ inline void scene(std::string_view text) {
     if (!is_mechanism(*scene) && one_in(256, text)) pose(*scene);
 }
 
-/// Whole robots: refused by one line, or bodies and joints that are a scene.
+/// A whole robot is refused by one line, or its bodies and joints form a valid scene.
 inline void robot(std::string_view text, RobotBase base) {
     const std::optional<Scene> scene = parsed([&] {
         Scene made;
@@ -106,7 +106,7 @@ inline void robot(std::string_view text, RobotBase base) {
         for (const std::string& phrase : *phrases) require_one_line(phrase);
 }
 
-/// Surfaces and robot descriptions: refused by one line, or bodies that have mass properties.
+/// Meshes and robot files are refused by one line, or give bodies with valid mass properties.
 inline void body(std::string_view bytes) {
     for (const char* path : {"fuzz.obj", "fuzz.stl"}) {
         try {
@@ -130,7 +130,7 @@ inline void experiment(std::string_view text) {
     if (!experiment) return;
     const std::string written = write_experiment(*experiment);
     require(write_experiment(parse_experiment(written, "written")) == written, "an experiment does not read back");
-    // its plan, where that is small and reads no files
+    // plans the experiment if it is small and needs no files
     std::size_t variants = 1;
     for (const Variation& variation : experiment->vary)
         variants = std::min<std::size_t>(variants * variation.values.size(), 100);
@@ -143,11 +143,12 @@ inline void experiment(std::string_view text) {
 inline void trajectory(std::string_view text) {
     std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
     if (!file) return;
-    // said of this text, not of the motion: what is written has nothing to be read past
+    // this remark concerns the original text; the written file has none
     file->read_past.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, Vector3<double>(1, 2, 3)).size() == file->rows.size(), "samples are lost");
-    // read in another order, there is as much of it; in other axes and on another clock as well
+    // another quaternion order keeps the number of rows; converting axes twice restores the file; the clock stays
+    // monotonic
     const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     TrajectoryFile other = parse_trajectory(text, "fuzz", order);
     require(other.rows.size() == file->rows.size(), "the order of a quaternion loses rows");
@@ -164,7 +165,7 @@ inline void trajectory(std::string_view text) {
     }
 }
 
-/// Tables of ensembles, in flight and about a pivot: what is taken can be solved, each row ending in a status.
+/// Ensemble tables, in flight and about a pivot: accepted ones can be solved, and every row ends with a status.
 inline void ensemble(std::string_view text) {
     Scene scene;
     scene.name = "fuzz", scene.duration = 1;
@@ -183,8 +184,8 @@ inline void ensemble(std::string_view text) {
     }
 }
 
-/// Tables of ensembles in NumPy's format: what is taken gives the same rows in pieces of any size and after rows that
-/// are left out, its header is written again as it was read, and as CSV it says the same.
+/// Ensemble tables in NumPy's format. Accepted tables give the same rows in pieces of any size and after skipped
+/// rows, and the same ensemble through CSV. The header survives writing and reading.
 inline void npy(std::string_view content) {
     Scene scene;
     scene.name = "fuzz", scene.duration = 1;
@@ -192,7 +193,7 @@ inline void npy(std::string_view content) {
     auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
     if (header) {
         require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
-        // names are ours where a header is written, and need no escapes
+        // written names are polhode's and need no escapes
         for (NpyField& field : header->fields) std::erase(field.name, '\'');
         const std::string again = write_npy_header(header->fields, header->rows);
         const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
@@ -225,7 +226,7 @@ inline void npy(std::string_view content) {
     require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
 }
 
-/// Bodies joined in every way that has coordinates, and one that is free.
+/// Bodies joined by every type of joint with coordinates, and one free body.
 inline const Scene& joined_bodies() {
     static const Scene scene = parse_scene(
         R"({"name": "joined", "duration": 0.01,
@@ -243,7 +244,7 @@ inline const Scene& joined_bodies() {
     return scene;
 }
 
-/// Tables of other starts of several bodies: refused by one line, or rows of scenes that can be written and read.
+/// Tables of initial states of mechanisms are refused by one line, or give scenes that survive writing and reading.
 inline void mechanisms(std::string_view text) {
     const Scene& scene = joined_bodies();
     const std::optional<MechanismTable> table = parsed([&] { return parse_mechanism_table(text, "fuzz", scene); });
@@ -257,8 +258,8 @@ inline void mechanisms(std::string_view text) {
     }
 }
 
-/// A line that names columns, then a table with names of its own: refused by one line, or a table with ours, which
-/// stays as it is. `check` and `plot` read it so.
+/// A line of column names, then a table with other names. They are refused by one line, or the table is converted to
+/// polhode's names, and converting it again changes nothing. `check` and `plot` use this conversion.
 inline void columns(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string table(text.substr(std::min(end + 1, text.size())));
@@ -294,7 +295,7 @@ inline void decimal(const std::string& text) {
         require(again && std::bit_cast<std::uint64_t>(*again) == std::bit_cast<std::uint64_t>(*value),
                 "a number does not read back");
     }
-    // the C library's reader, which is another one, takes hexadecimal numbers and blanks in front as well
+    // strtod, an independent parser, also accepts hexadecimal numbers and leading blanks
     if (text.find_first_of("xX \t\n\v\f\r") != text.npos || text.find('\0') != text.npos || text.empty()) return;
     char* end = nullptr;
     const double other = std::strtod(text.c_str(), &end);
@@ -314,7 +315,8 @@ inline void quoted(const std::string& text) {
     require(document.root().string() == text, "a text does not read back");
 }
 
-/// Short texts: numbers, texts that messages quote, and an expression in the first line for what follows it.
+/// Short texts: as numbers, as text quoted in messages, and as a regular expression in the first line that is matched
+/// against the rest.
 inline void words(std::string_view bytes) {
     const std::string text(bytes);
     decimal(text);
@@ -336,7 +338,7 @@ inline void words(std::string_view bytes) {
     }
 }
 
-/// Words of --convention: refused by one line, or written and read back.
+/// Values of --convention are refused by one line or survive writing and reading.
 inline void convention(std::string_view text) {
     try {
         const Convention read = parse_convention(text);
@@ -346,14 +348,14 @@ inline void convention(std::string_view text) {
     }
 }
 
-/// A tape's series by machine code and by the interpreters.
+/// The series and rates of a tape agree between machine code and the interpreters.
 inline void tape(std::string_view text) {
     const testing::TapeOfBytes made(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     testing::compare_ways(made.recording, made.order, made.careful, made.start);
     testing::compare_ways_of_rates(made.recording, made.start);
 }
 
-/// Result tables, the files of finished cases and of their series.
+/// Result tables, and the files of finished cases and their series.
 inline void table(std::string_view text) {
     try {
         const Table table = parse_csv(text);
@@ -374,7 +376,7 @@ inline void table(std::string_view text) {
     }
 }
 
-/// Files of the truth's cache, with a checksum that fits.
+/// Files of the truth cache with a valid checksum.
 inline void cache(std::string_view text) {
     const std::string key = "key";
     std::string sealed(text);
@@ -388,7 +390,7 @@ inline void cache(std::string_view text) {
     require(truth::encode(key, *back) == written, "a truth does not read back");
 }
 
-/// What an engine says of itself and answers, and files that name engines.
+/// Messages and answers of engines, and files that list engines.
 inline void engine(std::string_view text) {
     try {
         const EngineHello hello = read_hello(text);

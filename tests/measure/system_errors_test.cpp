@@ -103,7 +103,7 @@ TEST(SystemErrors, WhatTurnsOppositelyHasNoMomentumAndItsErrorIsAbsolute) {
     const Scene scene = two_turning_bodies(false);
     Trajectory trajectory = turning_bodies(3, -3);
     Reference truth = truth_of(trajectory);
-    // low parts below binary64, as in a computed reference
+    // round-off of a computed reference: low parts of order 1e-28
     for (ReferenceSample& s : truth.samples) s.angular_velocity_B[0].low = 1e-28, s.velocity_W[0].low = 1e-27;
     trajectory.samples[8].angular_velocity_B[2] += 0x1p-20;
     trajectory.samples[8].velocity_W[1] += 0x1p-30;

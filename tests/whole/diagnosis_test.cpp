@@ -107,7 +107,8 @@ TEST(Diagnosis, WrongTimeStep) {
 }
 
 // Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a
-// slower clock, and a start 57 times too slow looks like a clamped rate. The file's w, or an exact fit, decides.
+// slower clock, and a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted
+// parameters.
 TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
     Scene scene = tilted_free_body();
     scene.loads.clear();

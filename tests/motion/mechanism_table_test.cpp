@@ -1,4 +1,4 @@
-// Tables of other starts of a mechanism: which number goes where, and what is refused.
+// Tables of initial states of a mechanism: the meaning of each column, and refusals.
 #include "motion/mechanism_table.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,8 @@ std::string refusal_of(const std::string& text) {
 TEST(MechanismTable, EachColumnSetsItsOwnNumberOnly) {
     const Scene scene = scene_of_all_joints();
     const auto columns = mechanism_columns(scene);
-    // of a joint of one coordinate 5, universal 4, spherical 7; of each body its mass, of the base 13 numbers more
+    // columns: one-coordinate joints 5, universal 4, spherical 7, fixed 0; one mass per body; 13 more for the free
+    // base
     EXPECT_EQ(columns.size(), 5u + 5 + 7 + 4 + 6 + 13);
     Scene numbered = scene;
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].number(numbered) = 100 + static_cast<double>(i);
@@ -122,7 +123,7 @@ TEST(MechanismTable, RefusesWhatIsNoTableOfStarts) {
           std::pair{"socket.qw,socket.qx\n1,0\n", "column socket.qy is missing"},
           std::pair{"base.px\n1\n", "column base.py is missing"}, std::pair{"hinge.angle\n", "has a header and no row"},
           std::pair{"arm.mass\n-1\n", "has no row that is a start"}, std::pair{"hinge.angles\n1\n", "hinge.angles"},
-          // a body that a joint carries has no start of its own, a weld no coordinate
+          // a body carried by a joint has no initial position, and a fixed joint has no coordinate
           std::pair{"arm.px,arm.py,arm.pz\n1,2,3\n", "arm.px"}, std::pair{"weld.angle\n1\n", "weld.angle"}}) {
         const std::string said = refusal_of(text);
         EXPECT_NE(said.find(fault), std::string::npos) << text << ": " << said;

@@ -1,4 +1,4 @@
-// The parts of the truth: recorded right-hand sides, Taylor coefficients, Radau tables, decimal strings.
+// Components of the truth: recorded right-hand sides, Taylor coefficients, Radau tables, decimal strings.
 #include "integrators/series/series.h"
 
 #include <gtest/gtest.h>

@@ -16,8 +16,7 @@ Scene tethered_body() {
     bob.name = "bob";
     bob.body.mass = 2, bob.body.inertia_B = diagonal(Vector3<double>(0.25, 0.375, 0.5));
     bob.initial.position_W = {0.6, 0.25, -0.8};
-    bob.initial.angular_velocity = {0.5, 1, 0.25}, bob.initial.velocity_W = {-0.0625, 0, 0.125};  // the rod's point on
-                                                                                                  // the body is at rest
+    bob.initial.angular_velocity = {0.5, 1, 0.25}, bob.initial.velocity_W = {-0.0625, 0, 0.125};  // rod end at rest
     scene.bodies = {bob};
     Loop rod;
     rod.name = "rod", rod.type = LoopType::distance;

@@ -1,6 +1,5 @@
-// Speed-up of CVODE by the fixed-size vector: the same Adams run with it and with SUNDIALS' serial vector,
-// alternating in one loop with the same library. `ratio` is the shortest serial time divided by the shortest fixed
-// time.
+// Speed-up of CVODE by the fixed-size vector: the same Adams run with it and with SUNDIALS' serial vector, alternating
+// in one loop with the same library. `ratio` is the shortest serial time divided by the shortest fixed time.
 #include <benchmark/benchmark.h>
 
 #include <chrono>

@@ -160,8 +160,7 @@ std::vector<Kind> trajectories(const Asked& asked) {
     return kinds;
 }
 
-/// Random numbers that are the same with every standard library, which specifies the generator exactly but not the
-/// distributions.
+/// Random numbers that are the same with every standard library: unlike the generator, distributions are not specified.
 class Random {
   public:
     /// Uniform in [low, high), in steps of (high - low) / 2^32.

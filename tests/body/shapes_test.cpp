@@ -1,5 +1,4 @@
-// Mass properties of shapes from closed forms, compared with integrals over slices, cubature, each other and mesh
-// sums.
+// Mass properties of shapes from closed forms, compared with integrals over slices, cubature, each other and mesh sums.
 #include "body/shapes.h"
 
 #include <gtest/gtest.h>

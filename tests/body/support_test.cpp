@@ -74,8 +74,7 @@ RC_GTEST_PROP(Support, IsTheLowestPointOfTheSurface, ()) {
     };
     const Case& one = cases[*rc::gen::inRange<std::size_t>(0, cases.size())];
     const double found = lowest(support<double>(one.shape), n), seen = sampled(n, one.surface);
-    // the grid misses the lowest point by half a cell: (2 pi / 400)^2 / 8 times the radius of curvature, and as much
-    // on the meridian
+    // the grid misses the lowest point by half a cell, (2 pi / 400)^2 / 8 times the radius of curvature
     RC_ASSERT(found <= seen + 1e-12);
     RC_ASSERT(seen - found < 2e-3 * (a + h));
 }

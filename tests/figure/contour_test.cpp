@@ -26,8 +26,7 @@ TEST(Contour, OfACircleIsOneClosedLine) {
     EXPECT_NEAR(length(line), 2 * std::numbers::pi, 1e-2);
 }
 
-// y^2 = x^2 + d: two branches from edge to edge. They open upward or sideways, by the sign of d, and some cells
-// contain a saddle.
+// y^2 = x^2 + d: two branches from edge to edge, opening upward or sideways by the sign of d; some cells have a saddle.
 TEST(Contour, PartsTheBranchesOfAHyperbola) {
     for (const double d : {0.003, -0.003}) {
         const auto f = [d](double x, double y) { return y * y - x * x - d; };

@@ -153,8 +153,7 @@ inline bool may_be_tried(const std::vector<std::string>& words) {
     return true;
 }
 
-/// Runs a command line, one word per line. It succeeds, or is refused by one line on stderr with nothing printed or
-/// written.
+/// Runs a command line, one word per line: it succeeds, or is refused by one line on stderr without any output.
 inline void command(std::string_view text) {
     std::vector<std::string> words = words_of(text);
     if (!may_be_tried(words)) return;

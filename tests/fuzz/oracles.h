@@ -147,8 +147,7 @@ inline void trajectory(std::string_view text) {
     file->read_past.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, Vector3<double>(1, 2, 3)).size() == file->rows.size(), "samples are lost");
-    // another quaternion order keeps the number of rows; converting axes twice restores the file; the clock stays
-    // monotonic
+    // another quaternion order keeps all rows; converting axes twice restores the file; the clock stays monotonic
     const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     TrajectoryFile other = parse_trajectory(text, "fuzz", order);
     require(other.rows.size() == file->rows.size(), "the order of a quaternion loses rows");
@@ -315,8 +314,7 @@ inline void quoted(const std::string& text) {
     require(document.root().string() == text, "a text does not read back");
 }
 
-/// Short texts: as numbers, as text quoted in messages, and as a regular expression in the first line that is matched
-/// against the rest.
+/// Short texts: as numbers, as text quoted in messages, and as a regular expression that is matched against the rest.
 inline void words(std::string_view bytes) {
     const std::string text(bytes);
     decimal(text);

@@ -1,5 +1,4 @@
-// Imported robot files against motions computed without polhode (tests/import/README.md). Each file tests one
-// construct.
+// Imported robot files against motions computed without polhode (tests/import/README.md), one construct per file.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Prints the poses of links and joints in SDFormat files, as libsdformat computes them, as JSON lines. `compute
-// --check-sdf` compares sdf_to_mjcf.py with these poses.
+// Prints the poses of links and joints in SDFormat files, as libsdformat computes them, as JSON lines. sdf_to_mjcf.py
+// is compared with these poses by `compute --check-sdf`.
 #include <cstdio>
 #include <iostream>
 #include <sdf/sdf.hh>

@@ -15,8 +15,7 @@
 namespace polhode {
 namespace {
 
-/// What a method counts under a user-defined torque; integrators/README.md lists the methods whose count is not the
-/// calls.
+/// What a method counts under a user-defined torque; integrators/README.md lists the counts that are not the calls.
 enum class Count {
     calls,
     sweeps,            ///< passes over all distances, ten per call
@@ -52,8 +51,7 @@ std::string description_of(const Settings& settings) {
                        settings.step ? "by step" : "by tolerance");
 }
 
-/// Bodies under a torque that counts its calls: without and with events, with a pivot, and with integrated
-/// translation.
+/// Bodies under a torque that counts its calls: without and with events, with a pivot, and with integrated translation.
 std::vector<Scene> counting_scenes(long& calls) {
     const UserTorque counting{"counting",
                               [&calls](const LoadState& now) {
@@ -71,9 +69,8 @@ std::vector<Scene> counting_scenes(long& calls) {
 
 class Counts : public ::testing::TestWithParam<const Method*> {};
 
-// The counts also hold for runs that end early, because angles meet gimbal lock or springs break. A run by fixed
-// steps that diverges reports the evaluations up to the step that led astray; it went further before it found that
-// step.
+// The counts also hold for runs that end early, because angles meet gimbal lock or springs break. A run by fixed steps
+// that diverges reports the evaluations up to the step that led astray; it went further before it found that step.
 TEST_P(Counts, AreTheCallsOfAUserTorque) {
     const Method& method = *GetParam();
     long calls = 0;

@@ -43,8 +43,7 @@ TEST(ImportedBody, MovesBitForBitAsTheOneWrittenByHand) {
     }
 }
 
-// Every scalar type evaluates the same exact function: 128 bits agree with 100 digits, including products of rotated
-// parts.
+// Every scalar type evaluates the same exact function: 128 bits agree with 100 digits, with rotated parts as well.
 TEST(ImportedBody, IsExactInEveryScalar) {
     using R =
         boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<100>, boost::multiprecision::et_off>;

@@ -175,8 +175,7 @@ TEST(MasslessBodies, APlanarRootMovesAsAFreeBodyInThePlane) {
     }
 }
 
-// Three hinges whose axes do not meet, massless links and a heavy body: both formulations agree, and the energy is
-// conserved.
+// Three hinges that do not meet, massless links and a heavy body: both formulations agree and the energy is conserved.
 TEST(MasslessBodies, ThreeHingesApartWithMasslessLinksKeepTheEnergy) {
     const FreshCache cache;
     Scene scene = scene_of("hinges", 1);

@@ -44,8 +44,7 @@ struct Judge {
     double floor;                 ///< rad
 };
 
-/// The errors at the steps first, first / sqrt 2, first / 2, .. until the floor; empty if the method does not support
-/// the scene.
+/// The errors at the steps first, first / sqrt 2, first / 2, .. until the floor; empty if the scene is not supported.
 std::vector<double> errors(const Judge& judge, const Method& method) {
     constexpr long most_steps = optimised_build ? 100'000 : 20'000;
     std::vector<double> found;
@@ -226,8 +225,7 @@ TEST_P(Order, IsTheClaimedOneOnAHeavyTop) { expect_claim(top_judge(*GetParam()))
 INSTANTIATE_TEST_SUITE_P(All, Order, ::testing::ValuesIn(stepped()),
                          [](const auto& of) { return std::string(of.param->name); });
 
-/// The attitude at T = 10 s by `name` with h = 1/240, 1/480, .. 1/3840 s, for omega = (1, 1, 1) rad/s, I = (1, 2, 3)
-/// kg m^2.
+/// The attitude at T = 10 s by `name` with h = 1/240, 1/480, .. 1/3840 s, for omega = (1, 1, 1), I = (1, 2, 3).
 std::vector<Quaternion<double>> article_attitudes(const char* name) {
     std::vector<Quaternion<double>> found;
     for (int n = 2400; n <= 38400; n *= 2) {

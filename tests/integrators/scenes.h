@@ -33,8 +33,8 @@ inline Scene symmetric_body(double duration) {
     return scene;
 }
 
-/// The attitude of symmetric_body() in closed form (Landau & Lifshitz 1976, section 33): a rotation about L by |L| t
-/// / I1 after a rotation about the symmetry axis by (1 - I3/I1) w3 t.
+/// The attitude of symmetric_body() in closed form (Landau & Lifshitz 1976, section 33): a rotation about L by the
+/// angle |L| t / I1 after a rotation about the symmetry axis by (1 - I3/I1) w3 t.
 inline Quaternion<double> symmetric_attitude(const Scene& scene, double t) {
     const double I1 = scene.body.inertia_B[0][0], I3 = scene.body.inertia_B[2][2];
     const Vector3<double>& w = scene.initial.angular_velocity;
@@ -85,8 +85,7 @@ inline Scene everything(double duration) {
     return scene;
 }
 
-/// Solves the scene by the named method with a fixed step or a tolerance. The test fails if the method does not
-/// exist.
+/// Solves the scene by the named method with a fixed step or a tolerance. The test fails if the method does not exist.
 inline Trajectory with_step(const Scene& scene, const char* method, double step, long samples = 1) {
     Settings settings;
     settings.step = step, settings.samples = samples;

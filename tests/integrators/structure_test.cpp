@@ -1,5 +1,4 @@
-// Structure-preserving methods: drift of the quantities they conserve over many steps, their coefficients, and
-// refusals.
+// Structure-preserving methods: drift of conserved quantities over many steps, coefficients of the methods, refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,8 +23,7 @@ using namespace polhode::testing;
 constexpr long most_structure_steps = optimised_build ? 1'000'000 : 10'000;
 constexpr double structure_step = 0.01;
 
-/// The drift of the conserved quantities at a thousand times: energy and |L| relative to their size, L_W as a vector,
-/// and the length of q.
+/// The drift at a thousand times: energy and |L| relative to their size, L_W as a vector, and the length of q.
 struct Drift {
     std::vector<double> t, energy, momentum, momentum_length, momentum_z, norm;
 };
@@ -149,8 +147,7 @@ TEST(Structure, FlowsAreSymmetric) {
     expect_undone(DiscreteMoserVeselov<5>(problem));
 }
 
-/// Short steps use the Taylor series and long ones Jacobi's functions: two independent formulations of the same
-/// motion.
+/// Short steps use the Taylor series and long ones Jacobi's functions: two independent formulations of the same motion.
 TEST(Structure, FreeMotionIsExactAtEveryStep) {
     Scene scene = free_body(1);
     for (const Vector3<double>& moments :
@@ -181,8 +178,7 @@ TEST(Structure, FirstModifiedMomentsAreThePublishedOnes) {
     EXPECT_NEAR(found.b(1), sum * H / (6 * product) - C / (3 * product), 1e-14);
 }
 
-/// The sum of g_i^k is 1 for k = 1 and 0 for odd k below the order: necessary conditions for a symmetric composition
-/// of symmetric steps.
+/// The sum of g_i^k is 1 for k = 1 and 0 for odd k below the order: necessary conditions for symmetric compositions.
 TEST(Structure, CompositionsMeetTheirOrderConditions) {
     for (const int order : {2, 4, 6, 8}) {
         const std::span<const double> g = composition(order);
@@ -217,8 +213,7 @@ TEST(Structure, AllLoadsOfASceneAtTheClaimedOrder) {
     }
 }
 
-/// Steps that are far too long and loads that are far too stiff end in bounded time, with a result or with a status
-/// and its reason.
+/// Far too long steps and far too stiff loads end in bounded time, with a result or with a status and its reason.
 TEST(Structure, ImpossibleStepsEndInANamedStatus) {
     Scene stiff = heavy_top(10);
     stiff.loads.push_back(Drag{{1e6, 1e6, 1e6}, 0, {}});

@@ -33,8 +33,7 @@ RC_GTEST_PROP(ErrorGrowth, FindsTheExponentOfAPower, ()) {
 }
 
 TEST(ErrorGrowth, IsHalfOfARandomWalkAndThreeHalvesOfItsSum) {
-    // Brouwer's law, as the mean over random walks with fixed seeds; the exponent of a single walk varies by a few
-    // tenths
+    // Brouwer's law, as the mean over random walks with fixed seeds; single exponents vary by a few tenths
     const std::vector<double> t = times(20000);
     double walk_mean = 0, sum_mean = 0;
     constexpr int walks = 50;

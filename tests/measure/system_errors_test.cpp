@@ -24,8 +24,7 @@ ReferenceSample true_sample(const Sample& s) {
     return r;
 }
 
-// Two bodies 2 m apart on x that rotate independently about z at 3 rad/s. The joint connects them at the point
-// half-way between them.
+// Two bodies 2 m apart on x that rotate independently about z at 3 rad/s. The joint is half-way between them.
 Scene two_turning_bodies(bool tied) {
     Scene scene;
     scene.name = "two", scene.duration = 1;
@@ -74,8 +73,7 @@ TEST(SystemErrors, AreTheWorstBodysAndItIsNamed) {
         if (m.name == "reaction") continue;
         EXPECT_EQ(errors_of(scene, trajectory, truth)[m.name].max.value_or(-1), 0) << m.name;
     }
-    // at one time the right body is rotated by 1/4 rad; at another the left one is rotated by 1/8 rad, shifted and
-    // too fast
+    // at one time the right body is rotated by 1/4 rad; at another the left one by 1/8 rad, shifted and too fast
     trajectory.samples[5].q = {std::cos(0.125), 0, 0, std::sin(0.125)};
     trajectory.samples[6].q = {2 * std::cos(0.0625), 0, 0, 2 * std::sin(0.0625)};
     trajectory.samples[6].position_W[1] = 0.5, trajectory.samples[6].angular_velocity_B[2] = 3.75;
@@ -123,8 +121,7 @@ TEST(SystemErrors, MomentaAreThoseThatTheSystemHas) {
     for (Sample& s : trajectory.samples) s.velocity_W = {0, 0.5, 0};
     const Reference truth = truth_of(trajectory);
     trajectory.samples[9].velocity_W = {0, 0.75, 0};
-    // free: about the common centre of mass at the origin: 2 kg times 1/4 m/s minus the mean of 1/8 m/s, at arms of 1
-    // m
+    // free: about the common centre of mass at the origin: 2 kg times 1/4 m/s minus the mean of 1/8 m/s, at arms of 1 m
     Errors e = errors_of(two_turning_bodies(false), trajectory, truth);
     EXPECT_NEAR(*e["momentum"].max, 2 * 0.125 * 2 / 24, 1e-15);
     EXPECT_NEAR(*e["linear_momentum"].max, 2 * 0.25 / 2, 1e-15);

@@ -41,8 +41,7 @@ std::vector<Sample> run(const Scene& scene, double step) {
 }
 
 // The relative error of RK4 at h = 1e-3 s with rates up to about 5 per second over 3 s is t (5 h)^4 5 / 120 ~ 1e-10.
-// The largest measured change is 2e-11, of quantities up to 100. A quantity that is not conserved changes by more
-// than 1e-3.
+// The largest measured change is 2e-11, of quantities up to 100. Quantities not conserved change by more than 1e-3.
 constexpr double followed_step = 1e-3, kept = 1e-8, not_kept = 1e-3;
 
 double largest_change(const Problem& problem, const Conserved& one, const std::vector<Sample>& samples) {

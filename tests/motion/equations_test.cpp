@@ -14,8 +14,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// The loads at t = 0 by their definitions: total force, and torque about the pivot or the centre of mass, in world
-/// axes.
+/// The loads at t = 0 by their definitions: total force, torque about the pivot or the centre of mass, in world axes.
 struct Action {
     Vector3<double> force_W, torque_W;
     double power_without_potential = 0;
@@ -196,8 +195,8 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
               roundoff(size));
 }
 
-/// dE/dt along the motion by a central difference of the energy in 128 bits. q +- e dq have the same length, and e =
-/// 1e-10 leaves errors of order e^2 and 1e-34 / e, both far below the 1e-16 of the rates.
+/// dE/dt along the motion by a central difference of the energy in 128 bits. q +- e dq have the same length. With e =
+/// 1e-10 the errors, of order e^2 and 1e-34 / e, are far below the 1e-16 of the rates.
 RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     const Scene scene = moderate_scene();
     const Problem problem = pose(scene, Formulation::full);
@@ -220,8 +219,7 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     RC_ASSERT(std::abs(rate - acting.power_without_potential) < roundoff(size));
 }
 
-/// A user-defined torque receives the state in body axes and returns a vector in body axes, whatever the posed axes
-/// are.
+/// A user-defined torque receives the state in body axes and returns a vector in body axes, for any posed axes.
 RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
     Scene scene = moderate_scene();
     scene.loads.clear();
@@ -243,8 +241,7 @@ RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
 }
 
 TEST(Impulse, JumpsByDefinition) {
-    // textbook: I dw = r x J about the centre of mass and m dv = J; about a pivot I dw = r x J, and dv follows from
-    // it
+    // textbook: I dw = r x J about the centre of mass and m dv = J; about a pivot I dw = r x J, and dv follows from it
     Body body;
     body.mass = 2, body.inertia_B = diagonal(Vector3<double>(1, 2, 4));
     const FullInertia<double> inertia{body.inertia_B, inverse(body.inertia_B)};

@@ -190,8 +190,7 @@ TEST(ResolveImpact, OfABoxThatLandsFlatBringsNoSpin) {
     }
 }
 
-/// Several contacts at once: the result does not depend on their order, e = 1 conserves the energy, and no contact
-/// approaches afterwards.
+/// Several contacts: their order does not matter, e = 1 conserves the energy, and no contact approaches afterwards.
 RC_GTEST_PROP(ResolveImpact, DoesNotDependOnTheOrderOfContacts, ()) {
     const double e = *rc::gen::arbitrary<bool>() ? 1 : moderate(0, 1);
     StruckBody<double> body = moderate_body();

@@ -51,8 +51,7 @@ std::string refusal_of(const std::string& text) {
 TEST(MechanismTable, EachColumnSetsItsOwnNumberOnly) {
     const Scene scene = scene_of_all_joints();
     const auto columns = mechanism_columns(scene);
-    // columns: one-coordinate joints 5, universal 4, spherical 7, fixed 0; one mass per body; 13 more for the free
-    // base
+    // columns: one-coordinate joints 5, universal 4, spherical 7, fixed 0; one mass per body; 13 more for the free base
     EXPECT_EQ(columns.size(), 5u + 5 + 7 + 4 + 6 + 13);
     Scene numbered = scene;
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].number(numbered) = 100 + static_cast<double>(i);

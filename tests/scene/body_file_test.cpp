@@ -1,5 +1,4 @@
-// Bodies from every kind of source, compared with closed forms, with each other, and with the same body given by
-// hand.
+// Bodies from every kind of source, compared with closed forms, with each other, and with the same body given by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -218,8 +217,7 @@ TEST(BodyFile, AnglesOfMjcfAreReadByItsCompiler) {
     EXPECT_THROW(body("<compiler eulerseq='xyZ'/>", "1 2 3"), InputError);
 }
 
-// A written scene reads back to the same body, and its text is canonical. A changed mesh file makes a different
-// scene.
+// A written scene reads back to the same body, and its text is canonical. A changed mesh file makes a different scene.
 TEST(BodyFile, WritesWhatItRead) {
     for (
         const char* body :

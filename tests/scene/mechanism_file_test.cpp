@@ -169,8 +169,7 @@ TEST(MechanismFile, ReadsEveryKey) {
 
 TEST(MechanismFile, AcceptsWhatTheRulesAllow) {
     const char* joint = R"({"name": "a", "type": "revolute", "parent": "lower", "child": "upper", "axis": [0, 0, 5]})";
-    // valid: a child before its parent, a free body, the same name for a body and a joint, a motor on a prismatic
-    // joint
+    // valid: a child before its parent, a free body, the same name for a body and a joint, a motor on a prismatic joint
     EXPECT_EQ(mechanism_fault(""), "");
     EXPECT_EQ(mechanism_fault(joint), "");
     EXPECT_EQ(mechanism_fault(

@@ -1,5 +1,4 @@
-// Import of whole robots: one robot in three formats, compared with hand-computed positions; merged links and
-// refusals.
+// Import of whole robots: one robot in three formats, compared with hand-computed positions; merged links and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -213,8 +212,7 @@ std::string urdf_link(const std::string& name, double mass, const std::string& i
            "</inertial></link>";
 }
 
-// A dummy link with 1e-6 in every entry of its tensor. No mass distribution has this tensor: its moments are 3e-6, 0,
-// 0.
+// A dummy link with 1e-6 in every entry of its tensor, which no mass distribution has: its moments are 3e-6, 0, 0.
 TEST(RobotImport, ImpossibleTensorsOfFixedLinksDoNotMatter) {
     const std::string dummy = urdf_link("dummy", 1e-6, urdf_inertia(1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6));
     // fixed to the world
@@ -244,8 +242,7 @@ TEST(RobotImport, ImpossibleTensorsOfFixedLinksDoNotMatter) {
     EXPECT_DOUBLE_EQ(head.bodies[0].body.mass, 2 + 1e-6);
 }
 
-// Moments (a, b, c) with the excess e = c - a - b are repaired to the nearest valid ones, (a + e/3, b + e/3, c -
-// e/3).
+// Moments (a, b, c) with the excess e = c - a - b are repaired to the nearest valid ones, (a + e/3, b + e/3, c - e/3).
 TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     const auto plate = [](double izz, bool balance) {
         Scene scene;
@@ -285,8 +282,7 @@ TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     EXPECT_NEAR(double(edge.inertia[2][2]), 1.00005, 1e-15);
 }
 
-// A massless link at the end of a moving joint has no effect and is dropped. A massless link with a tensor counts
-// where it is fixed.
+// A massless link at the end of a moving joint is dropped. A massless link with a tensor counts where it is fixed.
 TEST(RobotImport, LinksWithoutMassAtTheEnds) {
     const Scene leaf = robot_scene(
         urdf(bare("w") + link("a") + bare("b") + joint("j", "revolute", "w", "a") + joint("k", "revolute", "a", "b")));

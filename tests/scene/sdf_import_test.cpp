@@ -228,8 +228,7 @@ TEST(SdfImport, InertiaIsComputedFromCollisions) {
     const Vector3<double> of_box(m / 12 * 0.1, m / 12 * 0.13, m / 12 * 0.05);
     expect(computed(collision(box), density), m, of_box);
     expect(computed(collision(box, density)), m, of_box);
-    // computed values replace <inertia> and <pose>; the density of the collision takes precedence; <mass> scales the
-    // result
+    // computed values replace <inertia> and <pose>; the collision's density takes precedence; <mass> scales the result
     const std::string numbers = "<pose>1 1 1 0 0 0</pose><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>";
     expect(computed(collision(box, density), "<density>1</density>" + numbers), m, of_box);
     expect(computed(collision(box, density), "<mass>9</mass>" + numbers), 9, (9 / m) * of_box);
@@ -644,8 +643,7 @@ TEST(SdfConstructs, WhatIsIrrelevantOrOmittedHasThatVerdict) {
 // Invalid text in any element or attribute of the document is refused or changes the scene.
 TEST(SdfConstructs, WhatIsModelledReacts) {
     std::set<std::string> seen;
-    // gravity in <physics> acts before version 1.6 in worlds without their own; model names matter if there are
-    // several models
+    // gravity in <physics> acts before version 1.6 in worlds without their own; model names matter among several
     const std::string two_models =
         "<sdf version='1.5'><world name='w'><physics type='ode'><gravity>0 0 -2</gravity></physics>"
         "<model name='m'><link name='a'/></model><model name='n'><link name='a'/></model></world></sdf>";

@@ -126,8 +126,7 @@ Table published(const std::filesystem::path& path) {
     return table;
 }
 
-// Published tables and the awkward one compile with a real LaTeX in a plain article, and no table is wider than its
-// text width (345 pt).
+// Published tables and the awkward one compile with a real LaTeX in a plain article and fit its text width (345 pt).
 TEST(Latex, TablesCompileAndFit) {
     if (std::system(
             "kpsewhich siunitx.sty longtable.sty booktabs.sty >/dev/null 2>&1 && command -v pdflatex >/dev/null") != 0)

@@ -1,6 +1,6 @@
 // The mass properties stated in comments of the built-in scenes, derived independently: from the matrix of second
-// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C. Uses neither the parallel axis theorem nor
-// tabulated moments.
+// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C, without the parallel axis theorem or tabulated
+// moments.
 #include <gtest/gtest.h>
 
 #include <cmath>

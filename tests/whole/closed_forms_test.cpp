@@ -111,8 +111,7 @@ TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
 
 class FreeSymmetric : public ::testing::TestWithParam<std::pair<const char*, int>> {};
 TEST_P(FreeSymmetric, PrecessesRegularly) {
-    // rotation about L by |L| t / I1 after a rotation about the body's axis by (1 - I3/I1) w3 t (Landau & Lifshitz
-    // 1976, section 33)
+    // about L by |L| t / I1 after about the body's axis by (1 - I3/I1) w3 t (Landau & Lifshitz 1976, section 33)
     const auto [name, axis] = GetParam();
     const Scene scene = find_scene(name);
     const Reference truth = fresh_truth(scene, 20);
@@ -134,9 +133,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, FreeSymmetric,
                          ::testing::Values(std::pair("feynman_plate", 2), std::pair("explorer_1", 2),
                                            std::pair("nanodumbbell", 0), std::pair("symmetric", 2)));
 
-// Lagrange's top whose axis starts at rest or moves horizontally. u = cos(tilt) satisfies u'^2 = f(u), a cubic with
-// the root u(0). It oscillates between the roots u1 and u2 of u1 < u2 < u3 as u1 + (u2 - u1) sn^2 (Goldstein 1980,
-// section 5-7).
+// Lagrange's top whose axis starts at rest or moves horizontally. u = cos(tilt) satisfies u'^2 = f(u), a cubic with the
+// root u(0), and oscillates between u1 and u2 of its roots u1 < u2 < u3: u1 + (u2 - u1) sn^2 (Goldstein 1980, 5-7).
 struct Nutation {
     Real100 u1, u2, u3, speed, k;
     bool from_above;

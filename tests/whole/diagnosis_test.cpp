@@ -106,9 +106,8 @@ TEST(Diagnosis, WrongTimeStep) {
             expect_told(scene, {.step_factor = step_factor}, "wrong_time_step");
 }
 
-// Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a
-// slower clock, and a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted
-// parameters.
+// Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a slower
+// clock; a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted parameters.
 TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
     Scene scene = tilted_free_body();
     scene.loads.clear();

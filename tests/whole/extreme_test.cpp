@@ -196,8 +196,7 @@ TEST(ExtremeScenes, AttitudeIsHeldAgainstTheDisturbance) {
     }
 }
 
-// The precession rate is m g l / (I3 w3), averaged over the nutations, to first order in its square over that of the
-// spin.
+// The precession rate is m g l / (I3 w3), averaged over the nutations, to first order in its squared ratio to the spin.
 TEST(ExtremeScenes, FastTopsPrecessSlowly) {
     for (const auto& [spin, scene, problem] : members("fast_top")) {
         EXPECT_EQ(scene.initial.angular_velocity[2], spin);

@@ -104,8 +104,7 @@ TEST(MechanismCatalogue, AndrewsStartIsTheTestSets) {
     }
 }
 
-// The initial accelerations that are not zero, and the multipliers, which are the forces of the loop, agree with the
-// test set.
+// The initial non-zero accelerations and the multipliers, which are the forces of the loop, agree with the test set.
 TEST(MechanismCatalogue, AndrewsFirstForcesAreTheTestSets) {
     const auto scene = std::make_shared<const Scene>(find_scene("mechanisms/andrews_squeezer"));
     MechanismModel model(scene);

@@ -76,8 +76,7 @@ TEST(Published, GazebosBoxHasTheBenchmarksMomentsEnergyAndErrors) {
     const ExactBody<double>& body = problem.body;
     EXPECT_NEAR(invariants(scene, body, 0, body.q, body.angular_velocity_B, body.position_W, body.velocity_W).energy,
                 368.5464125, 5e-6);
-    // worst |L - L0| / |L0| over 10 s at h = 1e-3 s: 1.31 % in ODE and 1.25 % in Bullet; these simple steps give the
-    // same
+    // worst |L - L0| / |L0| over 10 s at h = 1e-3 s: 1.31 % in ODE, 1.25 % in Bullet; these simple steps agree
     const auto worst_momentum_error = [&](Vec (*step)(const Vec&, const Vec&, double)) {
         Vec w = scene.initial.angular_velocity;
         Quaternion<double> q;

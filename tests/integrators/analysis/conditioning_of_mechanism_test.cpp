@@ -1,5 +1,4 @@
-// Condition numbers of mechanisms, compared with closed forms of the variational equation and with finite
-// differences.
+// Condition numbers of mechanisms, compared with closed forms of the variational equation and with finite differences.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>
@@ -73,8 +72,7 @@ TEST(ConditioningOfMechanism, LoopsLeaveTheChangesThatTheyAllow) {
     EXPECT_NEAR(kappa.attitude[0] / std::hypot(std::cosh(l), s * std::sinh(l) / l), 1, 1e-5);
 }
 
-// Two bodies in series with an impulse: kappa includes the derivative of the jump. Compared with differences of the
-// motion.
+// Two bodies in series with an impulse: kappa includes the derivative of the jump. Compared with differences.
 TEST(ConditioningOfMechanism, PassesImpulses) {
     const auto scene = [](double angle) {
         return parse_scene(fmt::format(R"({{"name": "two", "duration": 1,

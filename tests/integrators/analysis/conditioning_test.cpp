@@ -59,8 +59,8 @@ double shear_norm(double x, double d) {
     return std::sqrt((sum + std::sqrt(sum * sum - 4 * d * d)) / 2);
 }
 
-// Sphere: w is constant, so dtheta grows by dw t along w and by less across it. kappa = |S|, S = ((1, x), (0, 1)), x
-// = |w| t.
+// Sphere: w is constant; dtheta grows by dw t along w and by less across it. kappa = |S|, S = ((1, x), (0, 1)), x = |w|
+// t.
 RC_GTEST_PROP(ConditioningOf, SphereIsTheClosedForm, ()) {
     Scene scene;
     scene.name = "sphere", scene.duration = moderate(0.1, 20);
@@ -78,8 +78,7 @@ RC_GTEST_PROP(ConditioningOf, SphereIsTheClosedForm, ()) {
     }
 }
 
-// With drag the rate decays at g = c / I: x = |w| (1 - e^-gt) / g. Over 10^4 decay times, solved by BDF to its
-// tolerance.
+// With drag the rate decays at g = c / I: x = |w| (1 - e^-gt) / g. Over 10^4 decay times, solved by BDF.
 TEST(ConditioningOf, DampedSphereIsTheClosedForm) {
     for (const auto& [drag, tolerance] : {std::pair(0.3, 1e-10), std::pair(5e3, 1e-6)}) {
         Scene scene;
@@ -180,8 +179,7 @@ TEST_P(ConditioningAgainstTaylor, Agrees) {
     EXPECT_LT(difference(conditioning(problem, times), by_taylor), against.tolerance) << by_taylor.message;
 }
 
-// Beyond 4000 rad kappa comes from differences of the closed form. At the same times it agrees with kappa from
-// CVODES.
+// Beyond 4000 rad kappa comes from differences of the closed form. At the same times it agrees with kappa from CVODES.
 TEST(Conditioning, OfLongMotionsIsWhatItWasOfShortOnes) {
     for (const char* name : {"free_asymmetric", "lagrange_top", "symmetric", "thrown_hammer"}) {
         Scene scene = find_scene(name);
@@ -251,8 +249,7 @@ TEST(Conditioning, IsTheFiniteDifferenceOfTheTruth) {
     }
 }
 
-// The derivative of a user-defined torque comes from differences. A torque equal to a load has the same kappa as the
-// load.
+// The derivative of a user-defined torque comes from differences. A torque equal to a load must have the same kappa.
 TEST(Conditioning, OfAUserTorqueIsThatOfTheLoadItRestates) {
     Scene scene = free_body(10), by_user = scene;
     scene.loads = {Drag{{0.1, 0.2, 0.3}, 0, {}}};
@@ -355,8 +352,7 @@ double rounded_to_float(double value) {
     return static_cast<double>(narrow);
 }
 
-// Rounding the start to binary32 changes the attitude by at most twice the floor, and for some start by a good part
-// of it.
+// Rounding the start to binary32 changes the attitude by at most twice the floor, and for some start by a good part.
 TEST(Conditioning, Float32FloorIsWhatRoundingTheStartDoes) {
     const FreshCache cache;
     double largest = 0;

@@ -92,8 +92,7 @@ inline double distance(const Quaternion<double>& a, const Quaternion<double>& b)
     return std::sqrt(squared_norm(Quaternion<double>{a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z}));
 }
 
-/// The largest change at the end of `at` when the start changes by `roundoff` relative to its size, in any of 6
-/// directions.
+/// The largest change at the end of `at` when the start changes by `roundoff` relative to its size, over 6 directions.
 template <class At>
 double amplified(const At& at, const FreeMotion& m, double roundoff) {
     const double step = 1e-7, rate = size(m.w);

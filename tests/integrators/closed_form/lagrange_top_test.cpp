@@ -132,8 +132,7 @@ TEST(LagrangeTop, PrecessesRegularly) {
     }
 }
 
-// Without spin, released from rest, the top is a plane pendulum: cos theta from sn with the modulus sin(amplitude /
-// 2).
+// Without spin, released from rest, the top is a plane pendulum: cos theta from sn with the modulus sin(amplitude / 2).
 TEST(LagrangeTop, WithoutSpinIsAPendulum) {
     const double I1 = 0.8, G = 5, theta = 2.0;  // from upright: the amplitude about hanging is pi - 2
     const Quaternion<double> q{std::cos(theta / 2), std::sin(theta / 2), 0, 0};

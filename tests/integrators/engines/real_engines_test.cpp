@@ -101,8 +101,7 @@ TEST(RealEngines, TurnAQuarterAboutEachPrincipalAxis) {
     }
 }
 
-// A tensor that is not diagonal, for as long as a first-order update stays close: conversion to principal axes and
-// back.
+// A tensor that is not diagonal, for as long as a first-order update stays close: conversion to principal axes.
 TEST(RealEngines, MoveABodyWithProductsOfInertia) {
     SKIP_WITHOUT_ENGINES();
     Scene scene = find_scene("l_shape");

@@ -73,8 +73,7 @@ TEST(ArticleAsWritten, IsTheListing) {
 }
 
 TEST(ArticleAsWritten, DoesNotTurnTheCentreOfMassIntoTheWorld) {
-    // a sphere, which has no gyroscopic torque, rotated by pi about z, with its centre of mass at (1, 0, 0) in the
-    // body
+    // a sphere, which has no gyroscopic torque, rotated by pi about z, with its centre of mass at (1, 0, 0) in the body
     Scene scene;
     scene.name = "slip", scene.duration = 1e-3;
     scene.body.center_of_mass = {1, 0, 0};

@@ -56,8 +56,7 @@ TEST(BaraffWitkin, ConvergesUnderEveryLoad) {
     expect_convergence(held(1), "baraff_witkin_rk4", 1e-2, 4, 1e-4);
 }
 
-/// A sphere rotating about z: each explicit step lengthens q by sqrt(1 + h^2 w^2 / 4) and rotates it by 2 atan(h w /
-/// 2).
+/// A sphere rotating about z: each explicit step scales |q| by sqrt(1 + h^2 w^2 / 4) and rotates q by 2 atan(h w / 2).
 TEST(BaraffWitkinEuler, LengthensTheQuaternionAsItsStepSays) {
     Scene scene;
     scene.name = "ball", scene.duration = 10;

@@ -206,8 +206,7 @@ TEST(XpbdRigid, HoldsThePivot) {
     }
 }
 
-/// The reported w is smaller than the applied rotation rate by the relative amount (h |w|)^2 / 8, at every step of a
-/// sphere.
+/// The reported w is smaller than the applied rotation rate by the relative amount (h |w|)^2 / 8 at every step.
 TEST(XpbdRigid, TakesAPartOfTheRateAway) {
     Scene ball;
     ball.name = "ball", ball.duration = 1;

@@ -71,7 +71,7 @@ TEST(Fleck, ConvergesWithOrderOneOnAHeldBody) {
     for (const char* method : all) expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 
-/// A rotating sphere keeps its w. Every step stretches A perpendicular to w by sqrt(1 + h^2 w^2), so A^T A - 1 is (1
+/// A rotating sphere keeps its w. Every step stretches A perpendicular to w by sqrt(1 + h^2 w^2): A^T A - 1 becomes (1
 /// + h^2 w^2)^n - 1 in this plane, and sqrt 2 times that in the Frobenius norm.
 TEST(FleckMatrixDrifting, DriftsAsItsStepSays) {
     Scene scene;
@@ -103,8 +103,7 @@ TEST(FleckMatrix, StaysOrthogonalToRounding) {
     }
 }
 
-/// The defect of the drifting matrix increases with every sample and has order 1 in h. On a body other than a sphere
-/// it also affects w.
+/// The defect of the drifting matrix increases with every sample and has order 1 in h. Except on a sphere it also affects w.
 TEST(FleckMatrixDrifting, DriftsByOrderOneOnATumblingBody) {
     const Trajectory coarse = with_step(free_body(10), "fleck_matrix_drifting", 1e-3, 20),
                      fine = with_step(free_body(10), "fleck_matrix_drifting", 5e-4, 20);

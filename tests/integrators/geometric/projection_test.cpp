@@ -169,8 +169,7 @@ TEST(Projection, GoesToTheNearestPoint) {
             product += (along[i] - on[i]) * (off[i] - on[i]) / (scale[i] * scale[i]);
             length += std::pow((along[i] - on[i]) / scale[i], 2);
         }
-        // over this distance the manifold curves by 1e-5 and the linearisation errs by 1e-6; times curvatures below
-        // 20
+        // over this distance the manifold curves by 1e-5 and the linearisation errs by 1e-6; times curvatures below 20
         EXPECT_LT(std::abs(product), 1e-3 * std::sqrt(length * move)) << k;
     }
 }

@@ -64,8 +64,7 @@ void evaluate(const RotationCoefficients& c, const double* y, double* rate) {
     }
 }
 
-/// The coefficients without their signs: they give the sum of the magnitudes of all terms, the scale of rounding
-/// errors.
+/// The coefficients without their signs give the sum of the magnitudes of all terms, the scale of rounding errors.
 RotationCoefficients magnitudes(RotationCoefficients c) {
     for (int lane = 0; lane < 8; ++lane) {
         for (auto* rows : {c.product, c.damping})

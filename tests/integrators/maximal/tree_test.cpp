@@ -167,8 +167,7 @@ TEST(Tree, AcceleratesAPendulumAsTheBookSays) {
     EXPECT_EQ(dy[0], 0);
 }
 
-// Cost and memory are linear in the number of bodies: each spherical joint of a chain adds the same number of tape
-// nodes.
+// Cost and memory are linear in the number of bodies: each spherical joint of a chain adds the same number of nodes.
 TEST(Tree, TapeIsLinearInTheBodies) {
     const auto nodes = [](int count) {
         Scene scene = random_tree(3, 1, false);

@@ -108,8 +108,7 @@ TEST(MaximalMethods, SoftJointsOpenByTheLoadOverTheirFrequencySquared) {
     EXPECT_LT(it.off("sequential_impulses_10", 4e-3).gap, 1e-15);
 }
 
-// Before this equilibrium is reached the method has order 1. Measured 0.68, 0.94, 0.90 from h = 3.3e-4 s on over 0.02
-// s.
+// Before this equilibrium is reached the order is 1. Measured 0.68, 0.94, 0.90 from h = 3.3e-4 s on over 0.02 s.
 TEST(MaximalMethods, SoftStepsConvergeOverShortTimes) {
     const Case it(mechanism("double_pendulum", 0.02));
     EXPECT_NEAR(it.order("soft_step_4", 2e-4), 1, 0.2);
@@ -148,12 +147,11 @@ TEST(MaximalMethods, WarmStartingHelpsWhereItIsStable) {
     EXPECT_LT(warm.gap, cold.gap / 1.5);
 }
 
-// A single fixed joint is unstable. Let G be the factor by which n iterations reduce an error of the impulses, r = J
-// v and c = C/h:
+// A single fixed joint is unstable. If n iterations reduce an error of the impulses by G, then with r = J v and c = C/h
 //   lambda' = -(1 - G) A^-1 (r + beta c) + G lambda,  r' = r + A lambda',  c' = c + r'
 // The spectral radius at this start is 1.051 for n = 10 (that of G is 0.963); 0.981 cold, 0.981 with split impulses,
-// and still 1.018 for n = 50 on the hinges of the double pendulum. Measured energy errors at h = 2e-3 s over 1 s:
-// 1300 times the motion's energy row by row, 4e-3 by blocks or cold.
+// and still 1.018 for n = 50 on the hinges of the double pendulum. Measured energy errors at h = 2e-3 s over 1 s: 1300
+// times the motion's energy row by row, 4e-3 by blocks or cold.
 TEST(MaximalMethods, WarmStartingRowByRowBlowsUpOnAWeldAndByBlocksDoesNot) {
     const Case it(mechanism("welded_pendulum", 1));
     const Trajectory run = it.run("sequential_impulses_10", 2e-3);

@@ -1,5 +1,4 @@
-// Methods in joint coordinates: order, implicit damping, the linear solver, and the invariants of the variational
-// integrator.
+// Methods in joint coordinates: order, implicit damping, linear solver, and invariants of the variational integrator.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -132,9 +131,8 @@ TEST(VariationalTree, KeepsTheEnergyInItsBand) {
     EXPECT_LT(early, 1);  // J, of a kinetic energy up to 29.7 J
 }
 
-// Momenta of symmetries: linear and angular momentum of a free-flying robot without external forces, and a
-// gyroscope's about the vertical. They are about W's origin, because the centre of mass moves in a straight line only
-// to O(h^2).
+// Momenta of symmetries: linear and angular momentum of a free-flying robot without external forces, and a gyroscope's
+// about the vertical. They are about W's origin, because the centre of mass moves in a straight line only to O(h^2).
 TEST(VariationalTree, KeepsMomentaToRounding) {
     const Case robot(mechanism("free_flying_robot", 1));
     const Trajectory run = robot.run("variational_tree", 1e-2);

@@ -44,8 +44,7 @@ TEST_P(Tolerance, GovernsTheErrorOnAFreeSymmetricBody) {
         double worst = 0;
         for (const Sample& sample : trajectory.samples)
             worst = std::max(worst, attitude_error(sample.q, symmetric_attitude(scene, sample.t)));
-        // 150 rad of motion; each step errs by up to 2 R per component, and rate errors propagate: at most a few
-        // thousand times R
+        // 150 rad of motion; each step errs by up to 2 R per component and rate errors propagate: some thousand R
         EXPECT_LT(worst, 3000 * R) << R;
         EXPECT_LT(worst, last / 5) << R;
         last = worst;

@@ -170,8 +170,7 @@ TEST(Exact, RefusesWhatItDoesNotSolve) {
 }
 
 TEST(Exact, LeavesAtAnyTimeTheDigitsThatTheoryLeaves) {
-    // integration to 10^6 s is too slow for a test; the reference is the closed form in 100 digits, with an error of
-    // 10^-90
+    // integration to 10^6 s is too slow for a test; the closed form in 100 digits has an error of 10^-90
     const double T = 1e6;
     Scene scene = testing::free_body(T);
     const Trajectory far = solved(scene, 1);
@@ -214,8 +213,7 @@ TEST(Exact, SolvesScenesInAnyUnits) {
     for (const double off : {1e-30, 1e-150, 1e-300}) {
         const Trajectory near = solved(free_scene({1, 2, 3}, {off, 5, off}, 20));
         ASSERT_EQ(near.status, Status::ok) << off;
-        // the two outer components grow from below 1e-100 at the rate w2 sqrt((I2-I1)(I3-I2)/(I1 I3)): the body has
-        // not flipped yet
+        // the outer components grow from below 1e-100 at the rate w2 sqrt((I2-I1)(I3-I2)/(I1 I3)): no flip yet
         if (off < 1e-100) {
             EXPECT_LT(std::abs(near.samples.back().angular_velocity_B[1] - 5), 1e-12);
         }

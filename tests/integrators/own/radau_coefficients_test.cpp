@@ -48,8 +48,7 @@ TEST_P(Coefficients, TransformToTheInverse) {
     for (int i = 0; i < s; ++i) EXPECT_NEAR(back[i], x[i], 1e-13);
 }
 
-// The product of the eigenvalues of A^-1 is 1 / det A and their sum is the trace; complex ones occur in conjugate
-// pairs.
+// The product of the eigenvalues of A^-1 is 1 / det A and their sum is the trace. Complex ones are conjugate pairs.
 TEST_P(Coefficients, HaveTheEigenvaluesOfTheInverse) {
     double sum = radau.eigenvalue.re[3], product = sum;
     for (int l = 0; l < (s - 1) / 2; ++l) {

@@ -1,5 +1,4 @@
-// Taylor series in binary64 against closed forms and the truth: every load, dense output, and extremely small
-// tolerances.
+// Taylor series in binary64 against closed forms and the truth: every load, dense output, very small tolerances.
 #include <gtest/gtest.h>
 
 #include <algorithm>

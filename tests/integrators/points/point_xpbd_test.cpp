@@ -1,5 +1,4 @@
-// Points with constant distances by position-based dynamics: effect of sweeps and steps. order_test.cpp measures the
-// order.
+// Points with constant distances by position-based dynamics: effect of sweeps and steps. For the order: order_test.cpp.
 #include <gtest/gtest.h>
 
 #include "integrators/points/point_runs.h"
@@ -36,8 +35,7 @@ TEST(PointXpbd, ConvergesWithOrderOneUnderEveryLoad) {
     }
 }
 
-/// Rounding can place the start of a load next to the end of a step, so that 10^-17 s remain. The velocity must not
-/// change.
+/// Rounding can place the start of a load next to the end of a step, 10^-17 s before it. The velocity must not change.
 TEST(PointXpbd, StandsAStepCutByRounding) {
     Scene scene = symmetric_body(1);
     scene.initial.velocity_W = {1, 2, 3};

@@ -1,5 +1,4 @@
-// Methods in binary32: rounding errors separated from the method's errors, descriptors, and the limits of binary32's
-// range.
+// Methods in binary32: rounding errors separated from those of the method, descriptors, limits of binary32's range.
 #include "integrators/run/binary32.h"
 
 #include <gtest/gtest.h>
@@ -133,8 +132,7 @@ TEST_P(Binary32Method, RefusesNumbersBeyondItsRange) {
     refused(scene, 1e-43);
 }
 
-/// A torque accelerates the body until w, or a term of a step, exceeds 3.4e38: the run must report it and never
-/// return NaN.
+/// A torque accelerates the body until w, or a term of a step, exceeds 3.4e38: the run reports it and returns no NaN.
 TEST_P(Binary32Method, DivergesByNameBeyondItsRange) {
     for (const double torque : {1e38, 1e20, 1e10}) {
         Scene scene = free_body(100);

@@ -117,8 +117,7 @@ Scene pushed_about_one_axis() {
                    Impulse{{0, 1, 0}, Frame::body, {1, 0, 0}, Frame::body, 4}};
     return scene;
 }
-/// I3 = 2.5: the rate is 0.5 until 1 s, then increases by t - 1 until 2 s, by 0.5 / 2.5 at 2.5 s and by 1 / 2.5 at 4
-/// s.
+/// I3 = 2.5: the rate is 0.5 until 1 s, then increases by t - 1 until 2 s, by 0.5 / 2.5 at 2.5 s and by 1 / 2.5 at 4 s.
 double pushed_rate(double t) {
     double w = 0.5 + 0.5 * std::min(std::max(t - 1, 0.0), 1.0);
     if (t >= 2.5) w += 0.2;
@@ -219,8 +218,7 @@ Scene with_user_torque(Vector3<double> (*torque)(const LoadState&)) {
     return scene;
 }
 
-/// Checks that the run soon ends with an allowed failure and only finite numbers, or as `unsupported` if the method
-/// needs a derivative.
+/// Checks that the run soon ends with an allowed failure and finite numbers, or as `unsupported` without derivatives.
 void expect_named_failure(const Run& run, const Scene& scene, std::initializer_list<Status> allowed) {
     const auto start = std::chrono::steady_clock::now();
     const Trajectory trajectory = run.on(scene, 20);

@@ -63,8 +63,7 @@ TEST(Series, SquareAndProductFollowTheGeometricSeries) {
     EXPECT_NEAR(end[0], 1 / 0.875, 2.2e-12);
 }
 
-// t' = 1 and functions of t as rates: the k-th coefficient of a rate is (k + 1) times the next coefficient of the
-// variable.
+// t' = 1 and functions of t as rates: a rate's k-th coefficient is (k + 1) times the next coefficient of the variable.
 struct OfTime {
     template <class S>
     void derivative(const S* y, S* dy) const {

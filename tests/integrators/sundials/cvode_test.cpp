@@ -86,8 +86,7 @@ TEST_P(Cvode, FollowsADampedSpinAboutAPrincipalAxis) {
     }
 }
 
-// With all terms of the 13-dimensional system, BDF with the exact Jacobian and Adams without any give the same
-// motion.
+// With all terms of the 13-dimensional system, BDF with the exact Jacobian and Adams without any give the same motion.
 TEST(CvodeFamily, AgreesOnTheFullMotion) {
     Scene scene = body(1, 2, 3, {0.4, 1, -0.3}, 5);
     scene.body.mass = 2;

@@ -1,5 +1,4 @@
-// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and on arbitrary
-// tapes.
+// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and random tapes.
 #include "integrators/tape/tape_series.h"
 
 #include <gtest/gtest.h>

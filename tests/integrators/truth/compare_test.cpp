@@ -116,8 +116,7 @@ TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
     EXPECT_LT(std::abs(off_by(attempt.truth.reference.reactions[0].force_W[2], 2.0 / 3) - 3.70074341541719e-17), 1e-31);
     EXPECT_EQ(attempt.truth.reaction_decimals[1][2].substr(0, 27), "6.6666666666666666666666666");
     EXPECT_EQ(attempt.truth.reaction_decimals[1][4].substr(0, 4), "2.50");
-    // the largest force is |(2, 0, 2/3)|; the scale of torques is this force times 0.5 m, its distance from the
-    // child's centre
+    // the largest force is |(2, 0, 2/3)|; torques are scaled by this force times 0.5 m, the arm to the child's centre
     const double force = std::sqrt(4 + 4.0 / 9);
     second.reactions[0][0].torque_W[0] += Fifty(1e-13);
     attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);

@@ -1,5 +1,4 @@
-// Multiprecision constants requested by two threads at once: TSan detects constants that are initialised without a
-// lock.
+// Multiprecision constants requested by two threads at once: TSan detects constants initialised without a lock.
 #include <gtest/gtest.h>
 
 #include <atomic>

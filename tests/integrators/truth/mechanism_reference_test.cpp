@@ -1,5 +1,4 @@
-// The truth of several bodies as users call it: impulses in both formulations, and energies of joints with many
-// rotations.
+// The truth of several bodies as users call it: impulses in both formulations, energies of joints with many rotations.
 #include <gtest/gtest.h>
 
 #include <cmath>

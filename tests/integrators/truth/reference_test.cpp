@@ -62,8 +62,7 @@ TEST(Reference, SymmetricBodyFollowsTheTrigonometricForm) {
     const Vector3<R> L_B(R(0.5), R(0.25), R(3)), L_W = rotate(q0, L_B);
     const R length = square_root(dot(L_B, L_B));
     for (const ReferenceSample& sample : truth.samples) {
-        // w_perp rotates at (I3 - I1)/I1 w3 = 1 rad/s; q is a rotation about L by |L| t / I1 after one about z by (I1
-        // - I3)/I1 w3 t
+        // w_perp rotates at (I3 - I1)/I1 w3 = 1 rad/s; q: about L by |L| t / I1 after about z by (I1 - I3)/I1 w3 t
         const R t(sample.t), c = cos(t), s = sin(t);
         const Vector3<R> w(R(0.5) * c - R(0.25) * s, R(0.25) * c + R(0.5) * s, R(2));
         const Quaternion<R> q = turn((R(1) / length) * L_W, R(length * t)) * q0 * turn({R(0), R(0), R(1)}, R(-t));
@@ -204,8 +203,7 @@ TEST(Reference, UsersTorqueHasNoTruth) {
 }
 
 TEST(Reference, SensitiveMotionIsComputedInMoreDigitsOrRefused) {
-    // near the separatrix errors grow by e^(t sqrt 2) = 10^24 over t = 40 s: fifty digits are too few for 30, a
-    // hundred suffice
+    // near the separatrix errors grow by e^(t sqrt 2) = 10^24 over t = 40 s: 30 digits need a hundred, not fifty
     const FreshCache cache;
     const Scene scene = free_body({3, 4, 6}, {0, 2, 0x1p-30}, 100);
     const Reference truth = reference(scene, 4, 30);

@@ -160,8 +160,7 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
 }
 
 // Every plain built-in scene without planes has a truth with proven digits, which contains the truth by two
-// formulations. bruls_top requests a fraction of a bit beyond the working precision, which once caused an endless
-// loop.
+// formulations. bruls_top requests a fraction of a bit beyond the working precision, which once caused an endless loop.
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 13;

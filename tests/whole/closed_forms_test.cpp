@@ -133,8 +133,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, FreeSymmetric,
                          ::testing::Values(std::pair("feynman_plate", 2), std::pair("explorer_1", 2),
                                            std::pair("nanodumbbell", 0), std::pair("symmetric", 2)));
 
-// Lagrange's top whose axis starts at rest or moves horizontally. u = cos(tilt) satisfies u'^2 = f(u), a cubic with the
-// root u(0), and oscillates between u1 and u2 of its roots u1 < u2 < u3: u1 + (u2 - u1) sn^2 (Goldstein 1980, 5-7).
+// Lagrange's top whose axis starts at rest or moves horizontally: u = cos(tilt) satisfies u'^2 = f(u), a cubic with the
+// root u(0), and oscillates between two of its roots u1 < u2 < u3, u1 + (u2 - u1) sn^2 (Goldstein 1980, section 5-7).
 struct Nutation {
     Real100 u1, u2, u3, speed, k;
     bool from_above;

@@ -103,7 +103,7 @@ TEST(FleckMatrix, StaysOrthogonalToRounding) {
     }
 }
 
-/// The defect of the drifting matrix increases with every sample and has order 1 in h. Except on a sphere it also affects w.
+/// The defect of the drifting matrix increases with every sample and has order 1 in h. Except on a sphere it affects w.
 TEST(FleckMatrixDrifting, DriftsByOrderOneOnATumblingBody) {
     const Trajectory coarse = with_step(free_body(10), "fleck_matrix_drifting", 1e-3, 20),
                      fine = with_step(free_body(10), "fleck_matrix_drifting", 5e-4, 20);
